@@ -1,0 +1,2 @@
+//! The `undula` command.
+fn main() {}

@@ -1,0 +1,1 @@
+//! Sparse matrices and linear solvers; nothing here knows finite elements.

@@ -1,0 +1,12 @@
+//! Undula: monolithic fluid-structure interaction on a fixed reference domain.
+//!
+//! One flow, one elastic solid, one nonlinear system (strict ALE, Richter, *Fluid-structure
+//! Interactions*, 2017, chapter 5). Everything lives on the reference domain `Ω = F ∪ S`; no mesh is
+//! ever moved.
+
+pub mod algebra;
+pub mod element;
+pub mod functional;
+pub mod mesh;
+pub mod output;
+pub mod problem;

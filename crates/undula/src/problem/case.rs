@@ -1,0 +1,320 @@
+//! A checked case: every default resolved, every value valid.
+//!
+//! `Case` is what the TOML file means. It is made by [`super::check`] only, so that code further down
+//! never meets an invalid one, and it is written back as `case.toml` into the output directory.
+
+use super::expression::Expression;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// A complete, valid description of one computation.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// Short name, also the name of the default output directory.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Geometry and cells.
+    pub mesh: MeshSpec,
+    /// Finite element spaces.
+    pub space: SpaceSpec,
+    /// The flow; `None` leaves its region out and makes the interface traction-free.
+    pub fluid: Option<FluidSpec>,
+    /// The elastic body; `None` leaves its region out and makes the interface a no-slip wall.
+    pub solid: Option<SolidSpec>,
+    /// How the deformation is extended into the fluid.
+    pub motion: MotionSpec,
+    /// What holds on each named boundary (except `interface`).
+    pub boundary: BTreeMap<String, Condition>,
+    /// `None`: a stationary solution is sought.
+    pub time: Option<TimeSpec>,
+    /// The nonlinear solver.
+    pub newton: NewtonSpec,
+    /// The linear solver.
+    pub linear: LinearSpec,
+    /// Numbers of interest by name, in the order of the columns of `history.csv`.
+    pub functional: Vec<(String, FunctionalSpec)>,
+    /// What is written, and how often.
+    pub output: OutputSpec,
+}
+
+/// Where the mesh comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSpec {
+    /// A built-in generator or a file.
+    pub source: MeshSource,
+    /// Number of uniform refinements.
+    pub refine: u32,
+    /// Number of nested rings of half size around the singular corners of the generator.
+    pub grading: u32,
+    /// Regions defined by an expression of x, y that is positive inside (box generator only).
+    pub region: BTreeMap<String, Expression>,
+}
+
+/// A built-in generator or a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MeshSource {
+    /// Channel 2.5 × 0.41 with cylinder and elastic beam (Turek and Hron 2006).
+    TurekHron,
+    /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
+    SchaeferTurek,
+    /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
+    Box {
+        /// Lower left corner \[m\].
+        lower: [f64; 2],
+        /// Upper right corner \[m\].
+        upper: [f64; 2],
+        /// Cells per direction before refinement.
+        cells: [usize; 2],
+    },
+    /// A Gmsh file with named physical groups.
+    File(PathBuf),
+}
+
+/// Finite element spaces by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceSpec {
+    /// Velocity and deformation: `Q2`.
+    pub velocity: VelocityElement,
+    /// Pressure: `P1dc` or `Q1`.
+    pub pressure: PressureElement,
+    /// Gauss points per direction.
+    pub quadrature: usize,
+}
+
+/// Space of velocity and deformation.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum VelocityElement {
+    /// Continuous biquadratic.
+    Q2,
+}
+
+/// Space of the pressure.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum PressureElement {
+    /// Discontinuous linear in the reference-domain coordinates of the cell.
+    P1dc,
+    /// Continuous bilinear.
+    Q1,
+}
+
+/// The flow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FluidSpec {
+    /// Region of the mesh it fills.
+    pub region: String,
+    /// ρ_f \[kg/m³\].
+    pub density: f64,
+    /// ν_f \[m²/s\].
+    pub kinematic_viscosity: f64,
+    /// Body force per mass, expressions of x, y, t \[m/s²\].
+    pub body_force: [Expression; 2],
+}
+
+/// The elastic body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidSpec {
+    /// Region of the mesh it fills.
+    pub region: String,
+    /// Constitutive law.
+    pub law: SolidLaw,
+    /// ρ_s \[kg/m³\].
+    pub density: f64,
+    /// Shear modulus μ_s \[Pa\].
+    pub mu: f64,
+    /// First Lamé parameter λ_s \[Pa\].
+    pub lambda: f64,
+    /// Body force per mass, expressions of x, y, t \[m/s²\].
+    pub body_force: [Expression; 2],
+}
+
+/// Constitutive law of the solid.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum SolidLaw {
+    /// Σ = 2 μ E + λ tr(E) I.
+    StVenantKirchhoff,
+}
+
+/// Extension of the deformation into the fluid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSpec {
+    /// The operator.
+    pub model: MotionModel,
+    /// Poisson ratio ν_e of the pseudo-elastic models, in (−1, ½).
+    pub poisson: f64,
+    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface.
+    pub offset: f64,
+    /// Exponent of the stiffening; 0 switches it off.
+    pub exponent: f64,
+}
+
+/// Operator of the extension.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum MotionModel {
+    /// (∇u, ∇ψ), never stiffened.
+    Harmonic,
+    /// (E_e (∇u + ∇uᵀ)/(2(1+ν_e)) + …, ∇ψ) with E_e stiffened near the interface.
+    PseudoElastic,
+}
+
+/// What holds on a boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move.
+    Velocity([Expression; 2]),
+    /// v = 0, u = 0.
+    NoSlip,
+    /// ρν ∇v n − p n = 0; the boundary does not move.
+    DoNothing,
+    /// σ n = 0. On a fluid boundary it does not move; a solid boundary does.
+    TractionFree,
+    /// A clamped solid: v = 0, u = 0.
+    Clamped,
+}
+
+/// Time interval and scheme.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeSpec {
+    /// One-step scheme.
+    pub scheme: TimeScheme,
+    /// Step k \[s\], an expression of t (its value at the start of the step counts).
+    pub step: Expression,
+    /// First time \[s\].
+    pub start: f64,
+    /// Last time \[s\]; the last step is shortened to land on it.
+    pub end: f64,
+    /// How often a failed step is halved before the run ends as a breakdown.
+    pub max_halvings: u32,
+}
+
+/// Scheme for one step; further schemes are further arms.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum TimeScheme {
+    /// θ = 1.
+    BackwardEuler,
+    /// Any θ in [½, 1].
+    Theta {
+        /// Implicit weight.
+        theta: f64,
+    },
+    /// θ = ½.
+    CrankNicolson,
+    /// θ = ½ + shift · k.
+    ShiftedCrankNicolson {
+        /// c \[1/s\].
+        shift: f64,
+    },
+}
+
+/// Nonlinear solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewtonSpec {
+    /// Which derivatives the matrix holds.
+    pub linearization: Linearization,
+    /// How they are computed.
+    pub jacobian: JacobianKind,
+    /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration.
+    pub rate_max: f64,
+    /// Reduction of the scaled residual relative to the old solution.
+    pub tolerance: f64,
+    /// Absolute floor of the scaled residual \[m/s\].
+    pub floor: f64,
+    /// Iterations per step before it counts as failed.
+    pub max_steps: usize,
+    /// Start from the linear extrapolation of the last two solutions instead of the last.
+    pub extrapolate: bool,
+    /// Halvings of the update before a step counts as failed.
+    pub line_search: usize,
+}
+
+/// Which derivatives the matrix holds.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Linearization {
+    /// All of them.
+    Newton,
+}
+
+/// How derivatives are computed.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum JacobianKind {
+    /// Dual numbers at the quadrature point.
+    Automatic,
+    /// Theorem 5.2.
+    Analytic,
+}
+
+/// Linear solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearSpec {
+    /// Which one.
+    pub solver: LinearSolverKind,
+    /// Steps of iterative refinement at most.
+    pub refinement: usize,
+}
+
+/// Linear solver by name.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum LinearSolverKind {
+    /// Sparse LU of the crate faer.
+    Faer,
+}
+
+/// One number of interest.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FunctionalSpec {
+    /// Force of the fluid on boundaries \[N/m\], or its coefficient.
+    Force {
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+        /// 0: x, 1: y.
+        component: usize,
+        /// By the fluid residual (default) or by the surface integral.
+        surface_integral: bool,
+        /// Multiply by 2/(ρ_f v̄² L) with v̄ \[m/s\], L \[m\] if given.
+        coefficient: Option<[f64; 2]>,
+    },
+    /// Deformation of a material point \[m\].
+    Displacement {
+        /// Reference coordinates \[m\].
+        point: [f64; 2],
+        /// 0: x, 1: y.
+        component: usize,
+    },
+    /// p(a) − p(b) \[Pa\].
+    PressureDifference {
+        /// First point.
+        a: [f64; 2],
+        /// Second point.
+        b: [f64; 2],
+    },
+    /// An energy or power per unit depth.
+    Energy(EnergyKind),
+    /// Average rotation (1/|S|) ∫_S x × u dx \[m²\].
+    Rotation,
+}
+
+/// Terms of the energy balance.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum EnergyKind {
+    /// ½ (ρ_f J v, v)_F \[J/m\].
+    FluidKinetic,
+    /// ½ (ρ_s v, v)_S \[J/m\].
+    SolidKinetic,
+    /// ∫_S μ E:E + ½ λ tr(E)² \[J/m\].
+    Elastic,
+    /// ∫_F 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m\].
+    Dissipation,
+}
+
+/// What is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSpec {
+    /// Write fields every this many steps (0: only at the end).
+    pub fields_every: usize,
+    /// Write the mesh deformed (default) or on the reference domain.
+    pub deformed: bool,
+    /// Write a checkpoint every this many steps (0: only when interrupted and at the end).
+    pub checkpoint_every: usize,
+    /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.
+    pub leading: Option<String>,
+}

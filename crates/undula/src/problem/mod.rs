@@ -1,0 +1,4 @@
+//! From a case file to a checked, runnable description.
+
+pub mod case;
+pub mod expression;
