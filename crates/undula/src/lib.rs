@@ -7,6 +7,9 @@
 pub mod algebra;
 pub mod element;
 pub mod functional;
+pub mod math;
 pub mod mesh;
 pub mod output;
+pub mod physics;
 pub mod problem;
+pub mod tangent;

@@ -1,0 +1,63 @@
+//! The one number type that the equations are generic over.
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+
+/// A number the equations can compute with: `f64`, [`super::Lanes`] of elements, or a [`super::Dual`].
+///
+/// `Copy`, so that no clone hides in a formula. Parameters of the model stay `f64`.
+pub trait Scalar:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Mul<f64, Output = Self>
+{
+    /// The number without its derivatives: `f64` or `Lanes`.
+    type Value: Scalar<Value = Self::Value>;
+
+    /// The same constant everywhere.
+    fn constant(x: f64) -> Self;
+
+    /// A value that does not depend on the unknowns.
+    fn lift(x: Self::Value) -> Self;
+
+    /// The same value with its derivative dropped (identity unless `Self` carries one).
+    fn frozen(self) -> Self;
+
+    /// Zero.
+    #[inline(always)]
+    fn zero() -> Self {
+        Self::constant(0.0)
+    }
+
+    /// One.
+    #[inline(always)]
+    fn one() -> Self {
+        Self::constant(1.0)
+    }
+}
+
+impl Scalar for f64 {
+    type Value = f64;
+
+    #[inline(always)]
+    fn constant(x: f64) -> f64 {
+        x
+    }
+
+    #[inline(always)]
+    fn lift(x: f64) -> f64 {
+        x
+    }
+
+    #[inline(always)]
+    fn frozen(self) -> f64 {
+        self
+    }
+}

@@ -1,0 +1,78 @@
+//! Incompressible Navier-Stokes equations in ALE coordinates, and the extension of the deformation.
+
+use super::form::Block;
+use super::kinematics::cofactor;
+use super::{Couplings, Dots, Extension, Fields, Inertia, Kinematics, Place, Tested, WeakForm};
+use crate::math::{Scalar, Tensor};
+
+/// Momentum (5.15), divergence (5.16) and extension (5.18) in the fluid region.
+#[derive(Copy, Clone, Debug)]
+pub struct Fluid {
+    /// Density ρ_f \[kg/m³\].
+    pub rho: f64,
+    /// Kinematic viscosity ν_f \[m²/s\].
+    pub nu: f64,
+    /// How the deformation is extended.
+    pub extension: Extension,
+}
+
+impl<const D: usize> WeakForm<D> for Fluid {
+    const COUPLINGS: Couplings = Couplings {
+        phi_v: Block::Full,
+        phi_u: Block::Full,
+        pressure: true,
+        psi_v: Block::Zero,
+        psi_u: Block::Stiffness,
+    };
+
+    /// ρ J and ρ G, G = J ∇v F⁻¹ = ∇v (cof F)ᵀ.
+    #[inline(always)]
+    fn inertia<T: Scalar>(&self, at: &Fields<T, D>, lag: &Fields<T, D>) -> Inertia<T, D> {
+        let F = Tensor::identity() + lag.grad_u;
+        Inertia { mass: F.det() * self.rho, motion: self.rho * (at.grad_v * F.cofactor().t()) }
+    }
+
+    /// (ρ J (∂_t v − ∇v F⁻¹ ∂_t u), φ).
+    #[inline(always)]
+    fn rate<T: Scalar>(&self, dots: &Dots<T, D>, inertia: &Inertia<T, D>, r: &mut Tested<T, D>) {
+        r.phi += dots.v * inertia.mass - inertia.motion * dots.u;
+    }
+
+    /// (ρ J (∇v F⁻¹ v − f), φ) + (J σ F⁻ᵀ, ∇φ) with σ = ρ ν (∇v F⁻¹ + F⁻ᵀ ∇vᵀ).
+    #[inline(always)]
+    fn transport<T: Scalar>(
+        &self,
+        place: &Place<T::Value, D>,
+        at: &Fields<T, D>,
+        lag: &Fields<T, D>,
+        weight: f64,
+        r: &mut Tested<T, D>,
+    ) {
+        let (rho, nu) = (self.rho, self.nu);
+        let Kinematics { F_inv, J, .. } = Kinematics::of(&lag.grad_u);
+        let grad_v = at.grad_v * F_inv;
+        let sigma = rho * nu * (grad_v + grad_v.t());
+        let f = place.force.map(T::lift);
+        r.phi += weight * rho * (grad_v * lag.v - f) * J;
+        r.grad_phi += weight * (sigma * F_inv.t()) * J;
+    }
+
+    /// −(p J F⁻ᵀ, ∇φ).
+    #[inline(always)]
+    fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>) {
+        r.grad_phi -= *cofactor * p;
+    }
+
+    /// (J F⁻¹ : ∇vᵀ, ξ) and the extension (σ_e(u), ∇ψ).
+    #[inline(always)]
+    fn constraint<T: Scalar>(
+        &self,
+        place: &Place<T::Value, D>,
+        at: &Fields<T, D>,
+        lag: &Fields<T, D>,
+        r: &mut Tested<T, D>,
+    ) {
+        r.xi += cofactor(&lag.grad_u).ddot(at.grad_v);
+        r.grad_psi += self.extension.stress(&at.grad_u, T::lift(place.stiffness));
+    }
+}

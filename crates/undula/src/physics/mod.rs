@@ -1,0 +1,26 @@
+//! The equations of chapter 5, one quadrature point at a time.
+//!
+//! A form sees values and gradients at one point and returns what stands before each test function.
+//! It knows no mesh, no index, no time step: [`step`] composes a form into the residual of one step.
+#![allow(non_snake_case)]
+
+pub mod extension;
+pub mod fields;
+pub mod fluid;
+pub mod form;
+pub mod kinematics;
+pub mod material;
+pub mod outflow;
+pub mod solid;
+pub mod step;
+pub mod theorem_5_2;
+
+pub use extension::Extension;
+pub use fields::{Dots, Fields, Place, Tested};
+pub use fluid::Fluid;
+pub use form::{Couplings, FacetForm, Inertia, WeakForm};
+pub use kinematics::Kinematics;
+pub use material::Material;
+pub use outflow::Outflow;
+pub use solid::Solid;
+pub use step::StepRule;

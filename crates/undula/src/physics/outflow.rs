@@ -1,0 +1,25 @@
+//! Outflow conditions.
+
+use super::{FacetForm, Fields, Kinematics};
+use crate::math::{Scalar, Vector};
+
+/// Correction that turns the symmetric stress into the do-nothing condition `ρν ∇v n − p n = 0`:
+/// −⟨ρ ν J F⁻ᵀ ∇vᵀ F⁻ᵀ n, φ⟩ on the outflow boundary.
+///
+/// Without it the same boundary is traction-free. Its derivatives with respect to v and u are needed
+/// too, or Newton turns linear.
+#[derive(Copy, Clone, Debug)]
+pub struct Outflow {
+    /// Dynamic viscosity ρ_f ν_f \[Pa s\].
+    pub viscosity: f64,
+}
+
+impl<const D: usize> FacetForm<D> for Outflow {
+    #[inline(always)]
+    fn traction<T: Scalar>(&self, at: &Fields<T, D>, normal: &Vector<T::Value, D>, weight: f64) -> Vector<T, D> {
+        let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+        let F_inv_t = F_inv.t();
+        let n = normal.map(T::lift);
+        -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * (F_inv_t * n))) * J
+    }
+}

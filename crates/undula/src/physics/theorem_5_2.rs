@@ -1,0 +1,152 @@
+//! The Jacobian by hand, term for term as in Theorem 5.2, extended to θ and to both ends of the step.
+//!
+//! It exists a second time on purpose: as a check of the automatic derivative and as a second choice.
+//! Errata of the printed theorem, each shown by the test `derivatives`: the data term
+//! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
+
+use super::step::TimePoint;
+use super::{Extension, Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
+use crate::math::{Scalar, Tensor, Vector};
+
+/// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
+#[inline(always)]
+pub fn fluid<S: Scalar<Value = S>, const D: usize>(
+    form: &Fluid,
+    rule: &StepRule,
+    place: &Place<S, D>,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+) -> Tested<S, D> {
+    let mut r = Tested::zero();
+    rate(form, rule, new, old, W, &mut r);
+    transport(form, rule.theta, place, new, W, &mut r);
+    constraint(rule.theta, new, old, W, &mut r);
+    r.grad_psi = extension(&form.extension, &W.grad_u, place.stiffness);
+    r
+}
+
+/// Derivative of ρ J (∂_t v − ∇v F⁻¹ ∂_t u) at the times of the rule.
+#[inline(always)]
+fn rate<S: Scalar<Value = S>, const D: usize>(
+    form: &Fluid,
+    rule: &StepRule,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+    r: &mut Tested<S, D>,
+) {
+    let dv_dt = rule.per_k * (new.v - old.v);
+    let du_dt = rule.per_k * (new.u - old.u);
+    for &point in rule.inertia {
+        let (weight, tau) = match point {
+            TimePoint::Old => (1.0 - rule.theta, 0.0),
+            TimePoint::New => (rule.theta, 1.0),
+            TimePoint::At { weight, tau } => (weight, tau),
+        };
+        let at = old.lerp(new, tau);
+        let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+        let (grad_z, grad_w) = (tau * W.grad_v, tau * W.grad_u);
+        let motion = F_inv * du_dt;
+        r.phi += weight
+            * form.rho
+            * ((dv_dt - at.grad_v * motion) * (F_inv * grad_w).trace() + rule.per_k * W.v - grad_z * motion
+                + at.grad_v * (F_inv * (grad_w * motion))
+                - rule.per_k * (at.grad_v * (F_inv * W.u)))
+            * J;
+    }
+}
+
+/// Derivative of ρ J (∇v F⁻¹ v − f) and J σ F⁻ᵀ.
+#[inline(always)]
+fn transport<S: Scalar<Value = S>, const D: usize>(
+    form: &Fluid,
+    theta: f64,
+    place: &Place<S, D>,
+    new: &Fields<S, D>,
+    W: &Fields<S, D>,
+    r: &mut Tested<S, D>,
+) {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
+    let F_inv_t = F_inv.t();
+    let tr = (F_inv * W.grad_u).trace();
+    let grad_v = new.grad_v * F_inv;
+    let sigma = form.rho * form.nu * (grad_v + grad_v.t());
+    let grad_z = W.grad_v * F_inv;
+    let grad_vw = grad_v * W.grad_u * F_inv;
+    let dsigma = form.rho * form.nu * (grad_z + grad_z.t() - grad_vw - grad_vw.t());
+    let convection = (grad_v * new.v - place.force) * tr + grad_z * new.v + grad_v * W.v - grad_vw * new.v;
+    r.phi += theta * form.rho * convection * J;
+    let stress = sigma * F_inv_t * tr - sigma * F_inv_t * W.grad_u.t() * F_inv_t + dsigma * F_inv_t;
+    r.grad_phi += theta * stress * J;
+}
+
+/// Derivative of −(p [θ J F⁻ᵀ + (1 − θ) J⁻F⁻⁻ᵀ], ∇φ) and of (J F⁻¹ : ∇vᵀ, ξ).
+#[inline(always)]
+fn constraint<S: Scalar<Value = S>, const D: usize>(
+    theta: f64,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+    r: &mut Tested<S, D>,
+) {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
+    let F_inv_t = F_inv.t();
+    let tr = (F_inv * W.grad_u).trace();
+    let of_old = super::kinematics::cofactor(&old.grad_u);
+    r.grad_phi -= (theta * (F_inv_t * J) + (1.0 - theta) * of_old) * W.p;
+    r.grad_phi -= theta * ((F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * (J * new.p));
+    let grad_v_t = new.grad_v.t();
+    r.xi += J
+        * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
+}
+
+/// Derivative of the extension, a linear operator.
+#[inline(always)]
+fn extension<S: Scalar<Value = S>, const D: usize>(
+    extension: &Extension,
+    grad_w: &Tensor<S, D>,
+    stiffness: S,
+) -> Tensor<S, D> {
+    extension.stress(grad_w, stiffness)
+}
+
+/// (5.14) in the solid, Lemma 5.5.
+#[inline(always)]
+pub fn solid<S: Scalar<Value = S>, const D: usize>(
+    form: &Solid,
+    rule: &StepRule,
+    new: &Fields<S, D>,
+    W: &Fields<S, D>,
+) -> Tested<S, D> {
+    let F = Tensor::identity() + new.grad_u;
+    let Material::StVenantKirchhoff { mu, lambda } = form.material;
+    let Sigma = form.material.stress(&new.grad_u, &new.grad_u);
+    let dE = 0.5 * (W.grad_u.t() * F + F.t() * W.grad_u);
+    let dSigma = 2.0 * mu * dE + Tensor::identity() * (dE.trace() * lambda);
+    Tested {
+        phi: rule.per_k * form.rho * W.v,
+        grad_phi: rule.theta * (W.grad_u * Sigma + F * dSigma),
+        psi: rule.per_k * W.u - rule.theta * W.v,
+        ..Tested::zero()
+    }
+}
+
+/// Derivative of the do-nothing correction −⟨ρν J F⁻ᵀ∇vᵀF⁻ᵀ n, φ⟩, absent from the printed theorem.
+#[inline(always)]
+pub fn outflow<S: Scalar<Value = S>, const D: usize>(
+    form: &Outflow,
+    theta: f64,
+    at: &Fields<S, D>,
+    normal: &Vector<S, D>,
+    W: &Fields<S, D>,
+) -> Vector<S, D> {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+    let F_inv_t = F_inv.t();
+    let tr = (F_inv * W.grad_u).trace();
+    let n = F_inv_t * *normal;
+    let dn = -(F_inv_t * (W.grad_u.t() * n));
+    let t = F_inv_t * (at.grad_v.t() * n);
+    let dt = F_inv_t * (W.grad_v.t() * n + at.grad_v.t() * dn) - F_inv_t * (W.grad_u.t() * t);
+    -theta * form.viscosity * (t * tr + dt) * J
+}

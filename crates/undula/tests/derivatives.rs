@@ -1,0 +1,252 @@
+//! The derivative of every form: dual numbers = by hand (1e-12) = differences, at random states.
+#![allow(non_snake_case)]
+
+use undula::math::{Scalar, Tensor, Vector};
+use undula::physics::form::Block;
+use undula::physics::step::{SECANT, TimePoint};
+use undula::physics::{
+    Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested, WeakForm,
+};
+use undula::tangent::{ByHand, automatic, automatic_facet};
+
+/// Deterministic random numbers in (−½, ½) (xorshift).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    fn vector<const D: usize>(&mut self) -> Vector<f64, D> {
+        let mut v = Vector::zero();
+        v.0.iter_mut().for_each(|x| *x = self.next());
+        v
+    }
+
+    fn fields<const D: usize>(&mut self, scale: f64) -> Fields<f64, D> {
+        let mut f = Fields::zero();
+        for n in 0..Fields::<f64, D>::COMPONENTS {
+            *f.component(n) = scale * self.next();
+        }
+        f
+    }
+
+    fn place<const D: usize>(&mut self) -> Place<f64, D> {
+        Place { force: 10.0 * self.vector(), stiffness: 1.5 + self.next() }
+    }
+}
+
+const MIDPOINT: &[TimePoint] = &[TimePoint::At { weight: 1.0, tau: 0.5 }];
+const GALERKIN: &[TimePoint] = &[
+    TimePoint::At { weight: 1.0 / 6.0, tau: 0.0 },
+    TimePoint::At { weight: 2.0 / 3.0, tau: 0.5 },
+    TimePoint::At { weight: 1.0 / 6.0, tau: 1.0 },
+];
+
+fn rules() -> Vec<StepRule> {
+    vec![
+        StepRule::theta(0.005, 1.0),
+        StepRule::theta(0.005, 0.51),
+        StepRule { per_k: 200.0, theta: 0.5, inertia: MIDPOINT },
+        StepRule { per_k: 200.0, theta: 0.5, inertia: GALERKIN },
+        StepRule::STATIONARY,
+    ]
+}
+
+const FLUID: Fluid = Fluid { rho: 1000.0, nu: 1e-3, extension: Extension::PseudoElastic { poisson: -0.2 } };
+const FLUID_HARMONIC: Fluid = Fluid { rho: 1.0, nu: 0.3, extension: Extension::Harmonic };
+const SOLID: Solid = Solid { rho: 1e3, material: Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 } };
+
+/// Largest deviation of two results relative to the largest entry of the first.
+fn gap<const D: usize>(a: &Tested<f64, D>, b: &Tested<f64, D>) -> f64 {
+    let (a, b) = (a.to_vec(), b.to_vec());
+    let size = a.iter().fold(1e-300, |m: f64, x| m.max(x.abs()));
+    a.iter().zip(&b).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max) / size
+}
+
+fn residual<F: WeakForm<D>, const D: usize>(
+    form: &F,
+    rule: &StepRule,
+    place: &Place<f64, D>,
+    new: &Fields<f64, D>,
+    old: &Fields<f64, D>,
+) -> Tested<f64, D> {
+    let mut r = Tested::zero();
+    rule.residual(form, place, new, new, old, &mut r);
+    r
+}
+
+fn check<F: ByHand<D>, const D: usize>(form: &F) {
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    for rule in rules() {
+        for _ in 0..200 {
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place());
+            let W = random.fields::<D>(1.0);
+            let dual = automatic(form, &rule, &place, &new, &old, &W);
+            let hand = form.by_hand(&rule, &place, &new, &old, &W);
+            assert!(gap(&dual, &hand) < 1e-12, "by hand {:e} with {rule:?}", gap(&dual, &hand));
+            let moved = |eps: f64| {
+                let (mut at, mut w) = (new, W);
+                for n in 0..Fields::<f64, D>::COMPONENTS {
+                    *at.component(n) += eps * *w.component(n);
+                }
+                residual(form, &rule, &place, &at, &old)
+            };
+            let difference = |b: Tested<f64, D>, a: Tested<f64, D>, h: f64| {
+                let (mut d, b) = (a, b);
+                d.phi = (b.phi - a.phi) * (1.0 / h);
+                d.grad_phi = (b.grad_phi - a.grad_phi) * (1.0 / h);
+                d.psi = (b.psi - a.psi) * (1.0 / h);
+                d.grad_psi = (b.grad_psi - a.grad_psi) * (1.0 / h);
+                d.xi = (b.xi - a.xi) / h;
+                d
+            };
+            let one_sided = difference(moved(1e-7), moved(0.0), 1e-7);
+            assert!(gap(&dual, &one_sided) < 1e-5, "one-sided {:e}", gap(&dual, &one_sided));
+            let central = difference(moved(1e-5), moved(-1e-5), 2e-5);
+            assert!(gap(&dual, &central) < 1e-7, "central {:e} with {rule:?}", gap(&dual, &central));
+        }
+    }
+}
+
+/// A'(U)(W) by dual numbers is Theorem 5.2 and is the limit of differences, for all time rules, with
+/// body force, in 2D and 3D.
+#[test]
+fn fluid_jacobian_is_theorem_5_2() {
+    check::<_, 2>(&FLUID);
+    check::<_, 3>(&FLUID);
+    check::<_, 2>(&FLUID_HARMONIC);
+    check::<_, 3>(&FLUID_HARMONIC);
+}
+
+/// The same for the solid, Lemma 5.5.
+#[test]
+fn solid_jacobian_is_lemma_5_5() {
+    check::<_, 2>(&SOLID);
+    check::<_, 3>(&SOLID);
+}
+
+/// The do-nothing correction is linearised in v and in u.
+#[test]
+fn outflow_jacobian() {
+    fn run<const D: usize>() {
+        let mut random = Random(77);
+        let form = Outflow { viscosity: 1.3 };
+        for _ in 0..200 {
+            let (at, W, n) = (random.fields::<D>(0.6), random.fields::<D>(1.0), random.vector());
+            let dual = automatic_facet(&form, 0.51, &at, &n, &W);
+            let hand = undula::physics::theorem_5_2::outflow(&form, 0.51, &at, &n, &W);
+            let moved = |eps: f64| {
+                let (mut a, mut w) = (at, W);
+                for c in 0..Fields::<f64, D>::COMPONENTS {
+                    *a.component(c) += eps * *w.component(c);
+                }
+                form.traction(&a, &n, 0.51)
+            };
+            let difference = (moved(1e-6) - moved(-1e-6)) * 5e5;
+            let size = dual.dot(dual).sqrt();
+            let (e, f) = (dual - hand, dual - difference);
+            assert!(e.dot(e).sqrt() < 1e-12 * size);
+            assert!(f.dot(f).sqrt() < 1e-7 * size);
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// The declared couplings are exactly the blocks of the derivative that are not zero.
+#[test]
+fn couplings_are_those_of_the_derivative() {
+    fn run<F: WeakForm<D>, const D: usize>(form: &F) {
+        let mut random = Random(5);
+        let rule = StepRule::theta(0.01, 0.6);
+        // (φ value, φ gradient, ψ value, ψ gradient, ξ) by (v, ∇v, u, ∇u, p).
+        let mut touched = [[false; 5]; 5];
+        for _ in 0..20 {
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place());
+            for n in 0..Fields::<f64, D>::COMPONENTS {
+                let mut W = Fields::zero();
+                *W.component(n) = 1.0;
+                let t = automatic(form, &rule, &place, &new, &old, &W);
+                let bounds = [D, D + D * D, 2 * D + D * D, 2 * (D + D * D), 2 * (D + D * D) + 1];
+                let trial = bounds.iter().position(|&b| n < b).unwrap();
+                let any = |x: &[f64]| x.iter().any(|v| *v != 0.0);
+                let list = t.to_vec();
+                let mut from = 0;
+                for (test, &to) in bounds.iter().enumerate() {
+                    touched[test][trial] |= any(&list[from..to]);
+                    from = to;
+                }
+            }
+        }
+        let block = |test: usize, trial: usize| {
+            let get = |a: usize, b: usize| touched[test + a][trial + b];
+            match (get(0, 0), get(0, 1), get(1, 0), get(1, 1)) {
+                (false, false, false, false) => Block::Zero,
+                (true, false, false, false) => Block::Mass,
+                (false, false, false, true) => Block::Stiffness,
+                _ => Block::Full,
+            }
+        };
+        let c = F::COUPLINGS;
+        assert_eq!(c.phi_v, block(0, 0));
+        assert_eq!(c.phi_u, block(0, 2));
+        assert_eq!(c.psi_v, block(2, 0));
+        assert_eq!(c.psi_u, block(2, 2));
+        // Pressure: ∇φ on p and ξ on ∇v, ∇u; nothing else.
+        let expected: Vec<(usize, usize)> = if c.pressure { vec![(1, 4), (4, 1), (4, 3)] } else { vec![] };
+        for i in 0..5 {
+            for j in 0..5 {
+                if i == 4 || j == 4 {
+                    assert_eq!(touched[i][j], expected.contains(&(i, j)), "block {i}, {j}");
+                }
+            }
+        }
+    }
+    run::<_, 2>(&FLUID);
+    run::<_, 3>(&FLUID);
+    run::<_, 2>(&SOLID);
+    run::<_, 3>(&SOLID);
+}
+
+/// Σ is the derivative of the stored energy with respect to E: P = F Σ = ∂W/∂F.
+#[test]
+fn stress_is_the_derivative_of_the_energy() {
+    let mut random = Random(11);
+    let material = SOLID.material;
+    for _ in 0..100 {
+        let f = random.fields::<3>(0.6);
+        let P = (Tensor::identity() + f.grad_u) * material.stress(&f.grad_u, &f.grad_u);
+        for i in 0..3 {
+            for j in 0..3 {
+                let energy = |h: f64| {
+                    let mut g = f.grad_u;
+                    g.0[i][j] += h;
+                    material.energy(&g)
+                };
+                let difference = (energy(1e-5) - energy(-1e-5)) / 2e-5;
+                assert!((P.0[i][j] - difference).abs() < 1e-6 * 8e6, "{i}{j}");
+            }
+        }
+    }
+}
+
+/// A rigid rotation gives no stress in the solid, and a rigidly rotating flow on a rigidly rotated
+/// domain no viscous stress.
+#[test]
+fn rigid_motion_gives_no_stress() {
+    let (s, c) = (0.7f64.sin(), 0.7f64.cos());
+    let mut fields = Fields::<f64, 2>::zero();
+    fields.grad_u = Tensor([[c - 1.0, -s], [s, c - 1.0]]);
+    assert!(SOLID.material.stress(&fields.grad_u, &fields.grad_u).ddot(Tensor([[1.0, 1.0], [1.0, 1.0]])).abs() < 1e-8);
+    // v = ω × x at the current position x = F X: ∇v = Ω F.
+    fields.grad_v = Tensor([[0.0, -2.0], [2.0, 0.0]]) * (Tensor::identity() + fields.grad_u);
+    let mut r = Tested::zero();
+    FLUID.transport(&Place::plain(), &fields, &fields, 1.0, &mut r);
+    assert!(r.grad_phi.ddot(r.grad_phi).sqrt() < 1e-12);
+    let _ = SECANT;
+    let _: f64 = Scalar::zero();
+}
