@@ -91,3 +91,21 @@ impl<const L: usize> Scalar for Lanes<L> {
         self
     }
 }
+
+impl<const L: usize> Lanes<L> {
+    /// `self += a · x`, fused where `L` stands for a processor that has the instruction (4 and 8 lanes).
+    #[inline(always)]
+    pub fn add_product(&mut self, a: f64, x: Self) {
+        for l in 0..L {
+            self.0[l] = if L >= 4 { a.mul_add(x.0[l], self.0[l]) } else { a * x.0[l] + self.0[l] };
+        }
+    }
+
+    /// `self += a · x` lane by lane, fused likewise.
+    #[inline(always)]
+    pub fn add_product_lanes(&mut self, a: Self, x: Self) {
+        for l in 0..L {
+            self.0[l] = if L >= 4 { a.0[l].mul_add(x.0[l], self.0[l]) } else { a.0[l] * x.0[l] + self.0[l] };
+        }
+    }
+}

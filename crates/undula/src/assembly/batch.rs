@@ -1,0 +1,167 @@
+//! Cells of one region, `L` at a time.
+
+use super::colour::colour;
+use super::scatter::DROP;
+use crate::element::{BasisTable, Quadrature};
+use crate::math::{Lanes, Scalar, Tensor, Vector};
+use crate::space::FsiSpace;
+use std::ops::Range;
+
+/// Geometry and data of one quadrature point in `L` cells, fixed for the run.
+#[derive(Copy, Clone, Debug)]
+pub struct Point<const D: usize, const L: usize> {
+    /// ∂ξ_d/∂x_j \[1/m\].
+    pub inverse: Tensor<Lanes<L>, D>,
+    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\]; zero in padded lanes.
+    pub weight: Lanes<L>,
+    /// Stiffness E_e of the extension.
+    pub stiffness: Lanes<L>,
+}
+
+/// All cells of one region in batches, sorted by colour.
+pub struct Batches<const D: usize, const L: usize> {
+    /// Cells of every batch; the last cell repeats in padded lanes.
+    pub cells: Vec<[u32; L]>,
+    /// How many lanes of a batch are real.
+    pub active: Vec<usize>,
+    /// Batches of each colour.
+    pub colours: Vec<Range<usize>>,
+    /// Nodes, `[batch][basis]`.
+    pub nodes: Vec<[u32; L]>,
+    /// Pressure unknowns, `[batch][basis]`; empty in the solid.
+    pub pressure: Vec<[u32; L]>,
+    /// Points, `[batch][point]`.
+    pub points: Vec<Point<D, L>>,
+    /// Pressure basis at the points, `[batch][point][basis]`.
+    pub pressure_basis: Vec<Lanes<L>>,
+    /// Basis of v and u: `[point][basis][1 + D]`, value first, then reference gradient.
+    pub basis: Vec<f64>,
+    /// Basis functions of v and u in a cell.
+    pub n_basis: usize,
+    /// Pressure basis functions in a cell.
+    pub n_pressure: usize,
+    /// Quadrature points in a cell.
+    pub n_points: usize,
+    /// Position of the points \[m\], `[batch][point]`.
+    pub positions: Vec<Vector<Lanes<L>, D>>,
+}
+
+impl<const D: usize, const L: usize> Batches<D, L> {
+    /// Batch the cells in `list` (in this order), with `stiffness` at positions x.
+    pub fn new(
+        space: &FsiSpace<D>,
+        list: &[usize],
+        with_pressure: bool,
+        quadrature: usize,
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
+    ) -> Batches<D, L> {
+        let mesh = &space.mesh;
+        let rule = Quadrature::cell(mesh.shape, quadrature);
+        let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+        let (n_basis, n_points) = (table.n_basis, table.n_points);
+        let n_pressure = if with_pressure { space.pressure.per_cell } else { 0 };
+        let chunks: Vec<&[usize]> = list.chunks(L).collect();
+        let touched: Vec<Vec<u32>> = chunks.iter().map(|c| touched(space, c, with_pressure)).collect();
+        let (order, colours) = colour(&touched, space.nodes.len() + space.pressure.n);
+        let mut batches = Batches {
+            cells: vec![],
+            active: vec![],
+            colours,
+            nodes: vec![],
+            pressure: vec![],
+            points: vec![],
+            pressure_basis: vec![],
+            basis: interleave(&table),
+            n_basis,
+            n_pressure,
+            n_points,
+            positions: vec![],
+        };
+        for &chunk in &order {
+            batches.push(space, chunks[chunk], &rule, stiffness);
+        }
+        batches
+    }
+
+    fn push(
+        &mut self,
+        space: &FsiSpace<D>,
+        chunk: &[usize],
+        rule: &Quadrature,
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
+    ) {
+        let cells: [usize; L] = std::array::from_fn(|l| chunk[l.min(chunk.len() - 1)]);
+        for a in 0..self.n_basis {
+            self.nodes.push(std::array::from_fn(|l| space.nodes.cell(cells[l])[a]));
+        }
+        for a in 0..self.n_pressure {
+            self.pressure.push(std::array::from_fn(|l| space.pressure.cell(cells[l])[a]));
+        }
+        for (q, xi) in rule.points.iter().enumerate() {
+            let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+            let mut point =
+                Point { inverse: Tensor::zero(), weight: Lanes::zero(), stiffness: Lanes::constant(1.0) };
+            let mut position = Vector::<Lanes<L>, D>::zero();
+            let mut basis = vec![Lanes::<L>::zero(); self.n_pressure];
+            for l in 0..L {
+                let x = space.mesh.map(cells[l], xi);
+                let jacobian = Tensor(space.mesh.map_gradient(cells[l], xi));
+                let det = jacobian.det();
+                let inverse = jacobian.cofactor().t() * (1.0 / det);
+                for i in 0..D {
+                    position.0[i].0[l] = x[i];
+                    for j in 0..D {
+                        point.inverse.0[i][j].0[l] = inverse.0[i][j];
+                    }
+                }
+                point.weight.0[l] = if l < chunk.len() { rule.weights[q] * det } else { 0.0 };
+                point.stiffness.0[l] = stiffness(&x);
+                if self.n_pressure > 0 {
+                    for (b, value) in space.pressure.basis(&space.mesh, cells[l], &xi, &x).iter().enumerate() {
+                        basis[b].0[l] = *value;
+                    }
+                }
+            }
+            self.points.push(point);
+            self.positions.push(position);
+            self.pressure_basis.extend(basis);
+        }
+        self.cells.push(cells.map(|c| c as u32));
+        self.active.push(chunk.len());
+    }
+
+    /// Number of batches.
+    pub fn len(&self) -> usize {
+        self.cells.len()
+    }
+
+    /// Whether the region has no cell.
+    pub fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+}
+
+/// What a batch writes: nodes, then pressure unknowns behind them.
+fn touched<const D: usize>(space: &FsiSpace<D>, cells: &[usize], with_pressure: bool) -> Vec<u32> {
+    let mut list = vec![];
+    for &c in cells {
+        list.extend(space.nodes.cell(c));
+        if with_pressure {
+            list.extend(space.pressure.cell(c).iter().map(|&p| p + space.nodes.len() as u32));
+        }
+    }
+    debug_assert!(!list.contains(&DROP));
+    list
+}
+
+/// `[point][basis][1 + D]` from values and gradients.
+fn interleave(table: &BasisTable) -> Vec<f64> {
+    let mut out = vec![];
+    for q in 0..table.n_points {
+        for a in 0..table.n_basis {
+            out.push(table.value(q)[a]);
+            out.extend(&table.grad(q)[a * table.dim..(a + 1) * table.dim]);
+        }
+    }
+    out
+}

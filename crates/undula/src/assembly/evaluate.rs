@@ -1,0 +1,114 @@
+//! E and B: from global vectors to fields at a point, and back by Bᵀ.
+
+use super::batch::Point;
+use super::scatter::{DROP, Shared};
+use crate::math::{Lanes, Scalar, Tensor, Vector};
+use crate::physics::Tested;
+
+/// Coefficients of the nodes of `L` cells: `out[a][i]` from `x[node · D + i]`.
+#[inline(always)]
+pub fn gather<const D: usize, const L: usize>(nodes: &[[u32; L]], x: &[f64], out: &mut [Vector<Lanes<L>, D>]) {
+    for (lanes, c) in nodes.iter().zip(out) {
+        for l in 0..L {
+            let at = lanes[l] as usize * D;
+            for i in 0..D {
+                c.0[i].0[l] = x[at + i];
+            }
+        }
+    }
+}
+
+/// Coefficients of scalar unknowns: `out[a]` from `x[dof]`.
+#[inline(always)]
+pub fn gather_scalar<const L: usize>(dofs: &[[u32; L]], x: &[f64], out: &mut [Lanes<L>]) {
+    for (lanes, c) in dofs.iter().zip(out) {
+        for l in 0..L {
+            c.0[l] = x[lanes[l] as usize];
+        }
+    }
+}
+
+/// Value and gradient with respect to x of `Σ c_a φ_a`; `basis` is `[a][1 + D]` at the point.
+#[inline(always)]
+pub fn interpolate<const D: usize, const L: usize>(
+    basis: &[f64],
+    c: &[Vector<Lanes<L>, D>],
+    inverse: &Tensor<Lanes<L>, D>,
+) -> (Vector<Lanes<L>, D>, Tensor<Lanes<L>, D>) {
+    let mut value = Vector::zero();
+    let mut reference = Tensor::zero();
+    for (c, b) in c.iter().zip(basis.chunks_exact(1 + D)) {
+        for i in 0..D {
+            value.0[i].add_product(b[0], c.0[i]);
+            for d in 0..D {
+                reference.0[i][d].add_product(b[1 + d], c.0[i]);
+            }
+        }
+    }
+    (value, reference * *inverse)
+}
+
+/// `Σ c_a q_a` with one value per lane for each basis function.
+#[inline(always)]
+pub fn interpolate_scalar<const L: usize>(basis: &[Lanes<L>], c: &[Lanes<L>]) -> Lanes<L> {
+    let mut value = Lanes::zero();
+    for (b, c) in basis.iter().zip(c) {
+        value.add_product_lanes(*b, *c);
+    }
+    value
+}
+
+/// What stands before the test functions, pulled back to the reference cell and weighted:
+/// gradients become those with respect to ξ.
+#[inline(always)]
+pub fn pull_back<const D: usize, const L: usize>(
+    t: &Tested<Lanes<L>, D>,
+    point: &Point<D, L>,
+) -> Tested<Lanes<L>, D> {
+    let w = point.weight;
+    let inverse_t = point.inverse.t();
+    Tested {
+        phi: t.phi * w,
+        grad_phi: (t.grad_phi * inverse_t) * w,
+        psi: t.psi * w,
+        grad_psi: (t.grad_psi * inverse_t) * w,
+        xi: t.xi * w,
+    }
+}
+
+/// `r[a] += (value, φ_a) + (grad, ∇φ_a)` for all basis functions of a vector space.
+#[inline(always)]
+pub fn test<const D: usize, const L: usize>(
+    basis: &[f64],
+    value: &Vector<Lanes<L>, D>,
+    grad: &Tensor<Lanes<L>, D>,
+    r: &mut [Vector<Lanes<L>, D>],
+) {
+    for (r, b) in r.iter_mut().zip(basis.chunks_exact(1 + D)) {
+        for i in 0..D {
+            r.0[i].add_product(b[0], value.0[i]);
+            for d in 0..D {
+                r.0[i].add_product(b[1 + d], grad.0[i][d]);
+            }
+        }
+    }
+}
+
+/// Add element vectors to the global one; `rows[a]` is the first row of basis function a or [`DROP`].
+#[inline(always)]
+pub fn scatter<const D: usize, const L: usize>(
+    rows: &[[u32; L]],
+    r: &[Vector<Lanes<L>, D>],
+    active: usize,
+    out: &Shared<'_>,
+) {
+    for (rows, r) in rows.iter().zip(r) {
+        for l in 0..active {
+            if rows[l] != DROP {
+                for i in 0..D {
+                    out.add(rows[l] + i as u32, r.0[i].0[l]);
+                }
+            }
+        }
+    }
+}

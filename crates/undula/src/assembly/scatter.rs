@@ -1,0 +1,72 @@
+//! Writing from several threads into one array.
+#![allow(unsafe_code)]
+
+use std::marker::PhantomData;
+
+/// Marks a row or entry that is not there: a constrained unknown, or a row of another owner.
+pub const DROP: u32 = u32::MAX;
+
+/// An array that batches of one colour write at the same time, at places that never coincide.
+#[derive(Copy, Clone)]
+pub struct Shared<'a> {
+    start: *mut f64,
+    len: usize,
+    array: PhantomData<&'a mut [f64]>,
+}
+
+// SAFETY: colouring keeps concurrent writers apart, see `Shared::add`.
+unsafe impl Send for Shared<'_> {}
+// SAFETY: as above.
+unsafe impl Sync for Shared<'_> {}
+
+impl<'a> Shared<'a> {
+    /// Share `array` for the length of its borrow.
+    pub fn new(array: &'a mut [f64]) -> Shared<'a> {
+        Shared { start: array.as_mut_ptr(), len: array.len(), array: PhantomData }
+    }
+
+    /// `array[at] += x`, nothing for [`DROP`].
+    ///
+    /// Two threads never call this with the same `at` at the same time: batches of one colour share no
+    /// node and no pressure unknown, hence no row.
+    #[inline(always)]
+    pub fn add(&self, at: u32, x: f64) {
+        if at != DROP {
+            debug_assert!((at as usize) < self.len);
+            // SAFETY: indices are made at set-up and lie within the array (asserted there and, in debug
+            // builds, here); no other thread touches this entry now.
+            unsafe { *self.start.add(at as usize) += x };
+        }
+    }
+
+    /// `array[at] = x`, under the same condition.
+    #[inline(always)]
+    pub fn set(&self, at: usize, x: f64) {
+        assert!(at < self.len);
+        // SAFETY: within bounds; each batch writes its own entry.
+        unsafe { *self.start.add(at) = x };
+    }
+}
+
+/// One object per thread, reached from within a parallel loop.
+pub struct PerThread<T>(Vec<std::cell::UnsafeCell<T>>);
+
+// SAFETY: each thread of the pool reaches its own element only, see `PerThread::get`.
+unsafe impl<T: Send> Sync for PerThread<T> {}
+
+impl<T> PerThread<T> {
+    /// One object for each of `threads` threads.
+    pub fn new(threads: usize, mut make: impl FnMut() -> T) -> Self {
+        PerThread((0..threads.max(1)).map(|_| std::cell::UnsafeCell::new(make())).collect())
+    }
+
+    /// Use the object of the current thread.
+    ///
+    /// `f` must not wait for other work of the pool, or this thread could enter a second time.
+    #[inline(always)]
+    pub fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
+        let index = rayon::current_thread_index().unwrap_or(0);
+        // SAFETY: an index belongs to one thread, and `f` does not come back here.
+        f(unsafe { &mut *self.0[index].get() })
+    }
+}

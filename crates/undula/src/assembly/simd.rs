@@ -1,0 +1,76 @@
+//! Choosing the vector width at run time.
+//!
+//! The build targets the baseline processor; a wider one is used through entry functions compiled for
+//! it. Everything below an entry must be `#[inline(always)]`, because a call would fall back to the
+//! baseline. Results are the same for every thread count and every run of one width; between widths they
+//! differ in rounding, since fused multiply-add is used where it exists.
+#![allow(unsafe_code)]
+
+/// Work on one batch; `run` must be `#[inline(always)]`.
+pub trait Task {
+    /// Do it.
+    fn run(self);
+}
+
+/// Lanes that suit this processor: 8 (AVX-512), 4 (AVX2 with FMA) or 2.
+pub fn best_lanes() -> usize {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if has_avx512() {
+            return 8;
+        }
+        if has_avx2() {
+            return 4;
+        }
+    }
+    2
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx512() -> bool {
+    is_x86_feature_detected!("avx512f")
+        && is_x86_feature_detected!("avx512vl")
+        && is_x86_feature_detected!("avx512dq")
+        && has_avx2()
+}
+
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
+/// Run `task`, whose numbers have `L` lanes, compiled for the processor that `L` stands for.
+#[inline(always)]
+pub fn dispatch<const L: usize>(task: impl Task) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if L == 8 && has_avx512() {
+            // SAFETY: the features were just detected.
+            return unsafe { run_avx512(task) };
+        }
+        if L == 4 && has_avx2() {
+            // SAFETY: the features were just detected.
+            return unsafe { run_avx2(task) };
+        }
+    }
+    run_baseline(task)
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
+#[inline(never)]
+unsafe fn run_avx512<T: Task>(task: T) {
+    task.run();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+#[inline(never)]
+unsafe fn run_avx2<T: Task>(task: T) {
+    task.run();
+}
+
+#[inline(never)]
+fn run_baseline<T: Task>(task: T) {
+    task.run();
+}

@@ -1,0 +1,45 @@
+//! An element as numbers: basis functions at given points.
+
+use super::{Quadrature, Shape, lagrange};
+
+/// Values and reference gradients of a nodal basis at the points of a rule.
+#[derive(Clone, Debug)]
+pub struct BasisTable {
+    /// Number of basis functions.
+    pub n_basis: usize,
+    /// Number of points.
+    pub n_points: usize,
+    /// Space dimension.
+    pub dim: usize,
+    /// `[point][basis]`.
+    pub value: Vec<f64>,
+    /// `[point][basis][ξ_d]`.
+    pub grad: Vec<f64>,
+}
+
+impl BasisTable {
+    /// Q_k of `shape` at the points of `rule`.
+    pub fn lagrange(shape: Shape, k: usize, rule: &Quadrature) -> BasisTable {
+        let (dim, n_basis, n_points) = (shape.dim(), shape.n_nodes(k), rule.points.len());
+        let (mut value, mut grad) = (vec![], vec![]);
+        for point in &rule.points {
+            let (v, g) = lagrange::basis(shape, k, point);
+            value.extend(v);
+            grad.extend(g.iter().flat_map(|g| g[..dim].to_vec()));
+        }
+        BasisTable { n_basis, n_points, dim, value, grad }
+    }
+
+    /// Values at point `q`, `[basis]`.
+    #[inline(always)]
+    pub fn value(&self, q: usize) -> &[f64] {
+        &self.value[q * self.n_basis..(q + 1) * self.n_basis]
+    }
+
+    /// Gradients at point `q`, `[basis][ξ_d]` flattened.
+    #[inline(always)]
+    pub fn grad(&self, q: usize) -> &[f64] {
+        let n = self.n_basis * self.dim;
+        &self.grad[q * n..(q + 1) * n]
+    }
+}

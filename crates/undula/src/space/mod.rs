@@ -1,0 +1,104 @@
+//! Discrete spaces of velocity, deformation and pressure: X_h = V_h × W_h × L_h of (5.26).
+
+pub mod conditions;
+pub mod dofs;
+pub mod pressure;
+pub mod state;
+
+pub use conditions::{BoundaryCondition, Constraints, VelocityData};
+pub use dofs::Nodes;
+pub use pressure::{PressureKind, PressureSpace};
+pub use state::State;
+
+use crate::mesh::{Facet, Mesh};
+
+/// Which equations hold in a cell.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Region {
+    /// Navier-Stokes and the extension.
+    Fluid,
+    /// Elastodynamics.
+    Solid,
+}
+
+/// Which equation owns the ψ row of a node, (5.26).
+///
+/// Interface rows of the extension do not exist: the test functions ψ_f vanish there. They are dropped,
+/// never scaled away by a penalty.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum PsiOwner {
+    /// The extension: the node lies in the fluid, off the interface.
+    Extension,
+    /// The velocity-deformation relation: the node lies in the closure of the solid.
+    Relation,
+}
+
+/// Velocity and deformation on all of Ω, pressure in the fluid.
+#[derive(Clone, Debug)]
+pub struct FsiSpace<const D: usize> {
+    /// The mesh, restricted to the regions that take part.
+    pub mesh: Mesh<D>,
+    /// Equations of every cell.
+    pub regions: Vec<Region>,
+    /// Nodes of velocity and deformation.
+    pub nodes: Nodes<D>,
+    /// Pressure unknowns.
+    pub pressure: PressureSpace<D>,
+    /// Owner of the ψ rows of every node.
+    pub owner: Vec<PsiOwner>,
+    /// Whether the deformation is unknown: not in a pure flow.
+    pub deforms: bool,
+}
+
+impl<const D: usize> FsiSpace<D> {
+    /// Spaces of degree `degree` for v and u on `mesh`, whose cells obey `regions`.
+    pub fn new(mesh: Mesh<D>, regions: Vec<Region>, degree: usize, pressure: PressureKind) -> FsiSpace<D> {
+        let nodes = Nodes::new(&mesh, degree);
+        let pressure = PressureSpace::new(&mesh, pressure, |c| regions[c] == Region::Fluid);
+        let mut owner = vec![PsiOwner::Extension; nodes.len()];
+        for c in (0..mesh.n_cells()).filter(|&c| regions[c] == Region::Solid) {
+            for &node in nodes.cell(c) {
+                owner[node as usize] = PsiOwner::Relation;
+            }
+        }
+        let deforms = regions.contains(&Region::Solid);
+        FsiSpace { mesh, regions, nodes, pressure, owner, deforms }
+    }
+
+    /// Number of velocity unknowns, given ones counted.
+    pub fn n_v(&self) -> usize {
+        self.nodes.len() * D
+    }
+
+    /// Number of deformation unknowns, given ones counted.
+    pub fn n_u(&self) -> usize {
+        if self.deforms { self.nodes.len() * D } else { 0 }
+    }
+
+    /// Number of pressure unknowns.
+    pub fn n_p(&self) -> usize {
+        self.pressure.n
+    }
+
+    /// Number of all unknowns.
+    pub fn n_unknowns(&self) -> usize {
+        self.n_v() + self.n_u() + self.n_p()
+    }
+
+    /// Nodes on a facet.
+    pub fn facet_nodes(&self, facet: &Facet) -> Vec<u32> {
+        let local = self.mesh.shape.facet_nodes(self.nodes.degree, facet.local as usize);
+        let cell = self.nodes.cell(facet.cell as usize);
+        local.iter().map(|&a| cell[a]).collect()
+    }
+
+    /// All nodes on the boundary called `name`, ascending.
+    pub fn boundary_nodes(&self, name: &str) -> Vec<u32> {
+        let Some(boundary) = self.mesh.boundary(name) else { return vec![] };
+        let facets = self.mesh.facets.iter().filter(|f| f.boundary == boundary);
+        let mut nodes: Vec<u32> = facets.flat_map(|f| self.facet_nodes(f)).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
