@@ -1,5 +1,21 @@
 //! Geometry and topology of the reference domain; nothing here knows that there is a fluid.
 
+pub mod generate;
+
+mod curve;
+mod error;
+mod geometry;
+mod grade;
+mod quality;
+mod refine;
+mod topology;
+
+pub use curve::Curve;
+pub use error::{CellAt, CellList, LISTED, MeshError};
+pub use quality::Quality;
+pub use refine::Refined;
+pub use topology::{Facets, Side};
+
 use crate::element::Shape;
 
 /// A conforming mesh of curved cells with named regions and boundaries.

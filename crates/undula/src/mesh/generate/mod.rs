@@ -1,0 +1,28 @@
+//! Meshes of the benchmarks and of rectangles.
+//!
+//! Level 0 is made of blocks; level `L` is its `L`-fold uniform refinement, with the nodes on the
+//! cylinder exactly on the circle at every level.
+
+mod blocks;
+mod channel;
+mod rectangle;
+mod schaefer_turek;
+mod turek_hron;
+
+pub use rectangle::rectangle;
+pub use schaefer_turek::schaefer_turek;
+pub use turek_hron::turek_hron;
+
+use super::Curve;
+
+/// Centre of the cylinder \[m\].
+const CENTRE: [f64; 2] = [0.2, 0.2];
+/// Radius of the cylinder \[m\].
+const RADIUS: f64 = 0.05;
+/// Height of the channel \[m\].
+const HEIGHT: f64 = 0.41;
+
+/// The circle of the cylinder in both benchmarks, with boundaries `cylinder` and `clamp`.
+pub fn cylinder() -> Curve<2> {
+    Curve::Sphere { boundaries: vec!["cylinder".into(), "clamp".into()], centre: CENTRE, radius: RADIUS }
+}

@@ -1,0 +1,135 @@
+//! The map from the reference cell to a cell, `X(ξ) = Σ_i L_i(ξ) x_i`.
+
+use super::{CellAt, CellList, LISTED, Mesh};
+
+/// Lagrange basis of degree 1 or 2 on `[0, 1]` at `s`; unused entries zero.
+pub(crate) fn lagrange(degree: usize, s: f64) -> [f64; 3] {
+    match degree {
+        1 => [1.0 - s, s, 0.0],
+        _ => [(1.0 - s) * (1.0 - 2.0 * s), 4.0 * s * (1.0 - s), s * (2.0 * s - 1.0)],
+    }
+}
+
+/// Derivatives of [`lagrange`].
+pub(crate) fn lagrange_slope(degree: usize, s: f64) -> [f64; 3] {
+    match degree {
+        1 => [-1.0, 1.0, 0.0],
+        _ => [4.0 * s - 3.0, 4.0 - 8.0 * s, 4.0 * s - 1.0],
+    }
+}
+
+/// Determinant by elimination with pivoting.
+pub(crate) fn determinant<const D: usize>(mut a: [[f64; D]; D]) -> f64 {
+    let mut det = 1.0;
+    for k in 0..D {
+        let pivot = (k..D).max_by(|&i, &j| a[i][k].abs().total_cmp(&a[j][k].abs())).unwrap_or(k);
+        if a[pivot][k] == 0.0 {
+            return 0.0;
+        }
+        if pivot != k {
+            a.swap(pivot, k);
+            det = -det;
+        }
+        det *= a[k][k];
+        for i in k + 1..D {
+            let factor = a[i][k] / a[k][k];
+            for j in k..D {
+                a[i][j] -= factor * a[k][j];
+            }
+        }
+    }
+    det
+}
+
+/// Euclidean distance of two points.
+pub(crate) fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
+    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Image `X(ξ)` \[m\] of reference point `xi` in `cell`.
+    pub fn map(&self, cell: usize, xi: [f64; D]) -> [f64; D] {
+        let basis = xi.map(|s| lagrange(self.degree, s));
+        let mut x = [0.0; D];
+        for (local, &node) in self.cell(cell).iter().enumerate() {
+            let at = self.shape.lattice(self.degree, local);
+            let weight: f64 = (0..D).map(|d| basis[d][at[d]]).product();
+            for d in 0..D {
+                x[d] += weight * self.nodes[node as usize][d];
+            }
+        }
+        x
+    }
+
+    /// Gradient `DX(ξ)` \[m\] of the map, `[i][j] = ∂X_i/∂ξ_j`.
+    pub fn map_gradient(&self, cell: usize, xi: [f64; D]) -> [[f64; D]; D] {
+        let basis = xi.map(|s| lagrange(self.degree, s));
+        let slope = xi.map(|s| lagrange_slope(self.degree, s));
+        let mut gradient = [[0.0; D]; D];
+        for (local, &node) in self.cell(cell).iter().enumerate() {
+            let at = self.shape.lattice(self.degree, local);
+            for j in 0..D {
+                let factor = |d: usize| if d == j { slope[d][at[d]] } else { basis[d][at[d]] };
+                let weight: f64 = (0..D).map(factor).product();
+                for i in 0..D {
+                    gradient[i][j] += weight * self.nodes[node as usize][i];
+                }
+            }
+        }
+        gradient
+    }
+
+    /// Mean of the vertices of `cell` \[m\].
+    pub fn centre(&self, cell: usize) -> [f64; D] {
+        let vertices = self.cell_vertices(cell);
+        let mut centre = [0.0; D];
+        for &v in &vertices {
+            for d in 0..D {
+                centre[d] += self.nodes[v as usize][d] / vertices.len() as f64;
+            }
+        }
+        centre
+    }
+
+    /// Nodes at the vertices of `cell`, in lexicographic order.
+    pub fn cell_vertices(&self, cell: usize) -> Vec<u32> {
+        let nodes = self.cell(cell);
+        self.shape.vertices(self.degree).into_iter().map(|v| nodes[v]).collect()
+    }
+
+    /// Nodes on facet `local` of `cell`, in lexicographic order.
+    pub fn facet_nodes(&self, cell: usize, local: usize) -> Vec<u32> {
+        let nodes = self.cell(cell);
+        self.shape.facet_nodes(self.degree, local).into_iter().map(|n| nodes[n]).collect()
+    }
+
+    /// Diagonal of the smallest box with axis-parallel sides around all nodes \[m\].
+    pub fn diameter(&self) -> f64 {
+        let (lower, upper) = bounds(self.nodes.iter().copied());
+        if self.nodes.is_empty() { 0.0 } else { distance(lower, upper) }
+    }
+
+    /// Longest distance between two vertices of `cell` \[m\].
+    pub fn cell_diameter(&self, cell: usize) -> f64 {
+        let at: Vec<_> = self.cell_vertices(cell).iter().map(|&v| self.nodes[v as usize]).collect();
+        at.iter().flat_map(|&a| at.iter().map(move |&b| distance(a, b))).fold(0.0, f64::max)
+    }
+
+    /// The given cells as they appear in a message.
+    pub(crate) fn list_cells(&self, cells: &[usize]) -> CellList {
+        let at = |&cell: &usize| CellAt { cell, centre: self.centre(cell).to_vec() };
+        CellList { first: cells.iter().take(LISTED).map(at).collect(), count: cells.len() }
+    }
+}
+
+/// Smallest box with axis-parallel sides around `points`.
+pub(crate) fn bounds<const D: usize>(points: impl Iterator<Item = [f64; D]>) -> ([f64; D], [f64; D]) {
+    let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for x in points {
+        for d in 0..D {
+            lower[d] = lower[d].min(x[d]);
+            upper[d] = upper[d].max(x[d]);
+        }
+    }
+    (lower, upper)
+}

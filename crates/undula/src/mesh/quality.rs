@@ -1,0 +1,82 @@
+//! Shape of the cells: orientation, scaled Jacobian, volume.
+
+use super::geometry::determinant;
+use super::{Mesh, MeshError};
+
+/// Three-point Gauss rule on `[0, 1]`: points and weights.
+const GAUSS: [(f64, f64); 3] =
+    [(0.112_701_665_379_258_3, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_334_620_741_7, 5.0 / 18.0)];
+
+/// Shape of the cells of a mesh.
+#[derive(Clone, Debug)]
+pub struct Quality {
+    /// Smallest `det DX / Π_j |∂X/∂ξ_j|` of each cell over its geometry nodes and Gauss points: 1 for a
+    /// rectangle, 0 for a degenerate cell.
+    pub scaled_jacobian: Vec<f64>,
+    /// Area or volume of each cell \[m^D\].
+    pub volume: Vec<f64>,
+    /// Cells with `det DX <= 0` at one of these points.
+    pub inverted: Vec<usize>,
+}
+
+impl Quality {
+    /// Smallest scaled Jacobian; 1 for a mesh without cells.
+    pub fn min_scaled_jacobian(&self) -> f64 {
+        self.scaled_jacobian.iter().copied().fold(1.0, f64::min)
+    }
+
+    /// Area or volume of the mesh \[m^D\].
+    pub fn total_volume(&self) -> f64 {
+        self.volume.iter().sum()
+    }
+}
+
+impl<const D: usize> Mesh<D> {
+    /// Measures all cells.
+    pub fn quality(&self) -> Quality {
+        let gauss: Vec<([f64; D], f64)> = (0..3_usize.pow(D as u32))
+            .map(|i| {
+                let at: [usize; D] = std::array::from_fn(|d| i / 3_usize.pow(d as u32) % 3);
+                (at.map(|k| GAUSS[k].0), at.iter().map(|&k| GAUSS[k].1).product())
+            })
+            .collect();
+        let nodes: Vec<[f64; D]> = (0..self.shape.n_nodes(self.degree))
+            .map(|n| {
+                let at = self.shape.lattice(self.degree, n);
+                std::array::from_fn(|d| at[d] as f64 / self.degree as f64)
+            })
+            .collect();
+        let mut quality = Quality { scaled_jacobian: vec![], volume: vec![], inverted: vec![] };
+        for cell in 0..self.n_cells() {
+            let (mut worst, mut volume) = (f64::INFINITY, 0.0);
+            for &(xi, weight) in gauss.iter().chain(nodes.iter().map(|&xi| (xi, 0.0)).collect::<Vec<_>>().iter())
+            {
+                let gradient = self.map_gradient(cell, xi);
+                let det = determinant(gradient);
+                worst = worst.min(scaled(gradient, det));
+                volume += weight * det;
+            }
+            if worst <= 0.0 {
+                quality.inverted.push(cell);
+            }
+            quality.scaled_jacobian.push(worst);
+            quality.volume.push(volume);
+        }
+        quality
+    }
+
+    /// Refuses cells whose map is folded or numbered clockwise.
+    pub fn check_orientation(&self) -> Result<(), MeshError> {
+        match self.quality().inverted {
+            none if none.is_empty() => Ok(()),
+            cells => Err(MeshError::Inverted(self.list_cells(&cells))),
+        }
+    }
+}
+
+/// `det DX / Π_j |∂X/∂ξ_j|`; 0 where a column vanishes.
+fn scaled<const D: usize>(gradient: [[f64; D]; D], det: f64) -> f64 {
+    let column = |j: usize| (0..D).map(|i| gradient[i][j].powi(2)).sum::<f64>().sqrt();
+    let product: f64 = (0..D).map(column).product();
+    if product > 0.0 { det / product } else { 0.0 }
+}

@@ -1,0 +1,207 @@
+//! Uniform refinement of curved meshes.
+
+use super::topology::Side;
+use super::{Curve, Facet, Mesh};
+use std::collections::HashMap;
+
+/// A uniformly refined mesh and where its cells come from.
+#[derive(Clone, Debug)]
+pub struct Refined<const D: usize> {
+    /// The finer mesh; cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order.
+    pub mesh: Mesh<D>,
+    /// The coarse cell of each fine cell.
+    pub parent: Vec<u32>,
+}
+
+/// Identity of a point on the facets of cells: the vertices it depends on and the weights there in a
+/// multilinear interpolation, in units of `4^-D`. Cells that share a facet agree on both.
+type PointKey = [(u32, u32); 8];
+
+impl<const D: usize> Mesh<D> {
+    /// Splits each cell into `2^D`.
+    ///
+    /// New geometry nodes come from the map of the parent, so that the finer mesh is the same domain
+    /// and contains all nodes of the coarser one. Only nodes on boundaries that follow one of `curves`
+    /// are moved onto it, and the nodes behind them within the same cell by a share that fades to zero
+    /// at the opposite facet. Names are kept.
+    pub fn refine(&self, curves: &[Curve<D>]) -> Refined<D> {
+        let lattice = FineLattice::<D>::new(self);
+        let on_curves = self.sides_on_curves(curves);
+        let mut nodes = NodePool { nodes: Vec::new(), known: HashMap::new() };
+        let mut cell_nodes = Vec::with_capacity(self.cell_nodes.len() << D);
+        for cell in 0..self.n_cells() {
+            let mut points: Vec<_> = lattice.at.iter().map(|&at| self.map(cell, lattice.xi(at))).collect();
+            for &(local, curve) in on_curves.get(&(cell as u32)).into_iter().flatten() {
+                lattice.move_onto(&curves[curve], local as usize, &mut points);
+            }
+            let vertices = self.cell_vertices(cell);
+            let numbers: Vec<_> = points
+                .iter()
+                .zip(&lattice.at)
+                .map(|(&x, &at)| nodes.number(lattice.key(at, &vertices), x))
+                .collect();
+            for child in 0..1 << D {
+                cell_nodes.extend(lattice.child_nodes(self, child).map(|n| numbers[n]));
+            }
+        }
+        let parent: Vec<u32> = (0..self.n_cells() << D).map(|c| (c >> D) as u32).collect();
+        let mut mesh = Mesh {
+            shape: self.shape,
+            degree: self.degree,
+            nodes: nodes.nodes,
+            cell_nodes,
+            cell_region: parent.iter().map(|&p| self.cell_region[p as usize]).collect(),
+            regions: self.regions.clone(),
+            facets: self.facets.iter().flat_map(|&f| child_facets::<D>(f)).collect(),
+            boundaries: self.boundaries.clone(),
+        };
+        mesh.project_boundaries(curves);
+        Refined { mesh, parent }
+    }
+
+    /// Refines `times` times and forgets the parents.
+    pub fn refined(self, times: usize, curves: &[Curve<D>]) -> Mesh<D> {
+        (0..times).fold(self, |mesh, _| mesh.refine(curves).mesh)
+    }
+
+    /// Moves all nodes of boundaries that follow one of `curves` onto it.
+    pub fn project_boundaries(&mut self, curves: &[Curve<D>]) {
+        for curve in curves {
+            let followed: Vec<_> = curve.boundaries().iter().filter_map(|b| self.boundary(b)).collect();
+            for i in 0..self.facets.len() {
+                let facet = self.facets[i];
+                if followed.contains(&facet.boundary) {
+                    for node in self.facet_nodes(facet.cell as usize, facet.local as usize) {
+                        let x = &mut self.nodes[node as usize];
+                        *x = curve.project(*x);
+                    }
+                }
+            }
+        }
+    }
+
+    /// For each cell at a curve its facets there and the number of the curve, from both sides of facets
+    /// inside the mesh.
+    fn sides_on_curves(&self, curves: &[Curve<D>]) -> HashMap<u32, Vec<(u8, usize)>> {
+        let mut sides: HashMap<u32, Vec<(u8, usize)>> = HashMap::new();
+        let mut named: HashMap<Side, usize> = HashMap::new();
+        for (number, curve) in curves.iter().enumerate() {
+            let followed: Vec<_> = curve.boundaries().iter().filter_map(|b| self.boundary(b)).collect();
+            for f in self.facets.iter().filter(|f| followed.contains(&f.boundary)) {
+                named.insert(Side { cell: f.cell, local: f.local }, number);
+                sides.entry(f.cell).or_default().push((f.local, number));
+            }
+        }
+        if named.is_empty() {
+            return sides;
+        }
+        for [one, two] in self.facets_of_cells().inner {
+            for (here, beyond) in [(one, two), (two, one)] {
+                if let Some(&number) = named.get(&here) {
+                    sides.entry(beyond.cell).or_default().push((beyond.local, number));
+                }
+            }
+        }
+        sides
+    }
+}
+
+/// Nodes of the finer mesh as they are met.
+struct NodePool<const D: usize> {
+    nodes: Vec<[f64; D]>,
+    known: HashMap<PointKey, u32>,
+}
+
+impl<const D: usize> NodePool<D> {
+    /// Number of the node at `x`, a new one unless `key` is known; points inside a cell have no key.
+    fn number(&mut self, key: Option<PointKey>, x: [f64; D]) -> u32 {
+        let next = self.nodes.len() as u32;
+        let number = key.map_or(next, |key| *self.known.entry(key).or_insert(next));
+        if number == next {
+            self.nodes.push(x);
+        }
+        number
+    }
+}
+
+/// The geometry nodes of all children within their parent: `(2 degree + 1)^D` points.
+struct FineLattice<const D: usize> {
+    /// Intervals per direction.
+    n: usize,
+    /// Positions, the first coordinate running fastest.
+    at: Vec<[usize; D]>,
+}
+
+impl<const D: usize> FineLattice<D> {
+    fn new(mesh: &Mesh<D>) -> Self {
+        let n = 2 * mesh.degree;
+        let at = (0..(n + 1).pow(D as u32))
+            .map(|i| std::array::from_fn(|d| i / (n + 1).pow(d as u32) % (n + 1)))
+            .collect();
+        FineLattice { n, at }
+    }
+
+    /// Reference coordinates of lattice position `at`.
+    fn xi(&self, at: [usize; D]) -> [f64; D] {
+        at.map(|i| i as f64 / self.n as f64)
+    }
+
+    /// Index of lattice position `at`.
+    fn index(&self, at: [usize; D]) -> usize {
+        at.iter().rev().fold(0, |sum, &i| sum * (self.n + 1) + i)
+    }
+
+    /// Identity of position `at` in a cell with these vertices; none inside of the cell.
+    fn key(&self, at: [usize; D], vertices: &[u32]) -> Option<PointKey> {
+        if at.iter().all(|&i| i != 0 && i != self.n) {
+            return None;
+        }
+        let mut key = [(u32::MAX, 0); 8];
+        for (corner, (&vertex, entry)) in vertices.iter().zip(&mut key).enumerate() {
+            let weight = |d: usize| if corner >> d & 1 == 1 { at[d] } else { self.n - at[d] };
+            let product: usize = (0..D).map(weight).product();
+            if product > 0 {
+                *entry = (vertex, product as u32);
+            }
+        }
+        key.sort_unstable();
+        Some(key)
+    }
+
+    /// Lattice indices of the geometry nodes of child `child`, in the order of the shape.
+    fn child_nodes<'a>(&'a self, mesh: &'a Mesh<D>, child: usize) -> impl Iterator<Item = usize> + 'a {
+        let degree = mesh.degree;
+        (0..mesh.shape.n_nodes(degree)).map(move |local| {
+            let at = mesh.shape.lattice(degree, local);
+            self.index(std::array::from_fn(|d| (child >> d & 1) * degree + at[d]))
+        })
+    }
+
+    /// Moves the points on facet `facet` onto `curve`, and those behind the inside of the facet by
+    /// `1 − t` of the same, `t ∈ [0, 1]` being their place between the facet and the opposite one.
+    fn move_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
+        let (axis, side) = (facet / 2, facet % 2);
+        for &at in self.at.iter().filter(|at| at[axis] == side * self.n) {
+            let here = points[self.index(at)];
+            let target = curve.project(here);
+            let inside = (0..D).all(|d| d == axis || (at[d] != 0 && at[d] != self.n));
+            for depth in 0..if inside { self.n } else { 1 } {
+                let share = 1.0 - depth as f64 / self.n as f64;
+                let mut behind = at;
+                behind[axis] = if side == 0 { depth } else { self.n - depth };
+                let x = &mut points[self.index(behind)];
+                for d in 0..D {
+                    x[d] += share * (target[d] - here[d]);
+                }
+            }
+        }
+    }
+}
+
+/// The `2^(D−1)` parts of a facet.
+fn child_facets<const D: usize>(facet: Facet) -> impl Iterator<Item = Facet> {
+    let (axis, side) = (facet.local as usize / 2, facet.local as usize % 2);
+    (0..1_usize << D)
+        .filter(move |child| child >> axis & 1 == side)
+        .map(move |child| Facet { cell: (facet.cell << D) + child as u32, ..facet })
+}
