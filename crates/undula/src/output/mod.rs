@@ -1,1 +1,36 @@
 //! Files a run leaves behind.
+//!
+//! A run fills one directory, see [`RunDirectory`]: the resolved `case.toml`, the growing
+//! [`history.csv`](HistoryWriter), a ParaView [collection](Collection) `fields.pvd` of
+//! [VTU files](write_vtu) on the deformed mesh, [checkpoints](Checkpoint) for exact restarts, and
+//! [`summary.json`](Summary). Whatever is not appended to is written to a temporary file, synced and
+//! renamed, so that a killed run never leaves a file half written.
+
+pub mod checkpoint;
+pub mod directory;
+pub mod error;
+pub mod history;
+pub mod pvd;
+pub mod summary;
+pub mod vtu;
+
+pub use checkpoint::{Array, Checkpoint, Latest};
+pub use directory::{RunDirectory, write_atomic};
+pub use error::OutputError;
+pub use history::{History, HistoryWriter};
+pub use pvd::Collection;
+pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory};
+pub use vtu::{Field, FieldSnapshot, Precision, read_vtu, write_vtu};
+
+#[cfg(test)]
+pub(crate) mod testing {
+    use std::path::PathBuf;
+
+    /// An empty directory for the test `name`.
+    pub(crate) fn scratch(name: &str) -> PathBuf {
+        let path = std::env::temp_dir().join(format!("undula-{}-{name}", std::process::id()));
+        let _ = std::fs::remove_dir_all(&path);
+        std::fs::create_dir_all(&path).unwrap();
+        path
+    }
+}

@@ -1,0 +1,330 @@
+//! The directory of a run, and files that are never half written.
+
+use super::{OutputError, Status, Summary};
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Directories of a run, with the endings of the files in them that are ours.
+const SUBDIRECTORIES: [(&str, &[&str]); 3] =
+    [("fields", &["vtu", "tmp"]), ("checkpoints", &["npz", "tmp"]), ("plots", &["png", "svg", "tmp"])];
+
+/// Files of a run besides `summary.json`.
+const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
+
+/// The directory of one run, locked against other processes while this value lives.
+///
+/// | entry | content |
+/// | --- | --- |
+/// | `case.toml` | the case with all defaults resolved |
+/// | `history.csv` | functionals and solver counts, a row per step |
+/// | `summary.json` | status, sizes, times, statistics |
+/// | `fields.pvd`, `fields/*.vtu` | the solution on the deformed mesh |
+/// | `checkpoints/*.npz` | exact restart data, the last two |
+/// | `plots/*.png`, `plots/*.svg` | pictures |
+#[derive(Debug)]
+pub struct RunDirectory {
+    path: PathBuf,
+    lock: Option<File>,
+}
+
+impl RunDirectory {
+    /// Makes `path` the directory of a new run, with a `summary.json` of status `running`.
+    ///
+    /// A completed run there is replaced: its own files go, others stay. An unfinished one is replaced only
+    /// with `force`. Nothing is changed before all checks have passed.
+    ///
+    /// # Errors
+    /// [`OutputError::Unfinished`], [`OutputError::Foreign`] if it is not empty and no run,
+    /// [`OutputError::Busy`], [`OutputError::Io`] if it cannot be written.
+    pub fn create(path: impl AsRef<Path>, force: bool) -> Result<Self, OutputError> {
+        let path = path.as_ref();
+        match first_entry(path)? {
+            None => fs::create_dir_all(path).map_err(OutputError::io("create directory", path))?,
+            Some(entry) => may_replace(path, &entry, force)?,
+        }
+        let directory = Self::locked(path)?;
+        let summary = Summary { status: Status::Running, ..Summary::default() };
+        summary.write(directory.summary())?;
+        directory.clear()?;
+        Ok(directory)
+    }
+
+    /// The directory of an unfinished run, to continue it.
+    ///
+    /// # Errors
+    /// [`OutputError::NoRun`] without `case.toml`, [`OutputError::AlreadyCompleted`],
+    /// [`OutputError::Busy`], [`OutputError::Io`] if it cannot be written.
+    pub fn open_for_resume(path: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let directory = Self::open(path)?;
+        let path = directory.path.clone();
+        if Summary::read(path.join("summary.json")).is_ok_and(|s| s.status == Status::Completed) {
+            return Err(OutputError::AlreadyCompleted { path });
+        }
+        Self::locked(&path)
+    }
+
+    /// The directory of any run, to read it; takes no lock.
+    ///
+    /// # Errors
+    /// [`OutputError::NoRun`] without `case.toml`.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let directory = RunDirectory { path: path.as_ref().to_path_buf(), lock: None };
+        if !directory.case().is_file() {
+            return Err(OutputError::NoRun { path: directory.path.clone(), missing: "case.toml".into() });
+        }
+        Ok(directory)
+    }
+
+    /// The directory itself.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// `case.toml`.
+    pub fn case(&self) -> PathBuf {
+        self.path.join("case.toml")
+    }
+
+    /// `history.csv`.
+    pub fn history(&self) -> PathBuf {
+        self.path.join("history.csv")
+    }
+
+    /// `summary.json`.
+    pub fn summary(&self) -> PathBuf {
+        self.path.join("summary.json")
+    }
+
+    /// `fields.pvd`, the collection of all field files.
+    pub fn collection(&self) -> PathBuf {
+        self.path.join("fields.pvd")
+    }
+
+    /// Field file of step `step`, relative to the directory as the collection wants it.
+    pub fn field_name(&self, step: u64) -> String {
+        format!("fields/fields_{step:06}.vtu")
+    }
+
+    /// `checkpoints/`.
+    pub fn checkpoints(&self) -> PathBuf {
+        self.path.join("checkpoints")
+    }
+
+    /// `plots/`.
+    pub fn plots(&self) -> PathBuf {
+        self.path.join("plots")
+    }
+
+    /// Writes the resolved case.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn write_case(&self, text: &str) -> Result<(), OutputError> {
+        write_atomic(self.case(), |file| file.write_all(text.as_bytes()))
+    }
+
+    /// Checks that `path` can be written and takes the lock.
+    fn locked(path: &Path) -> Result<Self, OutputError> {
+        let name = path.join(".lock");
+        let lock = File::create(&name).map_err(OutputError::io("write to this directory", path))?;
+        match lock.try_lock() {
+            Err(fs::TryLockError::WouldBlock) => Err(OutputError::Busy { path: path.to_path_buf() }),
+            // Some network file systems have no locks; that is no reason not to compute.
+            Ok(()) | Err(fs::TryLockError::Error(_)) => {
+                Ok(RunDirectory { path: path.to_path_buf(), lock: Some(lock) })
+            }
+        }
+    }
+
+    /// Removes the files of a former run, except `summary.json`, which has been replaced already.
+    fn clear(&self) -> Result<(), OutputError> {
+        for name in FILES {
+            let path = self.path.join(name);
+            if path.exists() {
+                fs::remove_file(&path).map_err(OutputError::io("remove", &path))?;
+            }
+        }
+        for (name, endings) in SUBDIRECTORIES {
+            let path = self.path.join(name);
+            if !path.is_dir() {
+                continue;
+            }
+            for entry in fs::read_dir(&path).map_err(OutputError::io("list", &path))? {
+                let file = entry.map_err(OutputError::io("list", &path))?.path();
+                if file.extension().is_some_and(|e| endings.iter().any(|ours| e == *ours)) {
+                    fs::remove_file(&file).map_err(OutputError::io("remove", &file))?;
+                }
+            }
+            // Stays if somebody else's files are in it.
+            let _ = fs::remove_dir(&path);
+        }
+        Ok(())
+    }
+}
+
+impl Drop for RunDirectory {
+    fn drop(&mut self) {
+        if self.lock.take().is_some() {
+            let _ = fs::remove_file(self.path.join(".lock"));
+        }
+    }
+}
+
+/// Some entry of `path` besides a left-over lock; `None` if it is empty or does not exist.
+fn first_entry(path: &Path) -> Result<Option<String>, OutputError> {
+    if path.exists() && !path.is_dir() {
+        return Err(OutputError::format(path, "this is a file; a directory is needed for the output"));
+    }
+    if !path.exists() {
+        return Ok(None);
+    }
+    let mut names = Vec::new();
+    for entry in fs::read_dir(path).map_err(OutputError::io("list", path))? {
+        names.push(entry.map_err(OutputError::io("list", path))?.file_name().to_string_lossy().into_owned());
+    }
+    names.retain(|name| name != ".lock" && name != ".summary.json.tmp");
+    names.sort();
+    Ok(names.into_iter().next())
+}
+
+/// Whether the run in the non-empty directory `path` may be replaced.
+fn may_replace(path: &Path, entry: &str, force: bool) -> Result<(), OutputError> {
+    let Ok(summary) = Summary::read(path.join("summary.json")) else {
+        return Err(OutputError::Foreign { path: path.to_path_buf(), entry: entry.into() });
+    };
+    if summary.status != Status::Completed && !force {
+        return Err(OutputError::Unfinished { path: path.to_path_buf(), status: summary.status.to_string() });
+    }
+    Ok(())
+}
+
+/// Writes `path` by `fill` such that it holds the old content or the new one, whatever happens.
+///
+/// Missing parent directories are made. The content goes to a temporary file next to it, which is synced
+/// and then renamed.
+///
+/// # Errors
+/// [`OutputError::Io`]; the temporary file is removed.
+pub fn write_atomic<F>(path: impl AsRef<Path>, fill: F) -> Result<(), OutputError>
+where
+    F: FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
+{
+    let path = path.as_ref();
+    let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(parent).map_err(OutputError::io("create directory", parent))?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let temporary = parent.join(format!(".{name}.tmp"));
+    let written = File::create(&temporary).and_then(|file| {
+        let mut file = BufWriter::with_capacity(1 << 18, file);
+        fill(&mut file)?;
+        file.into_inner().map_err(|e| e.into_error())?.sync_all()
+    });
+    if let Err(source) = written.and_then(|()| fs::rename(&temporary, path)) {
+        let _ = fs::remove_file(&temporary);
+        return Err(OutputError::Io { action: "write", path: path.to_path_buf(), source });
+    }
+    // Makes the rename itself durable; systems where directories cannot be opened do without.
+    if let Ok(directory) = File::open(parent) {
+        let _ = directory.sync_all();
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::testing::scratch;
+
+    fn with_status(path: &Path, status: Status) {
+        Summary { status, ..Summary::default() }.write(path.join("summary.json")).unwrap();
+    }
+
+    #[test]
+    fn completed_runs_are_replaced_and_only_their_own_files_go() {
+        let path = scratch("directory-replace").join("deep/run");
+        let run = RunDirectory::create(&path, false).unwrap();
+        run.write_case("a = 1").unwrap();
+        write_atomic(path.join(run.field_name(3)), |f| f.write_all(b"x")).unwrap();
+        fs::write(path.join("notes.txt"), "mine").unwrap();
+        fs::write(path.join("fields/state.pvsm"), "mine").unwrap();
+        with_status(&path, Status::Completed);
+        drop(run);
+        assert!(!path.join(".lock").exists());
+        let run = RunDirectory::create(&path, false).unwrap();
+        assert!(!run.case().exists() && !path.join(run.field_name(3)).exists());
+        assert!(path.join("notes.txt").exists() && path.join("fields/state.pvsm").exists());
+        assert_eq!(Summary::read(run.summary()).unwrap().status, Status::Running);
+    }
+
+    #[test]
+    fn unfinished_runs_need_force_or_resume() {
+        for status in [Status::Running, Status::Interrupted, Status::Failed, Status::Breakdown] {
+            let path = scratch("directory-unfinished");
+            fs::write(path.join("case.toml"), "kept").unwrap();
+            with_status(&path, status);
+            let message = RunDirectory::create(&path, false).unwrap_err().to_string();
+            assert!(message.contains("--resume") && message.contains("--force"), "{message}");
+            assert!(message.contains(&status.to_string()), "{message}");
+            assert_eq!(fs::read_to_string(path.join("case.toml")).unwrap(), "kept");
+            drop(RunDirectory::open_for_resume(&path).unwrap());
+            drop(RunDirectory::create(&path, true).unwrap());
+            assert!(!path.join("case.toml").exists());
+        }
+    }
+
+    #[test]
+    fn completed_runs_are_not_resumed_and_empty_directories_hold_no_run() {
+        let path = scratch("directory-completed");
+        assert!(matches!(RunDirectory::open_for_resume(&path), Err(OutputError::NoRun { .. })));
+        fs::write(path.join("case.toml"), "").unwrap();
+        with_status(&path, Status::Completed);
+        assert!(matches!(RunDirectory::open_for_resume(&path), Err(OutputError::AlreadyCompleted { .. })));
+    }
+
+    #[test]
+    fn foreign_directories_and_files_are_refused_even_with_force() {
+        let path = scratch("directory-foreign");
+        fs::write(path.join("thesis.tex"), "years of work").unwrap();
+        for force in [false, true] {
+            let error = RunDirectory::create(&path, force).unwrap_err();
+            assert!(matches!(error, OutputError::Foreign { .. }), "{error}");
+            assert!(error.to_string().contains("thesis.tex"));
+            assert!(RunDirectory::create(path.join("thesis.tex"), force).is_err());
+        }
+        fs::write(path.join("summary.json"), "{\"title\": \"of something else\"}").unwrap();
+        assert!(matches!(RunDirectory::create(&path, true), Err(OutputError::Foreign { .. })));
+        assert_eq!(fs::read_dir(&path).unwrap().count(), 2);
+    }
+
+    #[test]
+    fn a_directory_has_one_writer() {
+        let path = scratch("directory-busy");
+        let first = RunDirectory::create(&path, false).unwrap();
+        assert!(matches!(RunDirectory::create(&path, true), Err(OutputError::Busy { .. })));
+        drop(first);
+        RunDirectory::create(&path, true).unwrap();
+    }
+
+    #[test]
+    fn unwritable_places_give_their_name() {
+        // Below a file nothing can be created, whoever runs the test.
+        let path = scratch("directory-unwritable").join("file");
+        fs::write(&path, "").unwrap();
+        let message = RunDirectory::create(path.join("run"), false).unwrap_err().to_string();
+        assert!(message.contains("file") && message.contains("cannot create directory"), "{message}");
+    }
+
+    #[test]
+    fn failed_writes_keep_the_old_content() {
+        let path = scratch("directory-atomic").join("a.txt");
+        write_atomic(&path, |f| f.write_all(b"old")).unwrap();
+        let result = write_atomic(&path, |f| {
+            f.write_all(b"half of the n")?;
+            Err(std::io::Error::other("disk full"))
+        });
+        assert!(result.unwrap_err().to_string().contains("a.txt: cannot write: disk full"));
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(path.parent().unwrap()).unwrap().count(), 1);
+    }
+}

@@ -1,0 +1,264 @@
+//! `summary.json`: what a run was and what came out of it.
+
+use super::{OutputError, write_atomic};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::fs;
+use std::io::Write;
+use std::path::Path;
+
+/// Content of `summary.json`. Numbers that are not finite are written as `null` and read as NaN.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Summary {
+    /// How the run ended, or that it has not.
+    pub status: Status,
+    /// Name of the case.
+    pub case: String,
+    /// Number of cells.
+    pub cells: usize,
+    /// Number of unknowns by field.
+    pub unknowns: Unknowns,
+    /// Time steps done.
+    pub steps: u64,
+    /// Newton iterations, summed over all steps.
+    pub newton_steps: u64,
+    /// Jacobians assembled.
+    pub jacobians: u64,
+    /// Factorizations of the matrix.
+    pub factorizations: u64,
+    /// Threads used.
+    pub threads: usize,
+    /// Elapsed time \[s\].
+    #[serde(with = "nullable")]
+    pub wall_seconds: f64,
+    /// Where it went.
+    pub phases: Phases,
+    /// Largest resident memory \[B\], where the system tells.
+    pub peak_memory_bytes: Option<u64>,
+    /// Statistics by functional.
+    pub functionals: BTreeMap<String, FunctionalSummary>,
+    /// Why it broke down.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub breakdown: Option<Breakdown>,
+}
+
+/// How a run ended.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Not yet, or the process was killed.
+    #[default]
+    Running,
+    /// As the case asked.
+    Completed,
+    /// The solution could not be continued: cells degenerate or Newton's method fails at any step size.
+    Breakdown,
+    /// By an error.
+    Failed,
+    /// By the user.
+    Interrupted,
+}
+
+impl fmt::Display for Status {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Status::Running => "running",
+            Status::Completed => "completed",
+            Status::Breakdown => "breakdown",
+            Status::Failed => "failed",
+            Status::Interrupted => "interrupted",
+        })
+    }
+}
+
+/// Number of unknowns by field.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct Unknowns {
+    /// v.
+    pub velocity: usize,
+    /// u.
+    pub deformation: usize,
+    /// p.
+    pub pressure: usize,
+    /// All.
+    pub total: usize,
+}
+
+/// Elapsed time by phase \[s\].
+#[derive(Copy, Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Phases {
+    /// Residuals and matrices.
+    #[serde(with = "nullable")]
+    pub assembly: f64,
+    /// Factorizations.
+    #[serde(with = "nullable")]
+    pub factorization: f64,
+    /// Triangular solves.
+    #[serde(with = "nullable")]
+    pub solve: f64,
+    /// Files.
+    #[serde(with = "nullable")]
+    pub output: f64,
+}
+
+/// One functional in numbers, all in `unit` except the frequency.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct FunctionalSummary {
+    /// Last value.
+    #[serde(with = "nullable")]
+    pub last: f64,
+    /// (max + min)/2 over the last period of the leading signal; `None` where steady.
+    #[serde(with = "optional")]
+    pub mean: Option<f64>,
+    /// (max − min)/2 over the last period of the leading signal; `None` where steady.
+    #[serde(with = "optional")]
+    pub amplitude: Option<f64>,
+    /// \[Hz\]; `None` where steady.
+    #[serde(with = "optional")]
+    pub frequency: Option<f64>,
+    /// Such as `N/m`; empty for a pure number.
+    pub unit: String,
+}
+
+/// Where and why a run broke down.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+pub struct Breakdown {
+    /// Time of the step that failed \[s\].
+    #[serde(with = "nullable")]
+    pub time: f64,
+    /// Smallest det F of that step.
+    #[serde(rename = "min_J", with = "nullable")]
+    pub min_j: f64,
+    /// Where it occurs, for people.
+    pub r#where: String,
+    /// What happened, for people.
+    pub reason: String,
+}
+
+impl Summary {
+    /// Writes the file, atomically.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<(), OutputError> {
+        write_atomic(path, |file| {
+            serde_json::to_writer_pretty(&mut *file, self)?;
+            file.write_all(b"\n")
+        })
+    }
+
+    /// Reads the file.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`], [`OutputError::Format`].
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, OutputError> {
+        let path = path.as_ref();
+        let text = fs::read_to_string(path).map_err(OutputError::io("read", path))?;
+        serde_json::from_str(&text).map_err(|e| OutputError::format(path, e.to_string()))
+    }
+}
+
+/// Largest resident memory of this process \[B\]; known on Linux only.
+pub fn peak_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(1024 * kibibytes)
+}
+
+/// A number that is `null` in the file where it is not finite.
+mod nullable {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
+        optional::serialize(&Some(*x), to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+    }
+}
+
+/// A number that may be missing, and is where it is not finite.
+mod optional {
+    use super::*;
+
+    pub fn serialize<S: Serializer>(x: &Option<f64>, to: S) -> Result<S::Ok, S::Error> {
+        x.filter(|x| x.is_finite()).serialize(to)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+        Option::<f64>::deserialize(from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::testing::scratch;
+
+    fn example() -> Summary {
+        let uy = FunctionalSummary {
+            last: 0.1 + 0.2,
+            mean: Some(1.0 / 3.0),
+            amplitude: Some(f64::NAN),
+            frequency: None,
+            unit: "m".into(),
+        };
+        let breakdown = Breakdown { time: 4.8, min_j: f64::NEG_INFINITY, ..Breakdown::default() };
+        Summary {
+            status: Status::Breakdown,
+            case: "fsi3".into(),
+            wall_seconds: f64::INFINITY,
+            peak_memory_bytes: peak_memory(),
+            functionals: [("uy_A".to_string(), uy)].into(),
+            breakdown: Some(breakdown),
+            ..Summary::default()
+        }
+    }
+
+    #[test]
+    fn numbers_survive_and_those_not_finite_become_null() {
+        let path = scratch("summary").join("summary.json");
+        let written = example();
+        written.write(&path).unwrap();
+        let read = Summary::read(&path).unwrap();
+        let uy = &read.functionals["uy_A"];
+        assert_eq!((uy.last, uy.mean, uy.amplitude), (0.1 + 0.2, Some(1.0 / 3.0), None));
+        assert!(read.wall_seconds.is_nan() && read.breakdown.as_ref().unwrap().min_j.is_nan());
+        let text = fs::read_to_string(&path).unwrap();
+        for expected in
+            ["\"status\": \"breakdown\"", "\"amplitude\": null", "\"min_J\": null", "\"where\": \"\""]
+        {
+            assert!(text.contains(expected), "{expected} in {text}");
+        }
+        assert!(!text.contains("NaN") && !text.contains("inf"));
+    }
+
+    #[test]
+    fn the_keys_are_the_contract() {
+        let value = serde_json::to_value(Summary::default()).unwrap();
+        let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
+        let mut contract = "status case cells unknowns steps newton_steps jacobians factorizations threads \
+            wall_seconds phases peak_memory_bytes functionals"
+            .split_whitespace()
+            .collect::<Vec<_>>();
+        contract.sort();
+        assert_eq!(keys, contract);
+        assert_eq!(value["status"], "running");
+    }
+
+    #[test]
+    fn something_else_is_refused() {
+        let path = scratch("summary-else").join("summary.json");
+        fs::write(&path, "{\"status\": \"great\"}").unwrap();
+        assert!(Summary::read(&path).unwrap_err().to_string().contains("summary.json: unknown variant"));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn memory_is_known() {
+        assert!(peak_memory().unwrap() > 100_000);
+    }
+}

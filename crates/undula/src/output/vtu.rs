@@ -1,0 +1,325 @@
+//! VTU files: fields on the deformed mesh, as ParaView reads them.
+//!
+//! An `UnstructuredGrid` with appended raw data in zlib-compressed blocks, little endian, `UInt64`
+//! headers. Cells are curved: `VTK_BIQUADRATIC_QUAD` for degree 2. [`read_vtu`] reads what [`write_vtu`]
+//! writes, nothing else.
+
+use super::history::number;
+use super::{OutputError, write_atomic};
+use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+
+/// Values of one quantity at all points or in all cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Name, such as `velocity`.
+    pub name: String,
+    /// Numbers per point or cell. Two are written as three, the last zero: ParaView's vectors have three.
+    pub components: usize,
+    /// `n × components`, the components of one point next to each other; SI units.
+    pub values: Vec<f64>,
+}
+
+impl Field {
+    /// The quantity `name` with `n × components` values.
+    pub fn new(name: impl Into<String>, components: usize, values: Vec<f64>) -> Self {
+        Field { name: name.into(), components, values }
+    }
+}
+
+/// The fields of one moment on quadrilateral cells of degree 1, 2 or higher.
+///
+/// Points lie where the material or the mesh is at that moment, so that pictures show the deformed domain
+/// without further filters. The pictures of `undula plot` look for the point data `velocity` \[m/s\],
+/// `pressure` \[Pa\] and for the cell data `solid` (1 in cells of the solid, else 0).
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct FieldSnapshot {
+    /// Degree of the cells.
+    pub degree: usize,
+    /// Deformed positions \[m\], the third coordinate zero in 2D.
+    pub points: Vec<[f64; 3]>,
+    /// Points of each cell in lexicographic order, `n_cells × (degree + 1)²`.
+    pub cells: Vec<u32>,
+    /// Values at points, `n_points × components` each.
+    pub point_data: Vec<Field>,
+    /// Values in cells, `n_cells × components` each.
+    pub cell_data: Vec<Field>,
+}
+
+impl FieldSnapshot {
+    /// Points per cell.
+    pub fn points_per_cell(&self) -> usize {
+        (self.degree + 1).pow(2)
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.cells.len() / self.points_per_cell()
+    }
+
+    /// The point data called `name`.
+    pub fn at_points(&self, name: &str) -> Option<&Field> {
+        self.point_data.iter().find(|field| field.name == name)
+    }
+
+    /// The cell data called `name`.
+    pub fn in_cells(&self, name: &str) -> Option<&Field> {
+        self.cell_data.iter().find(|field| field.name == name)
+    }
+}
+
+/// Bits per field value in the file; points always have 64.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+pub enum Precision {
+    /// Double, but single from 100 000 points on.
+    #[default]
+    Auto,
+    /// 32 bits.
+    Single,
+    /// 64 bits: reading gives the same numbers.
+    Double,
+}
+
+/// Bytes per compressed block.
+const BLOCK: usize = 1 << 16;
+
+/// Lexicographic numbers of the nodes of a quadrilateral in the order of VTK: vertices, edges, interior.
+///
+/// Vertices go round; edges are bottom, right, top, left, each in the direction of its coordinate. This is
+/// the order of `VTK_QUAD`, `VTK_BIQUADRATIC_QUAD` and `VTK_LAGRANGE_QUADRILATERAL` alike.
+fn vtk_order(degree: usize) -> Vec<usize> {
+    let k = degree;
+    let mut lattice = vec![(0, 0), (k, 0), (k, k), (0, k)];
+    lattice.extend((1..k).map(|i| (i, 0)));
+    lattice.extend((1..k).map(|j| (k, j)));
+    lattice.extend((1..k).map(|i| (i, k)));
+    lattice.extend((1..k).map(|j| (0, j)));
+    lattice.extend((1..k).flat_map(|j| (1..k).map(move |i| (i, j))));
+    lattice.into_iter().map(|(i, j)| i + (k + 1) * j).collect()
+}
+
+/// Number of the cell type in VTK.
+fn vtk_cell_type(degree: usize) -> u8 {
+    match degree {
+        1 => 9,
+        2 => 28,
+        _ => 70,
+    }
+}
+
+/// Writes `snapshot` at time `time` \[s\], atomically.
+///
+/// # Errors
+/// [`OutputError::Io`].
+///
+/// # Panics
+/// If an array does not have the length its shape asks for, or a cell names a point that is not there.
+pub fn write_vtu(
+    path: impl AsRef<Path>,
+    snapshot: &FieldSnapshot,
+    time: f64,
+    precision: Precision,
+) -> Result<(), OutputError> {
+    let (n_points, n_cells, n) = (snapshot.points.len(), snapshot.n_cells(), snapshot.points_per_cell());
+    assert!(snapshot.degree >= 1 && snapshot.cells.len() == n * n_cells, "whole cells");
+    assert!(snapshot.cells.iter().all(|&p| (p as usize) < n_points), "cells of existing points");
+    let single = match precision {
+        Precision::Auto => n_points >= 100_000,
+        Precision::Single => true,
+        Precision::Double => false,
+    };
+    let mut data = Appended::default();
+    let order = vtk_order(snapshot.degree);
+    let flat: Vec<u8> = snapshot.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+    let points = data.array("Float64", "Points", 3, &flat);
+    let nodes = snapshot.cells.chunks_exact(n).flat_map(|cell| order.iter().map(|&i| cell[i]));
+    let connectivity: Vec<u8> = nodes.flat_map(|p| i64::from(p).to_le_bytes()).collect();
+    let offsets: Vec<u8> = (1..=n_cells).flat_map(|c| ((n * c) as i64).to_le_bytes()).collect();
+    let cells = data.array("Int64", "connectivity", 1, &connectivity)
+        + &data.array("Int64", "offsets", 1, &offsets)
+        + &data.array("UInt8", "types", 1, &vec![vtk_cell_type(snapshot.degree); n_cells]);
+    let point_data: String = snapshot.point_data.iter().map(|f| data.field(f, n_points, single)).collect();
+    let cell_data: String = snapshot.cell_data.iter().map(|f| data.field(f, n_cells, single)).collect();
+    let header = format!(
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+         header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n\
+         <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n\
+         </FieldData>\n<Piece NumberOfPoints=\"{n_points}\" NumberOfCells=\"{n_cells}\">\n<Points>\n{points}\
+         </Points>\n<Cells>\n{cells}</Cells>\n<PointData>\n{point_data}</PointData>\n<CellData>\n{cell_data}\
+         </CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_",
+        number(time)
+    );
+    write_atomic(path, |file| {
+        file.write_all(header.as_bytes())?;
+        file.write_all(&data.bytes)?;
+        file.write_all(b"\n</AppendedData>\n</VTKFile>\n")
+    })
+}
+
+/// The binary part of a file.
+#[derive(Default)]
+struct Appended {
+    bytes: Vec<u8>,
+}
+
+impl Appended {
+    /// Appends `raw` in compressed blocks and returns the element that refers to it.
+    fn array(&mut self, kind: &str, name: &str, components: usize, raw: &[u8]) -> String {
+        let offset = self.bytes.len();
+        let blocks: Vec<Vec<u8>> = raw.chunks(BLOCK).map(deflate).collect();
+        let mut header = vec![blocks.len(), BLOCK, raw.len() % BLOCK];
+        header.extend(blocks.iter().map(Vec::len));
+        self.bytes.extend(header.iter().flat_map(|&n| (n as u64).to_le_bytes()));
+        blocks.iter().for_each(|block| self.bytes.extend(block));
+        let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        format!(
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
+             format=\"appended\" offset=\"{offset}\"/>\n"
+        )
+    }
+
+    /// Appends a field of `n` points or cells.
+    fn field(&mut self, field: &Field, n: usize, single: bool) -> String {
+        assert_eq!(field.values.len(), n * field.components, "size of the field {}", field.name);
+        let padding = if field.components == 2 { 1 } else { 0 };
+        let mut raw = Vec::with_capacity(8 * n * (field.components + padding));
+        for tuple in field.values.chunks_exact(field.components) {
+            for x in tuple.iter().chain(&[0.0][..padding]) {
+                if single { raw.extend((*x as f32).to_le_bytes()) } else { raw.extend(x.to_le_bytes()) }
+            }
+        }
+        let kind = if single { "Float32" } else { "Float64" };
+        self.array(kind, &field.name, field.components + padding, &raw)
+    }
+}
+
+fn deflate(block: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+    let written = encoder.write_all(block).and_then(|()| encoder.finish());
+    written.unwrap_or_else(|_| unreachable!("writing to memory does not fail"))
+}
+
+/// Reads a file of [`write_vtu`]: the snapshot and its time \[s\] (NaN if the file has none).
+///
+/// # Errors
+/// [`OutputError::Io`]; [`OutputError::Format`] if the file is damaged or of another kind.
+pub fn read_vtu(path: impl AsRef<Path>) -> Result<(FieldSnapshot, f64), OutputError> {
+    let path = path.as_ref();
+    let bytes = fs::read(path).map_err(OutputError::io("read", path))?;
+    parse(&bytes).map_err(|message| OutputError::format(path, message))
+}
+
+fn parse(bytes: &[u8]) -> Result<(FieldSnapshot, f64), String> {
+    let marker = b"<AppendedData encoding=\"raw\">\n_";
+    let at = bytes.windows(marker.len()).position(|w| w == marker);
+    let at = at.ok_or("not a VTU file with appended raw data, or truncated")?;
+    let header = std::str::from_utf8(&bytes[..at]).map_err(|_| "the header is not text")?;
+    for expected in ["type=\"UnstructuredGrid\"", "header_type=\"UInt64\"", "vtkZLibDataCompressor"] {
+        if !header.contains(expected) {
+            return Err(format!("{expected} expected: not a file of this program"));
+        }
+    }
+    let appended = &bytes[at + marker.len()..];
+    let mut snapshot = FieldSnapshot::default();
+    let (mut time, mut section) = (f64::NAN, "");
+    let (mut connectivity, mut types) = (Vec::new(), Vec::new());
+    for tag in header.split('<') {
+        let name = tag.split([' ', '>']).next().unwrap_or("");
+        match name {
+            "FieldData" | "Points" | "Cells" | "PointData" | "CellData" => section = name,
+            "DataArray" if section == "FieldData" => {
+                let text = tag.split('>').nth(1).unwrap_or("");
+                time = text.trim().parse().map_err(|_| format!("time `{text}`"))?;
+            }
+            "DataArray" => {
+                let field = array(tag, appended)?;
+                match (section, field.name.as_str()) {
+                    ("Points", _) => snapshot.points = field.values.as_chunks().0.to_vec(),
+                    ("Cells", "connectivity") => connectivity = field.values,
+                    ("Cells", "types") => types = field.values,
+                    ("PointData", _) => snapshot.point_data.push(field),
+                    ("CellData", _) => snapshot.cell_data.push(field),
+                    _ => {}
+                }
+            }
+            _ => {}
+        }
+    }
+    cells(&mut snapshot, &connectivity, &types)?;
+    let sized = |fields: &[Field], n| fields.iter().all(|f| f.values.len() == n * f.components);
+    if !sized(&snapshot.point_data, snapshot.points.len()) || !sized(&snapshot.cell_data, types.len()) {
+        return Err("an array has the wrong length".into());
+    }
+    Ok((snapshot, time))
+}
+
+/// Fills in degree and cells.
+fn cells(snapshot: &mut FieldSnapshot, connectivity: &[f64], types: &[f64]) -> Result<(), String> {
+    let n = connectivity.len().checked_div(types.len()).unwrap_or(4);
+    snapshot.degree = n.isqrt().max(2) - 1;
+    let kind = f64::from(vtk_cell_type(snapshot.degree));
+    if snapshot.points_per_cell() * types.len() != connectivity.len() || types.iter().any(|t| *t != kind) {
+        return Err("cells that are not all of the same kind of quadrilateral".into());
+    }
+    let order = vtk_order(snapshot.degree);
+    snapshot.cells = vec![0; connectivity.len()];
+    for (cell, from) in snapshot.cells.chunks_exact_mut(n).zip(connectivity.chunks_exact(n)) {
+        for (&i, &point) in order.iter().zip(from) {
+            if !(0.0..snapshot.points.len() as f64).contains(&point) {
+                return Err(format!("a cell names point {point}, which does not exist"));
+            }
+            cell[i] = point as u32;
+        }
+    }
+    Ok(())
+}
+
+/// The array that the element `tag` refers to.
+fn array(tag: &str, appended: &[u8]) -> Result<Field, String> {
+    let attribute = |key: &str| {
+        let at = tag.find(&format!(" {key}=\""))? + key.len() + 3;
+        tag[at..].split('"').next()
+    };
+    let name = attribute("Name").ok_or("an array without name")?;
+    let name = name.replace("&quot;", "\"").replace("&lt;", "<").replace("&amp;", "&");
+    let integer = |key: &str| attribute(key).and_then(|v| v.parse::<usize>().ok());
+    let (Some(components), Some(offset)) = (integer("NumberOfComponents"), integer("offset")) else {
+        return Err(format!("array `{name}`: no components or offset"));
+    };
+    let raw = inflate(appended, offset).ok_or_else(|| format!("array `{name}` is damaged or truncated"))?;
+    let values = match attribute("type") {
+        Some("Float64") => raw.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect(),
+        Some("Float32") => raw.as_chunks().0.iter().map(|b| f64::from(f32::from_le_bytes(*b))).collect(),
+        Some("Int64") => raw.as_chunks().0.iter().map(|b| i64::from_le_bytes(*b) as f64).collect(),
+        Some("UInt8") => raw.iter().map(|&b| f64::from(b)).collect(),
+        other => return Err(format!("array `{name}`: type {other:?} is not read here")),
+    };
+    Ok(Field { name, components, values })
+}
+
+/// The uncompressed bytes of the array at `offset`; `None` if they are damaged.
+fn inflate(appended: &[u8], offset: usize) -> Option<Vec<u8>> {
+    let word = |n: usize| {
+        let at = offset.checked_add(8 * n)?;
+        Some(u64::from_le_bytes(appended.get(at..at.checked_add(8)?)?.try_into().ok()?) as usize)
+    };
+    let (n_blocks, size, rest) = (word(0)?, word(1)?, word(2)?);
+    if n_blocks > appended.len() || size > 1 << 30 {
+        return None;
+    }
+    let mut at = offset + 8 * (3 + n_blocks);
+    let mut raw = Vec::new();
+    for block in 0..n_blocks {
+        let end = at.checked_add(word(3 + block)?)?;
+        let full = if block + 1 == n_blocks && rest > 0 { rest } else { size };
+        let before = raw.len();
+        ZlibDecoder::new(appended.get(at..end)?).take(size as u64).read_to_end(&mut raw).ok()?;
+        if raw.len() - before != full {
+            return None;
+        }
+        at = end;
+    }
+    Some(raw)
+}

@@ -1,0 +1,106 @@
+//! VTU files and their collection. The files stay in the scratch directory of the build, where a reader
+//! that shares no code with this one checks them: `validation/read_vtu.py`.
+
+use std::fs;
+use std::path::PathBuf;
+use undula::output::{Collection, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
+
+/// An empty directory for the test `name`.
+fn scratch(name: &str) -> PathBuf {
+    let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = fs::remove_dir_all(&path);
+    fs::create_dir_all(&path).unwrap();
+    path
+}
+
+/// A quarter of the ring 1 < r < 2 in `n_r × n_phi` cells, with the fields x² − y² + x y, (−y, x, x y).
+fn curved_mesh(degree: usize, n_r: usize, n_phi: usize) -> FieldSnapshot {
+    let (row, column) = (degree * n_r + 1, degree * n_phi + 1);
+    let mut mesh = FieldSnapshot { degree, ..FieldSnapshot::default() };
+    for (i, j) in (0..column).flat_map(|j| (0..row).map(move |i| (i, j))) {
+        let r = 1.0 + i as f64 / (row - 1) as f64;
+        let phi = std::f64::consts::FRAC_PI_2 * j as f64 / (column - 1) as f64;
+        mesh.points.push([r * phi.cos(), r * phi.sin(), 0.0]);
+    }
+    for (i, j) in (0..n_phi).flat_map(|j| (0..n_r).map(move |i| (degree * i, degree * j))) {
+        let nodes = (0..=degree).flat_map(|b| (0..=degree).map(move |a| (i + a + row * (j + b)) as u32));
+        mesh.cells.extend(nodes);
+    }
+    let scalar = |p: &[f64; 3]| p[0] * p[0] - p[1] * p[1] + p[0] * p[1];
+    let vector = |p: &[f64; 3]| [-p[1], p[0], p[0] * p[1]];
+    mesh.point_data = vec![
+        Field::new("pressure", 1, mesh.points.iter().map(scalar).collect()),
+        Field::new("velocity", 3, mesh.points.iter().flat_map(vector).collect()),
+    ];
+    mesh.cell_data = vec![Field::new("solid", 1, (0..n_r * n_phi).map(|c| (c % 2) as f64).collect())];
+    mesh
+}
+
+#[test]
+fn files_read_back_with_the_same_bits() {
+    for degree in 1..=4 {
+        let path = scratch("vtu-round").join("fields/a.vtu");
+        let mut written = curved_mesh(degree, 40, 7);
+        written.point_data.push(Field::new("a <strange> & \"name\"", 4, vec![0.1; 4 * written.points.len()]));
+        write_vtu(&path, &written, 0.1 + 0.2, Precision::Double).unwrap();
+        let (read, time) = read_vtu(&path).unwrap();
+        assert_eq!(time, 0.1 + 0.2);
+        assert_eq!(read, written);
+    }
+}
+
+#[test]
+fn plane_vectors_get_a_third_component_and_single_precision_rounds() {
+    let path = scratch("vtu-single").join("a.vtu");
+    let mut snapshot = curved_mesh(2, 3, 2);
+    let n = snapshot.points.len();
+    snapshot.point_data = vec![Field::new("w", 2, (0..2 * n).map(|i| 1.0 / (1.0 + i as f64)).collect())];
+    write_vtu(&path, &snapshot, 0.0, Precision::Single).unwrap();
+    let (read, _) = read_vtu(&path).unwrap();
+    assert_eq!(read.points, snapshot.points);
+    assert_eq!(read.point_data[0].components, 3);
+    for (read, x) in read.point_data[0].values.chunks(3).zip(snapshot.point_data[0].values.chunks(2)) {
+        assert_eq!(read, [f64::from(x[0] as f32), f64::from(x[1] as f32), 0.0]);
+    }
+}
+
+#[test]
+fn an_empty_snapshot_is_a_file_too() {
+    let path = scratch("vtu-empty").join("a.vtu");
+    write_vtu(&path, &FieldSnapshot { degree: 1, ..Default::default() }, 1.0, Precision::Auto).unwrap();
+    assert!(read_vtu(&path).unwrap().0.points.is_empty());
+}
+
+#[test]
+fn damage_is_an_error_wherever_it_is() {
+    let path = scratch("vtu-damage").join("a.vtu");
+    write_vtu(&path, &curved_mesh(2, 8, 3), 1.0, Precision::Auto).unwrap();
+    let good = fs::read(&path).unwrap();
+    for cut in (0..good.len() - 40).step_by(97) {
+        fs::write(&path, &good[..cut]).unwrap();
+        assert!(read_vtu(&path).is_err(), "cut at {cut}");
+    }
+    for at in (0..good.len()).step_by(31) {
+        let mut bad = good.clone();
+        bad[at] ^= 0x55;
+        fs::write(&path, bad).unwrap();
+        // Any answer but a panic; the compressed blocks carry check sums of their own.
+        let _ = read_vtu(&path);
+    }
+}
+
+/// What `validation/read_vtu.py` reads: one cell type per collection, curved cells.
+#[test]
+fn collections_of_curved_cells() {
+    for degree in [1, 2, 3] {
+        let directory = scratch(&format!("vtu-degree-{degree}"));
+        let mut collection = Collection::create(directory.join("fields.pvd")).unwrap();
+        for (n, precision) in [Precision::Double, Precision::Single].into_iter().enumerate() {
+            let name = format!("fields/fields_{n:06}.vtu");
+            let time = 0.1 * n as f64;
+            write_vtu(directory.join(&name), &curved_mesh(degree, 20, 12), time, precision).unwrap();
+            collection.add(time, name).unwrap();
+        }
+        assert_eq!(Collection::read(directory.join("fields.pvd")).unwrap().entries().len(), 2);
+    }
+}

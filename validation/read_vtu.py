@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Reads a ParaView collection (or VTU files) with VTK itself and checks what is in it.
+
+    pip install vtk numpy
+    read_vtu.py out/fsi3/fields.pvd
+    read_vtu.py fields.pvd --area 2.356194 --expect "pressure=x*x-y*y+x*y" --expect "velocity=-y,x,x*y"
+
+Checked for every file: the collection's time is that of the file, all values are finite, all cells have one
+type, every point belongs to a cell, and the Jacobian of every cell map, by VTK's own shape functions, is
+positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
+--expect compares point data with expressions of x, y at the points, and inside the cells the interpolation by
+VTK's shape functions. The exit code is 1 if anything is wrong.
+"""
+import argparse
+import os
+import sys
+import xml.etree.ElementTree as ElementTree
+
+import numpy as np
+import vtk
+from vtk.util.numpy_support import vtk_to_numpy
+
+
+def files_of(path):
+    """Pairs (time or None, file)."""
+    if not path.endswith(".pvd"):
+        return [(None, path)]
+    entries = ElementTree.parse(path).getroot().iter("DataSet")
+    return [(float(e.get("timestep")), os.path.join(os.path.dirname(path), e.get("file"))) for e in entries]
+
+
+def arrays_of(data):
+    return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+
+
+def tables(cell):
+    """Weights, shape functions and their derivatives at 5 x 5 Gauss points, by the cell's own class."""
+    interleaved = cell.GetClassName().startswith("vtkLagrange")
+    at, weight = np.polynomial.legendre.leggauss(5)
+    at, weight, n = 0.5 * (at + 1), 0.5 * weight, cell.GetNumberOfPoints()
+    weights, values, derivatives = [], [], []
+    for i, r in enumerate(at):
+        for j, s in enumerate(at):
+            phi, d_phi = [0.0] * n, [0.0] * (2 * n)
+            cell.InterpolateFunctions([r, s, 0.0], phi)
+            cell.InterpolateDerivs([r, s, 0.0], d_phi)
+            weights.append(weight[i] * weight[j])
+            values.append(phi)
+            derivatives.append(np.reshape(d_phi, (n, 2)).T if interleaved else np.reshape(d_phi, (2, n)))
+    return np.array(weights), np.array(values), np.array(derivatives)
+
+
+def check(time, path, args):
+    wrong = []
+    reader = vtk.vtkXMLUnstructuredGridReader()
+    reader.SetFileName(path)
+    reader.Update()
+    if reader.GetErrorCode():
+        return [f"VTK error {reader.GetErrorCode()}"]
+    grid = reader.GetOutput()
+    points = vtk_to_numpy(grid.GetPoints().GetData())
+    types = {grid.GetCellType(c): grid.GetCell(c).GetClassName() for c in range(grid.GetNumberOfCells())}
+    stored = grid.GetFieldData().GetArray("TimeValue")
+    stored = None if stored is None else stored.GetValue(0)
+    print(f"{path}: t = {stored}, {len(points)} points, {grid.GetNumberOfCells()} cells of {types}")
+    if time is not None and stored != time:
+        wrong.append(f"time {stored} in the file, {time} in the collection")
+    if len(types) != 1:
+        return wrong + [f"{len(types)} cell types"]
+
+    nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
+    if len(np.unique(nodes)) != len(points):
+        wrong.append(f"{len(points) - len(np.unique(nodes))} points in no cell")
+    weights, phi, d_phi = tables(grid.GetCell(0))
+    jacobian = np.linalg.det(np.einsum("qrn,cnd->cqrd", d_phi, points[nodes][:, :, :2]))
+    area = float((jacobian @ weights).sum())
+    print(f"  area {area:.12g}, Jacobian of the cell maps {jacobian.min():.3e} .. {jacobian.max():.3e}")
+    if jacobian.min() <= 0:
+        wrong.append(f"{(jacobian.min(axis=1) <= 0).sum()} cells with a Jacobian that is not positive")
+    if args.area is not None and abs(area - args.area) > args.tolerance * abs(args.area):
+        wrong.append(f"area {area:.12g}, expected {args.area:.12g}")
+
+    at_points, in_cells = arrays_of(grid.GetPointData()), arrays_of(grid.GetCellData())
+    for kind, arrays in (("points", at_points), ("cells", in_cells), ("points", {"(position)": points})):
+        for name, array in arrays.items():
+            print(f"  {kind} {name} {array.dtype} x {array[0].size}: {array.min():.6g} .. {array.max():.6g}")
+            if not np.isfinite(array).all():
+                wrong.append(f"{name}: {(~np.isfinite(array)).sum()} values are not finite")
+    inside = np.einsum("qn,cnd->cqd", phi, points[nodes])
+    for name, expression in (e.split("=", 1) for e in args.expect):
+        if name not in at_points:
+            wrong.append(f"{name} is missing")
+            continue
+        columns = at_points[name].reshape(len(points), -1)
+        interpolated = np.einsum("qn,cnd->cqd", phi, columns[nodes])
+        for d, component in enumerate(expression.split(",")):
+            at = lambda x: eval(component, vars(np) | {"x": x[..., 0], "y": x[..., 1]})  # noqa: B023
+            error = np.abs(columns[:, d] - at(points)).max(), np.abs(interpolated[..., d] - at(inside)).max()
+            print(f"  {name}[{d}] - ({component}): {error[0]:.2e} at points, {error[1]:.2e} inside cells")
+            if error[0] > args.tolerance or error[1] > args.inside:
+                wrong.append(f"{name}[{d}] is not {component}")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("path", nargs="+", help=".pvd or .vtu")
+    parser.add_argument("--area", type=float, help="of the deformed domain [m2]")
+    parser.add_argument("--expect", action="append", default=[], metavar="NAME=EXPR[,EXPR..]")
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="at points; relative for the area")
+    parser.add_argument("--inside", type=float, default=1e-2, help="inside cells, where interpolation errs")
+    args = parser.parse_args()
+    n_wrong = 0
+    for path in args.path:
+        for time, file in files_of(path):
+            for message in check(time, file, args):
+                n_wrong += 1
+                print(f"  WRONG: {message}")
+    print("all is well" if n_wrong == 0 else f"{n_wrong} things are wrong")
+    sys.exit(n_wrong > 0)
+
+
+if __name__ == "__main__":
+    main()
