@@ -1,0 +1,180 @@
+//! What a linear solver is, what it may know, and how it fails.
+
+use super::{Csr, Pattern};
+use std::{fmt, sync::Arc};
+
+/// Field that an unknown belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Kind {
+    /// A component of v.
+    Velocity,
+    /// A component of u.
+    Deformation,
+    /// p, or one of its moments in a cell.
+    Pressure,
+}
+
+/// What a solver may know of an unknown, and of the row with the same number.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unknown {
+    /// Mesh node that the unknown sits on; unknowns of one node are eliminated together. Pressures
+    /// that belong to a cell and to no node have a number of their own for each cell.
+    pub node: u32,
+    /// Field.
+    pub kind: Kind,
+    /// Position in the reference domain, m; the third coordinate is 0 in two dimensions.
+    pub at: [f64; 3],
+}
+
+impl fmt::Display for Unknown {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { node, kind, at: [x, y, z] } = self;
+        let kind = match kind {
+            Kind::Velocity => "velocity",
+            Kind::Deformation => "deformation",
+            Kind::Pressure => "pressure",
+        };
+        write!(f, "{kind} of node {node} at ({x:.6}, {y:.6}, {z:.6})")
+    }
+}
+
+/// Direct or iterative solver of `A x = b` for many matrices of one pattern.
+pub trait LinearSolver: Send {
+    /// Name as written in case files.
+    fn name(&self) -> &'static str;
+
+    /// Prepares for matrices of this pattern, once per run. `unknowns` has one entry per row.
+    ///
+    /// # Errors
+    /// If the description does not fit the pattern, or memory is short.
+    fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError>;
+
+    /// Factors `a`, once per kept Jacobian, and probes the factors with a known solution.
+    ///
+    /// # Errors
+    /// If `a` is singular, nearly so, or the factors turn out to be inaccurate.
+    fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError>;
+
+    /// Solves `a x = b`; `a` is the matrix last factored, `x` is only written.
+    ///
+    /// # Errors
+    /// If the residual stays too large, or something is not finite.
+    fn solve(&mut self, a: &Csr, b: &[f64], x: &mut [f64]) -> Result<SolveReport, SolverError>;
+}
+
+/// What a factorisation has cost; `None` where the backend does not tell.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cost {
+    /// Stored entries of L and U.
+    pub fill: Option<usize>,
+    /// Floating point operations, a multiplication and an addition being two.
+    pub flops: Option<f64>,
+    /// Pivots that were refused in their own front and eliminated further up.
+    pub delayed: usize,
+}
+
+/// Outcome of [`LinearSolver::factor`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FactorReport {
+    /// Size of the factors and work done.
+    pub cost: Cost,
+    /// Relative error of the probe, ‖x − x*‖∞ / ‖x*‖∞ in scaled variables, without refinement.
+    pub probe_error: f64,
+    /// Lower estimate of the condition number in scaled variables; only looked at where the probe
+    /// lost half of the digits.
+    pub condition: Option<f64>,
+}
+
+/// Outcome of [`LinearSolver::solve`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SolveReport {
+    /// Steps of iterative refinement taken.
+    pub refinements: usize,
+    /// ‖b − A x‖ / (‖A‖ ‖x‖ + ‖b‖) in the maximum norm and scaled variables.
+    pub backward_error: f64,
+}
+
+/// Why a system was not solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolverError {
+    /// The arrays given do not belong together.
+    #[error("{what}: expected {expected} entries, got {found}")]
+    Size {
+        /// Which array.
+        what: &'static str,
+        /// Entries it should have.
+        expected: usize,
+        /// Entries it has.
+        found: usize,
+    },
+    /// The matrix has another pattern than the one analysed, or there was none.
+    #[error("the matrix has another pattern than the one analysed")]
+    NotAnalysed,
+    /// Solve without a (successful) factorisation.
+    #[error("solve called without a factorisation")]
+    NotFactored,
+    /// An entry of the matrix is infinite or not a number.
+    #[error("entry ({row}, {col}) of the matrix is not finite: row of the {unknown}")]
+    NotFinite {
+        /// Row of the first such entry.
+        row: usize,
+        /// Its column.
+        col: usize,
+        /// Unknown of the row.
+        unknown: Unknown,
+    },
+    /// An entry of the right-hand side is infinite or not a number.
+    #[error("entry {row} of the right-hand side is not finite: row of the {unknown}")]
+    RightHandSide {
+        /// First such row.
+        row: usize,
+        /// Unknown of the row.
+        unknown: Unknown,
+    },
+    /// A row of the matrix vanishes.
+    #[error("row {row} of the matrix is zero: no equation for the {unknown}")]
+    ZeroRow {
+        /// The row.
+        row: usize,
+        /// Unknown of the row.
+        unknown: Unknown,
+    },
+    /// A column of the matrix vanishes.
+    #[error("column {col} of the matrix is zero: no equation contains the {unknown}")]
+    ZeroColumn {
+        /// The column.
+        col: usize,
+        /// Unknown of the column.
+        unknown: Unknown,
+    },
+    /// The matrix is singular to working precision.
+    #[error(
+        "the matrix is singular (condition number about {condition:.1e}); \
+         it does not determine the {unknown}"
+    )]
+    Singular {
+        /// Estimate in scaled variables; infinite for a zero pivot.
+        condition: f64,
+        /// Number of the unknown where the null vector is largest.
+        index: usize,
+        /// What it is.
+        unknown: Unknown,
+    },
+    /// Refinement does not bring the residual down: the factors are not those of the matrix.
+    #[error(
+        "the linear system was solved inaccurately: backward error {backward_error:.1e} \
+         after {refinements} refinements, allowed {allowed:.1e}"
+    )]
+    Inaccurate {
+        /// Backward error reached.
+        backward_error: f64,
+        /// Refinement steps taken.
+        refinements: usize,
+        /// Largest backward error accepted.
+        allowed: f64,
+    },
+    /// Memory is short, or an index does not fit.
+    #[error("no memory for the factors: {0}")]
+    Memory(String),
+}

@@ -1,0 +1,77 @@
+//! Reductions whose result depends on the numbers only, not on threads or on the machine's lanes.
+
+/// Partial sums of [`dot`]: entry `i` always goes to lane `i % LANES`.
+const LANES: usize = 8;
+
+/// Entries per partial sum of [`dot`]; a fixed number, so that the sum is always the same sum.
+const CHUNK: usize = 4096;
+
+/// Σ `x[i] y[i]`, summed in a fixed order.
+///
+/// # Panics
+/// If the lengths differ.
+pub fn dot(x: &[f64], y: &[f64]) -> f64 {
+    assert_eq!(x.len(), y.len(), "dot of vectors of different length");
+    x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(|(x, y)| dot_chunk(x, y)).sum()
+}
+
+fn dot_chunk(x: &[f64], y: &[f64]) -> f64 {
+    let mut lanes = [0.0; LANES];
+    let (x, y) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
+    let (x_rest, y_rest) = (x.remainder(), y.remainder());
+    for (x, y) in x.zip(y) {
+        for l in 0..LANES {
+            lanes[l] += x[l] * y[l];
+        }
+    }
+    let rest: f64 = x_rest.iter().zip(y_rest).map(|(x, y)| x * y).sum();
+    lanes.iter().sum::<f64>() + rest
+}
+
+/// max |`x[i]`|, or NaN where an entry is not finite; 0 for an empty vector.
+pub fn norm_inf(x: &[f64]) -> f64 {
+    let (mut max, mut poison) = (0.0_f64, 0.0);
+    for &v in x {
+        max = max.max(v.abs());
+        poison += 0.0 * v;
+    }
+    max + poison
+}
+
+/// The `i`-th of a fixed sequence of numbers in ±[0.5, 1], the same on every machine.
+pub(crate) fn pseudo_random(i: usize) -> f64 {
+    // splitmix64
+    let mut z = (i as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^= z >> 31;
+    let size = 0.5 + 0.5 * (z >> 11) as f64 / (1u64 << 53) as f64;
+    if z & 1 == 0 { size } else { -size }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dot_of_known_vectors() {
+        let x: Vec<f64> = (0..10_007).map(|i| i as f64).collect();
+        let y = vec![2.0; x.len()];
+        assert_eq!(dot(&x, &y), 10_007.0 * 10_006.0);
+    }
+
+    #[test]
+    fn norm_sees_what_is_not_finite() {
+        assert_eq!(norm_inf(&[]), 0.0);
+        assert_eq!(norm_inf(&[1.0, -3.0, 2.0]), 3.0);
+        assert!(norm_inf(&[1.0, f64::NAN, 2.0]).is_nan());
+        assert!(norm_inf(&[1.0, f64::NEG_INFINITY]).is_nan());
+    }
+
+    #[test]
+    fn pseudo_random_numbers_have_both_signs_and_no_zero() {
+        let x: Vec<f64> = (0..1000).map(pseudo_random).collect();
+        assert!(x.iter().all(|v| (0.5..=1.0).contains(&v.abs())));
+        assert!(x.iter().sum::<f64>().abs() < 100.0);
+    }
+}
