@@ -5,6 +5,7 @@
 //! ever moved.
 
 pub mod algebra;
+pub mod assembly;
 pub mod element;
 pub mod functional;
 pub mod math;
@@ -12,4 +13,5 @@ pub mod mesh;
 pub mod output;
 pub mod physics;
 pub mod problem;
+pub mod space;
 pub mod tangent;

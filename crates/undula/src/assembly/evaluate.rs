@@ -35,8 +35,8 @@ pub fn interpolate<const D: usize, const L: usize>(
     c: &[Vector<Lanes<L>, D>],
     inverse: &Tensor<Lanes<L>, D>,
 ) -> (Vector<Lanes<L>, D>, Tensor<Lanes<L>, D>) {
-    let mut value = Vector::zero();
-    let mut reference = Tensor::zero();
+    let mut value = Vector::<Lanes<L>, D>::zero();
+    let mut reference = Tensor::<Lanes<L>, D>::zero();
     for (c, b) in c.iter().zip(basis.chunks_exact(1 + D)) {
         for i in 0..D {
             value.0[i].add_product(b[0], c.0[i]);
@@ -51,7 +51,7 @@ pub fn interpolate<const D: usize, const L: usize>(
 /// `Σ c_a q_a` with one value per lane for each basis function.
 #[inline(always)]
 pub fn interpolate_scalar<const L: usize>(basis: &[Lanes<L>], c: &[Lanes<L>]) -> Lanes<L> {
-    let mut value = Lanes::zero();
+    let mut value = Lanes::<L>::zero();
     for (b, c) in basis.iter().zip(c) {
         value.add_product_lanes(*b, *c);
     }

@@ -33,8 +33,12 @@ impl<const D: usize> Nodes<D> {
         let per_cell = shape.n_nodes(degree);
         let weights: Vec<Vec<u32>> = (0..per_cell).map(|a| vertex_weights(shape, degree, a)).collect();
         let vertices = shape.vertices(mesh.degree);
-        let geometry: Vec<Vec<f64>> =
-            (0..per_cell).map(|a| lagrange::basis(shape, mesh.degree, &lagrange::node(shape, degree, a)).0).collect();
+        let local: Vec<[f64; D]> = (0..per_cell)
+            .map(|a| {
+                let xi = lagrange::node(shape, degree, a);
+                std::array::from_fn(|d| xi[d])
+            })
+            .collect();
         let mut known: HashMap<Vec<(u32, u32)>, u32> = HashMap::new();
         let mut points = vec![];
         let mut cell_nodes = vec![u32::MAX; mesh.n_cells() * per_cell];
@@ -47,7 +51,7 @@ impl<const D: usize> Nodes<D> {
                     .collect();
                 key.sort_unstable();
                 let number = *known.entry(key).or_insert_with(|| {
-                    points.push(mesh.combine(c, &geometry[a]));
+                    points.push(mesh.map(c, local[a]));
                     points.len() as u32 - 1
                 });
                 cell_nodes[c * per_cell + a] = number;

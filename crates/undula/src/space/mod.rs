@@ -48,6 +48,8 @@ pub struct FsiSpace<const D: usize> {
     pub owner: Vec<PsiOwner>,
     /// Whether the deformation is unknown: not in a pure flow.
     pub deforms: bool,
+    /// Nearest velocity node of the cell for every continuous pressure unknown.
+    pressure_nodes: Vec<u32>,
 }
 
 impl<const D: usize> FsiSpace<D> {
@@ -62,7 +64,11 @@ impl<const D: usize> FsiSpace<D> {
             }
         }
         let deforms = regions.contains(&Region::Solid);
-        FsiSpace { mesh, regions, nodes, pressure, owner, deforms }
+        let pressure_nodes = match pressure.kind {
+            PressureKind::P1dc => vec![],
+            PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
+        };
+        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, pressure_nodes }
     }
 
     /// Number of velocity unknowns, given ones counted.
@@ -85,6 +91,11 @@ impl<const D: usize> FsiSpace<D> {
         self.n_v() + self.n_u() + self.n_p()
     }
 
+    /// The velocity node at the place of a continuous pressure unknown.
+    pub fn pressure_node(&self, dof: usize) -> u32 {
+        self.pressure_nodes[dof]
+    }
+
     /// Nodes on a facet.
     pub fn facet_nodes(&self, facet: &Facet) -> Vec<u32> {
         let local = self.mesh.shape.facet_nodes(self.nodes.degree, facet.local as usize);
@@ -101,4 +112,23 @@ impl<const D: usize> FsiSpace<D> {
         nodes.dedup();
         nodes
     }
+}
+
+/// For every continuous pressure unknown of degree `k` the velocity node nearest to it on the lattice.
+fn pressure_nodes<const D: usize>(
+    mesh: &Mesh<D>,
+    nodes: &Nodes<D>,
+    pressure: &PressureSpace<D>,
+    k: usize,
+) -> Vec<u32> {
+    let n = nodes.degree;
+    let mut list = vec![0; pressure.n];
+    for c in 0..mesh.n_cells() {
+        for (a, &dof) in pressure.cell(c).iter().enumerate() {
+            let at = mesh.shape.lattice(k, a);
+            let near = (0..D).rev().fold(0, |number, d| number * (n + 1) + (2 * at[d] * n + k) / (2 * k));
+            list[dof as usize] = nodes.cell(c)[near];
+        }
+    }
+    list
 }

@@ -2,6 +2,7 @@
 
 use super::dofs::Nodes;
 use crate::element::{Quadrature, lagrange};
+use crate::math::Tensor;
 use crate::mesh::Mesh;
 
 /// Which pressure space.
@@ -49,11 +50,10 @@ impl<const D: usize> PressureSpace<D> {
             }
             PressureKind::P1dc => {
                 let per_cell = D + 1;
-                let centre = lagrange::basis(mesh.shape, mesh.degree, &[0.5; 3]).0;
                 let mut cell_dofs = vec![u32::MAX; mesh.n_cells() * per_cell];
                 let (mut frames, mut points, mut n) = (vec![], vec![], 0);
                 for c in 0..mesh.n_cells() {
-                    let x = mesh.combine(c, &centre);
+                    let x = mesh.map(c, [0.5; D]);
                     frames.push((x, cell_size(mesh, c)));
                     if fluid(c) {
                         for a in 0..per_cell {
@@ -90,7 +90,7 @@ impl<const D: usize> PressureSpace<D> {
 /// ĥ = |K̂|^(1/D).
 fn cell_size<const D: usize>(mesh: &Mesh<D>, cell: usize) -> f64 {
     let rule = Quadrature::cell(mesh.shape, mesh.degree + 1);
-    let volume: f64 =
-        rule.points.iter().zip(&rule.weights).map(|(xi, w)| w * crate::math::Tensor(mesh.jacobian(cell, xi)).det()).sum();
+    let det = |xi: &[f64; 3]| Tensor(mesh.map_gradient(cell, std::array::from_fn(|d| xi[d]))).det();
+    let volume: f64 = rule.points.iter().zip(&rule.weights).map(|(xi, w)| w * det(xi)).sum();
     volume.abs().powf(1.0 / D as f64)
 }

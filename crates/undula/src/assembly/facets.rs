@@ -1,0 +1,193 @@
+//! The outflow term on boundary facets. There are few, so they are done one by one in `f64`.
+
+use super::kernel::StepView;
+use super::scatter::DROP;
+use crate::element::{BasisTable, Quadrature};
+use crate::math::{Tensor, Vector};
+use crate::mesh::Facet;
+use crate::physics::{FacetForm, Fields, Outflow};
+use crate::space::{Constraints, FsiSpace, State};
+use crate::tangent::{self, Tangent};
+
+/// One quadrature point on a facet.
+#[derive(Clone, Debug)]
+pub struct FacetPoint<const D: usize> {
+    /// Reference coordinates in the cell.
+    pub xi: [f64; D],
+    /// Position \[m\].
+    pub x: [f64; D],
+    /// Outer unit normal of the cell.
+    pub normal: Vector<f64, D>,
+    /// Quadrature weight times surface element \[m^(D−1)\].
+    pub weight: f64,
+    /// Basis of v and u, `[basis]`.
+    pub value: Vec<f64>,
+    /// Its gradient with respect to x, `[basis][d]`.
+    pub grad: Vec<[f64; D]>,
+}
+
+/// Quadrature points of `facet` with `n` Gauss points per direction.
+pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize) -> Vec<FacetPoint<D>> {
+    let mesh = &space.mesh;
+    let (cell, local) = (facet.cell as usize, facet.local as usize);
+    let rule = Quadrature::facet(mesh.shape, local, n);
+    let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+    let mut points = vec![];
+    for (q, xi) in rule.points.iter().enumerate() {
+        let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+        let jacobian = Tensor(mesh.map_gradient(cell, xi));
+        let cofactor = jacobian.cofactor();
+        let inverse_t = cofactor * (1.0 / jacobian.det());
+        // Nanson: n dS = cof(DX) N dS for the reference normal N of the facet.
+        let mut reference = Vector::zero();
+        reference.0[local / 2] = if local % 2 == 1 { 1.0 } else { -1.0 };
+        let area = cofactor * reference;
+        let size = area.dot(area).sqrt();
+        let grad = |a: usize| {
+            let reference = Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
+            (inverse_t * reference).0
+        };
+        points.push(FacetPoint {
+            xi,
+            x: mesh.map(cell, xi),
+            normal: area * (1.0 / size),
+            weight: rule.weights[q] * size,
+            value: table.value(q).to_vec(),
+            grad: (0..table.n_basis).map(grad).collect(),
+        });
+    }
+    points
+}
+
+/// Fields v and u of `state` at a point of a cell with the given nodes; p stays zero.
+pub fn fields_at<const D: usize>(nodes: &[u32], value: &[f64], grad: &[[f64; D]], state: &State) -> Fields<f64, D> {
+    let mut f = Fields::zero();
+    for (a, &node) in nodes.iter().enumerate() {
+        let at = node as usize * D;
+        for i in 0..D {
+            let v = state.v[at + i];
+            let u = if state.u.is_empty() { 0.0 } else { state.u[at + i] };
+            f.v.0[i] += value[a] * v;
+            f.u.0[i] += value[a] * u;
+            for d in 0..D {
+                f.grad_v.0[i][d] += grad[a][d] * v;
+                f.grad_u.0[i][d] += grad[a][d] * u;
+            }
+        }
+    }
+    f
+}
+
+/// Facets with the do-nothing correction.
+pub struct OutflowFacets<const D: usize> {
+    form: Outflow,
+    facets: Vec<(Vec<u32>, Vec<FacetPoint<D>>)>,
+    /// `[facet][row a, i][column b, field, j]`.
+    slots: Vec<u32>,
+    deforms: bool,
+}
+
+impl<const D: usize> OutflowFacets<D> {
+    /// On the given facets, `n` Gauss points per direction.
+    pub fn new(space: &FsiSpace<D>, form: Outflow, facets: &[Facet], n: usize) -> OutflowFacets<D> {
+        let facets =
+            facets.iter().map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n))).collect();
+        OutflowFacets { form, facets, slots: vec![], deforms: space.deforms }
+    }
+
+    /// Call `visit(row, column)` for every entry of the Jacobian in a fixed order.
+    pub fn entries(&self, constraints: &Constraints<D>, mut visit: impl FnMut(u32, u32)) {
+        let n_v = constraints.v.len() * D;
+        for (nodes, _) in &self.facets {
+            for &a in nodes {
+                for i in 0..D {
+                    let given = constraints.v[a as usize];
+                    let row = if given { DROP } else { a * D as u32 + i as u32 };
+                    for &b in nodes {
+                        for j in 0..D {
+                            let v = b as usize * D + j;
+                            let given_v = constraints.v[b as usize];
+                            visit(row, if given_v || row == DROP { DROP } else { v as u32 });
+                            if self.deforms {
+                                let given_u = constraints.u[b as usize];
+                                visit(row, if given_u || row == DROP { DROP } else { (n_v + v) as u32 });
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Remember where every entry goes.
+    pub fn set_slots(&mut self, constraints: &Constraints<D>, find: impl Fn(u32, u32) -> u32) {
+        let mut slots = vec![];
+        self.entries(constraints, |row, col| slots.push(if col == DROP { DROP } else { find(row, col) }));
+        self.slots = slots;
+    }
+
+    /// Add the term at `state` with `weight` to `out`.
+    pub fn residual(&self, state: &State, weight: f64, out: &mut [f64]) {
+        for (nodes, points) in &self.facets {
+            for point in points {
+                let at = fields_at(nodes, &point.value, &point.grad, state);
+                let t = self.form.traction(&at, &point.normal, weight * point.weight);
+                for (a, &node) in nodes.iter().enumerate() {
+                    for i in 0..D {
+                        out[node as usize * D + i] += point.value[a] * t.0[i];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Add the Jacobian at the new state to the matrix entries `out`.
+    pub fn jacobian(&self, step: &StepView<'_>, how: Tangent, out: &mut [f64]) {
+        let mut slots = self.slots.iter();
+        for (nodes, points) in &self.facets {
+            // Columns of the point tangents: value and gradient of each field and component.
+            let columns: Vec<Columns<D>> =
+                points.iter().map(|p| self.columns(step, how, p, nodes)).collect();
+            for a in 0..nodes.len() {
+                for i in 0..D {
+                    for b in 0..nodes.len() {
+                        for j in 0..D {
+                            for field in 0..if self.deforms { 2 } else { 1 } {
+                                let Some(&slot) = slots.next() else { return };
+                                if slot != DROP {
+                                    let sum: f64 = (points.iter().zip(&columns))
+                                        .map(|(p, c)| p.value[a] * c.entry(p, field, i, b, j))
+                                        .sum();
+                                    out[slot as usize] += sum;
+                                }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn columns(&self, step: &StepView<'_>, how: Tangent, p: &FacetPoint<D>, nodes: &[u32]) -> Columns<D> {
+        let at = fields_at(nodes, &p.value, &p.grad, step.new);
+        let half = D + D * D;
+        let column = |n: usize| {
+            let mut w = Fields::zero();
+            *w.component(n) = 1.0;
+            tangent::outflow(how, &self.form, step.rule.theta * p.weight, &at, &p.normal, &w)
+        };
+        Columns((0..2 * half).map(column).collect())
+    }
+}
+
+/// Derivatives of the traction in the directions of v, ∇v, u, ∇u.
+struct Columns<const D: usize>(Vec<Vector<f64, D>>);
+
+impl<const D: usize> Columns<D> {
+    /// d(traction_i) for basis function `b` in component `j` of field 0 (v) or 1 (u).
+    fn entry(&self, p: &FacetPoint<D>, field: usize, i: usize, b: usize, j: usize) -> f64 {
+        let first = field * (D + D * D);
+        let value = self.0[first + j].0[i] * p.value[b];
+        (0..D).fold(value, |sum, d| sum + self.0[first + D + j * D + d].0[i] * p.grad[b][d])
+    }
+}

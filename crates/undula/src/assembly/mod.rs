@@ -1,0 +1,379 @@
+//! E B D Bᵀ over all cells: residual and Jacobian of one step.
+//!
+//! Cells are processed `L` at a time, one per vector lane, and colour by colour, so that threads never
+//! write the same row and every sum has one order: the result does not depend on the number of threads.
+//! After the first call nothing is allocated.
+
+pub mod batch;
+pub mod colour;
+pub mod contract;
+pub mod evaluate;
+pub mod facets;
+pub mod kernel;
+pub mod points;
+pub mod scatter;
+pub mod simd;
+
+use crate::algebra::{Csr, Kind, Pattern, Unknown};
+use crate::math::{Lanes, Vector};
+use crate::physics::{Fluid, Outflow, Solid};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
+use crate::tangent::Tangent;
+use batch::Batches;
+use facets::OutflowFacets;
+use kernel::Kernel;
+pub use kernel::StepView;
+use scatter::DROP;
+use std::sync::Arc;
+
+/// The equations of the regions; an absent one is `None`.
+#[derive(Copy, Clone, Debug)]
+pub struct Physics {
+    /// Flow and extension.
+    pub fluid: Option<Fluid>,
+    /// Elastic body.
+    pub solid: Option<Solid>,
+}
+
+/// How the loops run; none of it changes the problem solved.
+#[derive(Copy, Clone, Debug)]
+pub struct Options {
+    /// Cells per batch: 1, 2, 4 or 8.
+    pub lanes: usize,
+    /// Threads; with more than one, calls must come from within a rayon pool of that size.
+    pub threads: usize,
+    /// Gauss points per direction.
+    pub quadrature: usize,
+}
+
+impl Options {
+    /// The widest lanes of this processor, one thread, `quadrature` Gauss points per direction.
+    pub fn serial(quadrature: usize) -> Options {
+        Options { lanes: simd::best_lanes(), threads: 1, quadrature }
+    }
+}
+
+/// Which end of the step.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum End {
+    /// The old time.
+    Old,
+    /// The new time.
+    New,
+}
+
+/// Where J is smallest.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Worst {
+    /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid).
+    pub min_j: f64,
+    /// Cells of the batch in which it lies.
+    pub cells: Vec<u32>,
+}
+
+/// Residual and Jacobian of the coupled problem.
+pub struct Assembler<const D: usize> {
+    /// Spaces.
+    pub space: Arc<FsiSpace<D>>,
+    /// Given unknowns.
+    pub constraints: Constraints<D>,
+    /// Sparsity of the Jacobian, all unknowns in the order v, u, p.
+    pub pattern: Arc<Pattern>,
+    /// The equations.
+    pub physics: Physics,
+    kernels: Box<dyn Kernels<D>>,
+    outflow: OutflowFacets<D>,
+    /// Rows that read δ = 0, and the places of their diagonal entries.
+    given: Vec<(u32, u32)>,
+}
+
+impl<const D: usize> Assembler<D> {
+    /// Prepare everything that stays for the run.
+    ///
+    /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension.
+    pub fn new(
+        space: Arc<FsiSpace<D>>,
+        physics: Physics,
+        conditions: &[BoundaryCondition<D>],
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
+        options: &Options,
+    ) -> Assembler<D> {
+        let constraints = Constraints::new(&space, conditions);
+        let do_nothing = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
+        let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
+        let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
+        let mut outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
+        let mut kernels: Box<dyn Kernels<D>> = match options.lanes {
+            1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
+            2 => Box::new(Pair::<D, 2>::new(&space, &physics, stiffness, options)),
+            4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
+            _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
+        };
+        let mut rows: Vec<Vec<u32>> = vec![vec![]; space.n_unknowns()];
+        let given_rows = given_rows(&space, &constraints);
+        for &row in &given_rows {
+            rows[row as usize].push(row);
+        }
+        kernels.entries(&constraints, &mut |row, col| rows[row as usize].push(col));
+        outflow.entries(&constraints, |row, col| {
+            if col != DROP {
+                rows[row as usize].push(col);
+            }
+        });
+        for row in &mut rows {
+            row.sort_unstable();
+            row.dedup();
+        }
+        let pattern = Arc::new(Pattern::from_rows(&rows));
+        drop(rows);
+        let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
+        kernels.set_slots(&constraints, &find);
+        outflow.set_slots(&constraints, find);
+        let given = given_rows.iter().map(|&row| (row, find(row, row))).collect();
+        Assembler { space, constraints, pattern, physics, kernels, outflow, given }
+    }
+
+    /// What the linear solver may know of each unknown.
+    pub fn unknowns(&self) -> Vec<Unknown> {
+        let space = &self.space;
+        let position = |x: &[f64; D]| std::array::from_fn(|d| if d < D { x[d] } else { 0.0 });
+        let mut list = vec![];
+        for kind in [Kind::Velocity, Kind::Deformation] {
+            if kind == Kind::Velocity || space.deforms {
+                for (node, x) in space.nodes.points.iter().enumerate() {
+                    list.extend([Unknown { node: node as u32, kind, at: position(x) }; D]);
+                }
+            }
+        }
+        let first = space.nodes.len() as u32;
+        for (dof, x) in space.pressure.points.iter().enumerate() {
+            // Continuous pressures sit on vertices, which are nodes of the velocity, too.
+            let node = match space.pressure.kind {
+                PressureKind::P1dc => first + dof as u32 / space.pressure.per_cell as u32,
+                PressureKind::Continuous(_) => space.pressure_node(dof),
+            };
+            list.push(Unknown { node, kind: Kind::Pressure, at: position(x) });
+        }
+        list
+    }
+
+    /// Set the body force of a region at one end of the step; `None`: no force.
+    pub fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>) {
+        self.kernels.set_force(region, end, force);
+    }
+
+    /// Use the force of the new time as that of the old one.
+    pub fn advance_force(&mut self) {
+        self.kernels.advance_force();
+    }
+
+    /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
+    pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
+        out.fill(0.0);
+        if step.rule.theta < 1.0 {
+            self.kernels.explicit(step, None, out);
+            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+        }
+    }
+
+    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0.
+    ///
+    /// Returns the smallest J at the quadrature points.
+    pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        let min_j = self.kernels.residual(step, None, out);
+        self.outflow.residual(step.new, step.rule.theta, out);
+        for &(row, _) in &self.given {
+            out[row as usize] = 0.0;
+        }
+        min_j
+    }
+
+    /// The residual of one region alone with its explicit part, given rows not zeroed: its φ rows are the
+    /// forces that the region exerts on the nodes, per unit time of the step.
+    pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {
+        out.fill(0.0);
+        if step.rule.theta < 1.0 {
+            self.kernels.explicit(step, Some(region), out);
+        }
+        self.kernels.residual(step, Some(region), out);
+        if region == Region::Fluid {
+            self.outflow.residual(step.new, step.rule.theta, out);
+            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+        }
+    }
+
+    /// The Jacobian of [`Assembler::residual`] with respect to the new state.
+    pub fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+        out.values.fill(0.0);
+        self.kernels.jacobian(step, tangent, &mut out.values);
+        self.outflow.jacobian(step, tangent, &mut out.values);
+        for &(_, diagonal) in &self.given {
+            out.values[diagonal as usize] = 1.0;
+        }
+    }
+
+    /// Where J was smallest in the last residual.
+    pub fn worst(&self) -> Worst {
+        self.kernels.worst()
+    }
+
+    /// Zero the rows of given unknowns of a vector `[v, u, p]`.
+    pub fn zero_given(&self, out: &mut [f64]) {
+        for &(row, _) in &self.given {
+            out[row as usize] = 0.0;
+        }
+    }
+}
+
+fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
+    let mut rows = vec![];
+    let lists = [(&constraints.v, 0, true), (&constraints.u, space.n_v(), space.deforms)];
+    for (list, first, there) in lists {
+        for node in (0..list.len()).filter(|&node| there && list[node]) {
+            rows.extend((0..D).map(|i| (first + node * D + i) as u32));
+        }
+    }
+    rows
+}
+
+/// The kernels of both regions with their number of lanes hidden.
+trait Kernels<const D: usize>: Send + Sync {
+    fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
+    fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32);
+    fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>);
+    fn advance_force(&mut self);
+    fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
+    fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
+    fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
+    fn worst(&self) -> Worst;
+}
+
+struct Pair<const D: usize, const L: usize> {
+    fluid: Option<Kernel<Fluid, D, L>>,
+    solid: Option<Kernel<Solid, D, L>>,
+}
+
+impl<const D: usize, const L: usize> Pair<D, L> {
+    fn new(
+        space: &FsiSpace<D>,
+        physics: &Physics,
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
+        options: &Options,
+    ) -> Self {
+        let cells = |region| -> Vec<usize> {
+            (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect()
+        };
+        let batches = |region| {
+            let with_pressure = region == Region::Fluid;
+            Batches::new(space, &cells(region), with_pressure, options.quadrature, stiffness)
+        };
+        let fluid = physics.fluid.map(|form| {
+            Kernel::new(form, space, Region::Fluid, batches(Region::Fluid), options.threads)
+        });
+        let solid = physics.solid.map(|form| {
+            Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads)
+        });
+        Pair { fluid, solid }
+    }
+}
+
+impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L> {
+    fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32)) {
+        let mut visit = |_: usize, _: usize, row: u32, col: u32| {
+            if row != DROP {
+                visit(row, col);
+            }
+        };
+        if let Some(k) = &self.fluid {
+            k.entries(constraints, &mut visit);
+        }
+        if let Some(k) = &self.solid {
+            k.entries(constraints, &mut visit);
+        }
+    }
+
+    fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32) {
+        if let Some(k) = &mut self.fluid {
+            k.set_slots(constraints, find);
+        }
+        if let Some(k) = &mut self.solid {
+            k.set_slots(constraints, find);
+        }
+    }
+
+    fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>) {
+        match region {
+            Region::Fluid => self.fluid.as_mut().map(|k| fill_force(k, end, force)),
+            Region::Solid => self.solid.as_mut().map(|k| fill_force(k, end, force)),
+        };
+    }
+
+    fn advance_force(&mut self) {
+        if let Some(k) = &mut self.fluid {
+            k.force_old.clone_from(&k.force);
+        }
+        if let Some(k) = &mut self.solid {
+            k.force_old.clone_from(&k.force);
+        }
+    }
+
+    fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) {
+        if let (Some(k), true) = (&self.fluid, only != Some(Region::Solid)) {
+            k.explicit(step, out);
+        }
+        if let (Some(k), true) = (&self.solid, only != Some(Region::Fluid)) {
+            k.explicit(step, out);
+        }
+    }
+
+    fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64 {
+        let mut min_j = None;
+        if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
+            min_j = Some(k.residual(step, out));
+        }
+        if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
+            let of_solid = k.residual(step, out);
+            min_j = min_j.or(Some(of_solid));
+        }
+        min_j.unwrap_or(1.0)
+    }
+
+    fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
+        if let Some(k) = &self.fluid {
+            k.jacobian(step, tangent, out);
+        }
+        if let Some(k) = &self.solid {
+            k.jacobian(step, tangent, out);
+        }
+    }
+
+    fn worst(&self) -> Worst {
+        let fluid = self.fluid.as_ref().and_then(Kernel::worst);
+        let worst = fluid.or_else(|| self.solid.as_ref().and_then(Kernel::worst));
+        let (min_j, cells) = worst.unwrap_or((1.0, vec![]));
+        Worst { min_j, cells }
+    }
+}
+
+fn fill_force<F: crate::tangent::ByHand<D>, const D: usize, const L: usize>(
+    kernel: &mut Kernel<F, D, L>,
+    end: End,
+    force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>,
+) {
+    let field = match end {
+        End::Old => &mut kernel.force_old,
+        End::New => &mut kernel.force,
+    };
+    field.clear();
+    let Some(force) = force else { return };
+    for position in &kernel.batches.positions {
+        let mut values = Vector::<Lanes<L>, D>::zero();
+        for l in 0..L {
+            let f = force(&std::array::from_fn(|d| position.0[d].0[l]));
+            for d in 0..D {
+                values.0[d].0[l] = f[d];
+            }
+        }
+        field.push(values);
+    }
+}

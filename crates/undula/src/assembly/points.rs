@@ -1,0 +1,68 @@
+//! Fields at all quadrature points, one by one in `f64`: for functionals, errors and sources.
+
+use super::facets::fields_at;
+use crate::element::{BasisTable, Quadrature};
+use crate::math::Tensor;
+use crate::physics::Fields;
+use crate::space::{FsiSpace, Region, State};
+
+/// One quadrature point.
+pub struct PointValues<'a, const D: usize> {
+    /// Cell.
+    pub cell: usize,
+    /// Its region.
+    pub region: Region,
+    /// Position \[m\].
+    pub x: [f64; D],
+    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\].
+    pub weight: f64,
+    /// The fields there.
+    pub fields: Fields<f64, D>,
+    /// Basis of v and u, `[basis]`.
+    pub value: &'a [f64],
+    /// Its gradient with respect to x.
+    pub grad: &'a [[f64; D]],
+    /// Basis of p; empty in the solid.
+    pub pressure: &'a [f64],
+}
+
+/// Call `visit` at every point of the rule with `n` Gauss points per direction.
+pub fn for_each_point<const D: usize>(
+    space: &FsiSpace<D>,
+    state: &State,
+    n: usize,
+    mut visit: impl FnMut(&PointValues<'_, D>),
+) {
+    let mesh = &space.mesh;
+    let rule = Quadrature::cell(mesh.shape, n);
+    let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+    let mut grad = vec![[0.0; D]; table.n_basis];
+    for cell in 0..mesh.n_cells() {
+        for (q, xi) in rule.points.iter().enumerate() {
+            let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+            let x = mesh.map(cell, xi);
+            let jacobian = Tensor(mesh.map_gradient(cell, xi));
+            let det = jacobian.det();
+            let inverse_t = jacobian.cofactor() * (1.0 / det);
+            for (a, grad) in grad.iter_mut().enumerate() {
+                let reference = crate::math::Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
+                *grad = (inverse_t * reference).0;
+            }
+            let mut fields = fields_at(space.nodes.cell(cell), table.value(q), &grad, state);
+            let dofs = space.pressure.cell(cell);
+            let pressure =
+                if dofs.is_empty() { vec![] } else { space.pressure.basis(mesh, cell, &xi, &x) };
+            fields.p = dofs.iter().zip(&pressure).map(|(&dof, b)| b * state.p[dof as usize]).sum();
+            visit(&PointValues {
+                cell,
+                region: space.regions[cell],
+                x,
+                weight: rule.weights[q] * det,
+                fields,
+                value: table.value(q),
+                grad: &grad,
+                pressure: &pressure,
+            });
+        }
+    }
+}
