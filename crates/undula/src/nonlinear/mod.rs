@@ -1,0 +1,5 @@
+//! Solving the nonlinear system of a step.
+
+pub mod newton;
+
+pub use newton::{Counters, Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};

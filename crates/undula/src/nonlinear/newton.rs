@@ -1,0 +1,234 @@
+//! Newton's method with a kept Jacobian and line search.
+
+use crate::algebra::{Csr, LinearSolver, SolverError};
+use std::time::Instant;
+
+/// A system `r(x) = 0` that holds its own iterate.
+pub trait NonlinearSystem {
+    /// Residual at the iterate into `r`; returns its scaled norm, or `None` where the iterate is not
+    /// admissible (the domain map has folded, or a number is not finite).
+    fn residual(&mut self, r: &mut [f64]) -> Option<f64>;
+    /// Jacobian at the iterate.
+    fn jacobian(&mut self, a: &mut Csr);
+    /// `x ← x + ω δ`.
+    fn update(&mut self, omega: f64, delta: &[f64]);
+}
+
+/// When to stop and when to renew the Jacobian.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Reduction of the scaled residual relative to the reference.
+    pub tolerance: f64,
+    /// Scaled residual below which a step is solved whatever the reference.
+    pub floor: f64,
+    /// γ_nt: the Jacobian is kept while ‖r_n‖/‖r_{n−1}‖ ≤ γ_nt, (5.20). 0 is the exact method.
+    pub rate_max: f64,
+    /// Iterations at most.
+    pub max_steps: usize,
+    /// Halvings of an update at most.
+    pub line_search: usize,
+}
+
+/// Seconds spent by phase.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// Residuals and Jacobians.
+    pub assembly: f64,
+    /// Factorisations.
+    pub factorization: f64,
+    /// Triangular solves.
+    pub solve: f64,
+}
+
+/// Work done so far.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Newton iterations.
+    pub newton_steps: usize,
+    /// Jacobians assembled.
+    pub jacobians: usize,
+    /// Factorisations.
+    pub factorizations: usize,
+}
+
+/// How a solve went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NewtonReport {
+    /// Iterations.
+    pub steps: usize,
+    /// Jacobians assembled in them.
+    pub jacobians: usize,
+    /// Scaled residual at the start and after each iteration.
+    pub norms: Vec<f64>,
+}
+
+/// Why a solve failed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum NewtonError {
+    /// The iteration no longer reduces the residual.
+    #[error("Newton's method stalled: scaled residuals {}", list(.norms))]
+    Stalled {
+        /// Scaled residual after each iteration.
+        norms: Vec<f64>,
+    },
+    /// The start value, or every shortened update, is not admissible.
+    #[error("the iterate is not admissible (the domain map folds or a value is not finite)")]
+    Inadmissible,
+    /// The linear system could not be solved.
+    #[error(transparent)]
+    Linear(#[from] SolverError),
+}
+
+fn list(norms: &[f64]) -> String {
+    let shown: Vec<String> = norms.iter().map(|n| format!("{n:.2e}")).collect();
+    shown.join(", ")
+}
+
+/// Newton's method; keeps the factorised Jacobian from one solve to the next.
+pub struct Newton {
+    /// When to stop and when to renew the Jacobian.
+    pub settings: Settings,
+    /// Work done since the beginning.
+    pub counters: Counters,
+    /// Seconds since the beginning.
+    pub seconds: Seconds,
+    solver: Box<dyn LinearSolver>,
+    matrix: Csr,
+    residual: Vec<f64>,
+    delta: Vec<f64>,
+    /// The factorisation exists and its last rate was good enough.
+    keep: bool,
+}
+
+impl Newton {
+    /// With an analysed `solver` for matrices of the pattern of `matrix`.
+    pub fn new(settings: Settings, solver: Box<dyn LinearSolver>, matrix: Csr) -> Newton {
+        let n = matrix.pattern.n;
+        Newton {
+            settings,
+            counters: Counters::default(),
+            seconds: Seconds::default(),
+            solver,
+            matrix,
+            residual: vec![0.0; n],
+            delta: vec![0.0; n],
+            keep: false,
+        }
+    }
+
+    /// Forget the kept Jacobian, as after a change of the step size.
+    pub fn forget(&mut self) {
+        self.keep = false;
+    }
+
+    /// Whether the next solve starts with the Jacobian at hand.
+    pub fn keeps(&self) -> bool {
+        self.keep
+    }
+
+    /// Factorise a Jacobian kept by an earlier run, filled in by `fill`; not counted as work.
+    ///
+    /// # Errors
+    /// If the factorisation fails.
+    pub fn recall(&mut self, fill: impl FnOnce(&mut Csr)) -> Result<(), NewtonError> {
+        fill(&mut self.matrix);
+        self.solver.factor(&self.matrix)?;
+        self.keep = true;
+        Ok(())
+    }
+
+    /// The linear solver's name.
+    pub fn solver_name(&self) -> &'static str {
+        self.solver.name()
+    }
+
+    /// Scaled residual of `system` at its iterate.
+    pub fn norm(&mut self, system: &mut impl NonlinearSystem) -> Option<f64> {
+        let start = Instant::now();
+        let norm = system.residual(&mut self.residual);
+        self.seconds.assembly += start.elapsed().as_secs_f64();
+        norm
+    }
+
+    /// Iterate until the scaled residual is `tolerance` times `reference`, or below the floor.
+    ///
+    /// # Errors
+    /// [`NewtonError`]; the iterate of `system` is then somewhere on the way.
+    pub fn solve(&mut self, system: &mut impl NonlinearSystem, reference: f64) -> Result<NewtonReport, NewtonError> {
+        let target = (self.settings.tolerance * reference).max(self.settings.floor);
+        let mut norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
+        let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
+        let mut fresh = false;
+        while norm > target {
+            if report.steps == self.settings.max_steps {
+                return Err(NewtonError::Stalled { norms: report.norms });
+            }
+            if !self.keep {
+                self.renew(system)?;
+                report.jacobians += 1;
+                fresh = true;
+            }
+            let start = Instant::now();
+            let solved = self.solver.solve(&self.matrix, &self.residual, &mut self.delta);
+            self.seconds.solve += start.elapsed().as_secs_f64();
+            if let Err(error) = solved {
+                if fresh {
+                    return Err(error.into());
+                }
+                self.keep = false;
+                continue;
+            }
+            report.steps += 1;
+            self.counters.newton_steps += 1;
+            match self.advance(system, norm, fresh) {
+                Some(next) => {
+                    self.keep = next / norm <= self.settings.rate_max;
+                    norm = next;
+                    report.norms.push(norm);
+                    fresh = false;
+                }
+                // An old Jacobian is to blame first.
+                None if !fresh => {
+                    self.keep = false;
+                    norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
+                }
+                None => return Err(NewtonError::Stalled { norms: report.norms }),
+            }
+        }
+        Ok(report)
+    }
+
+    fn renew(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {
+        let start = Instant::now();
+        system.jacobian(&mut self.matrix);
+        self.seconds.assembly += start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        self.counters.jacobians += 1;
+        self.counters.factorizations += 1;
+        let factored = self.solver.factor(&self.matrix);
+        self.seconds.factorization += start.elapsed().as_secs_f64();
+        factored?;
+        Ok(())
+    }
+
+    /// Subtract the update, halved until the residual shrinks; `None`: it does not, iterate restored.
+    ///
+    /// An old Jacobian gets one try: shortening its steps is dearer than a new one.
+    fn advance(&mut self, system: &mut impl NonlinearSystem, norm: f64, fresh: bool) -> Option<f64> {
+        let tries = if fresh { self.settings.line_search } else { 0 };
+        let mut omega = 1.0;
+        system.update(-omega, &self.delta);
+        for attempt in 0..=tries {
+            let next = self.norm(system);
+            if let Some(next) = next.filter(|&next| next < norm) {
+                return Some(next);
+            }
+            if attempt < tries {
+                system.update(0.5 * omega, &self.delta);
+                omega *= 0.5;
+            }
+        }
+        system.update(omega, &self.delta);
+        None
+    }
+}

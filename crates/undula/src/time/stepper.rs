@@ -1,0 +1,390 @@
+//! One step: boundary data, start value, Newton, and smaller steps where it fails.
+
+use super::scheme::Scheme;
+use super::system::{BlockNorms, Scales, StepSystem};
+use crate::assembly::{Assembler, End, StepView, Worst};
+use crate::nonlinear::{Newton, NewtonError, NewtonReport};
+use crate::physics::StepRule;
+use crate::space::{Region, State};
+use crate::tangent::Tangent;
+use std::time::Instant;
+
+/// Body force per mass as a function of position and time \[m/s²\].
+pub type Force<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
+
+/// A right-hand side `[v, u, p]` added to the residual: called with (t⁻, t, θ).
+pub type Source = Box<dyn FnMut(f64, f64, f64, &mut [f64]) + Send>;
+
+/// What a stepper needs besides assembly and Newton.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct StepperSettings {
+    /// Time scheme.
+    pub scheme: Scheme,
+    /// How derivatives are computed.
+    pub tangent: Tangent,
+    /// Start from the linear extrapolation of the last two solutions, Remark 5.1.
+    pub extrapolate: bool,
+    /// How often a failed step is halved.
+    pub max_halvings: u32,
+    /// Units of the residuals.
+    pub scales: Scales,
+}
+
+/// How a step went.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepReport {
+    /// Newton iterations, over all parts of a divided step.
+    pub newton_steps: usize,
+    /// Jacobians assembled.
+    pub jacobians: usize,
+    /// Into how many parts the step was divided.
+    pub parts: usize,
+    /// Scaled norms of the equations at the end \[m/s\].
+    pub norms: BlockNorms,
+    /// Smallest J at the quadrature points.
+    pub min_j: f64,
+}
+
+/// A step that could not be done even when halved.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("no solution for the step to t = {time:.6} s (k = {step:.3e} s): {reason}")]
+pub struct StepFailure {
+    /// Time that was tried \[s\].
+    pub time: f64,
+    /// Step that was tried last \[s\].
+    pub step: f64,
+    /// Why.
+    pub reason: NewtonError,
+    /// Where J was smallest in the last residual.
+    pub worst: Worst,
+}
+
+/// The solution at one time and what is needed to carry it on.
+pub struct Stepper<const D: usize> {
+    /// Assembly.
+    pub assembler: Assembler<D>,
+    /// Nonlinear solver.
+    pub newton: Newton,
+    /// Settings.
+    pub settings: StepperSettings,
+    /// Time of `new` \[s\].
+    pub time: f64,
+    /// The last solution.
+    pub new: State,
+    /// The solution before.
+    pub old: State,
+    /// The solution before that, for extrapolation.
+    older: State,
+    /// Length of the last step \[s\]; 0 where there was none.
+    last_step: f64,
+    explicit: Vec<f64>,
+    /// Where the kept Jacobian was taken.
+    point: Option<JacobianPoint>,
+    force: [Option<Force<D>>; 2],
+    /// Manufactured right-hand side.
+    pub source: Option<Source>,
+}
+
+/// Where a Jacobian was taken: with it a resumed run repeats the same bits.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JacobianPoint {
+    /// Weights of the scheme.
+    pub rule: StepRule,
+    /// New time of the step \[s\].
+    pub time: f64,
+    /// The iterate.
+    pub new: State,
+    /// The solution at the old time.
+    pub old: State,
+}
+
+/// Where a run stands in time.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Clock {
+    /// Time \[s\].
+    pub time: f64,
+    /// Length of the last step \[s\].
+    pub last_step: f64,
+}
+
+impl<const D: usize> Stepper<D> {
+    /// Start from `initial` at `time`; forces of (fluid, solid).
+    pub fn new(
+        assembler: Assembler<D>,
+        newton: Newton,
+        settings: StepperSettings,
+        time: f64,
+        initial: State,
+        force: [Option<Force<D>>; 2],
+    ) -> Stepper<D> {
+        let n = assembler.space.n_unknowns();
+        let mut stepper = Stepper {
+            assembler,
+            newton,
+            settings,
+            time,
+            new: initial.clone(),
+            old: initial.clone(),
+            older: initial,
+            last_step: 0.0,
+            point: None,
+            explicit: vec![0.0; n],
+            force,
+            source: None,
+        };
+        stepper.set_forces(End::New, time);
+        stepper.set_forces(End::Old, time);
+        stepper
+    }
+
+    fn set_forces(&mut self, end: End, t: f64) {
+        for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
+            if let Some(force) = force {
+                self.assembler.set_force(region, end, Some(&|x| force(x, t)));
+            }
+        }
+    }
+
+    /// Carry the solution on by `k` \[s\], in smaller parts if need be.
+    ///
+    /// # Errors
+    /// [`StepFailure`]; the solution is then that of the last part that succeeded.
+    pub fn step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+        self.divided(k, self.settings.max_halvings)
+    }
+
+    fn divided(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
+        match self.attempt(k) {
+            Ok(report) => Ok(report),
+            Err(failure) if halvings == 0 => Err(failure),
+            Err(_) => {
+                self.newton.forget();
+                let first = self.divided(0.5 * k, halvings - 1)?;
+                let second = self.divided(0.5 * k, halvings - 1)?;
+                self.newton.forget();
+                Ok(StepReport {
+                    newton_steps: first.newton_steps + second.newton_steps,
+                    jacobians: first.jacobians + second.jacobians,
+                    parts: first.parts + second.parts,
+                    norms: second.norms,
+                    min_j: first.min_j.min(second.min_j),
+                })
+            }
+        }
+    }
+
+    /// One step without division; on failure everything is as before.
+    fn attempt(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+        let rule = self.settings.scheme.rule(k);
+        let (t_old, t) = (self.time, self.time + k);
+        std::mem::swap(&mut self.older, &mut self.old);
+        std::mem::swap(&mut self.old, &mut self.new);
+        // Now `old` is the last solution and `older` the one before.
+        let solved = self.solve_step(rule, t_old, t);
+        match solved {
+            Ok((report, norms, min_j)) => {
+                self.time = t;
+                self.last_step = k;
+                self.assembler.advance_force();
+                let (newton_steps, jacobians) = (report.steps, report.jacobians);
+                Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
+            }
+            Err(reason) => {
+                let worst = self.assembler.worst();
+                std::mem::swap(&mut self.old, &mut self.new);
+                std::mem::swap(&mut self.older, &mut self.old);
+                // `new` and `old` are as before; only the spare third state was written.
+                self.newton.forget();
+                Err(StepFailure { time: t, step: k, reason, worst })
+            }
+        }
+    }
+
+    fn solve_step(
+        &mut self,
+        rule: StepRule,
+        t_old: f64,
+        t: f64,
+    ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
+        let start = Instant::now();
+        self.set_forces(End::New, t);
+        let view = StepView { rule, new: &self.old, old: &self.old };
+        self.assembler.explicit(&view, &mut self.explicit);
+        if let Some(source) = &mut self.source {
+            source(t_old, t, rule.theta, &mut self.explicit);
+        }
+        self.new.copy_from(&self.old);
+        self.apply_boundary(t, 1.0);
+        self.newton.seconds.assembly += start.elapsed().as_secs_f64();
+        let k = t - t_old;
+        let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
+        let extrapolate = self.settings.extrapolate && ratio > 0.0;
+        let mut system = StepSystem {
+            assembler: &mut self.assembler,
+            rule,
+            new: &mut self.new,
+            old: &self.old,
+            explicit: &self.explicit,
+            scales: self.settings.scales,
+            tangent: self.settings.tangent,
+            time: t,
+            point: &mut self.point,
+            min_j: 1.0,
+            norms: BlockNorms::default(),
+        };
+        // The criterion refers to the old solution with the new boundary data, whatever the start value.
+        let reference = self.newton.norm(&mut system).ok_or(NewtonError::Inadmissible)?;
+        if extrapolate {
+            system.new.extrapolate(&self.older, &self.old, ratio);
+            let assembler = &*system.assembler;
+            assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
+            if self.newton.norm(&mut system).is_none_or(|norm| norm > reference) {
+                system.new.copy_from(&self.old);
+                let assembler = &*system.assembler;
+                assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
+            }
+        }
+        let report = self.newton.solve(&mut system, reference)?;
+        Ok((report, system.norms, system.min_j))
+    }
+
+    fn apply_boundary(&mut self, t: f64, factor: f64) {
+        let State { v, u, .. } = &mut self.new;
+        self.assembler.constraints.apply(&self.assembler.space, t, v, u);
+        if factor != 1.0 {
+            for (node, given) in self.assembler.constraints.v.iter().enumerate() {
+                if *given {
+                    v[node * D..(node + 1) * D].iter_mut().for_each(|x| *x *= factor);
+                }
+            }
+        }
+    }
+
+    /// The stationary solution at the present time, with the load raised in parts if need be.
+    ///
+    /// # Errors
+    /// [`StepFailure`] if even small increments of the load have no solution.
+    pub fn stationary(&mut self) -> Result<StepReport, StepFailure> {
+        let (mut load, mut increment) = (0.0f64, 1.0f64);
+        let mut total = StepReport::default();
+        let mut last_load = 0.0f64;
+        while load < 1.0 {
+            let next = (load + increment).min(1.0);
+            match self.stationary_at(next, load, last_load) {
+                Ok(report) => {
+                    total.newton_steps += report.newton_steps;
+                    total.jacobians += report.jacobians;
+                    total.parts += 1;
+                    (total.norms, total.min_j) = (report.norms, report.min_j);
+                    (last_load, load) = (load, next);
+                    increment *= 2.0;
+                }
+                Err(failure) if increment < 1e-3 => return Err(failure),
+                Err(_) => increment = 0.5 * increment.min(1.0 - load),
+            }
+        }
+        Ok(total)
+    }
+
+    fn stationary_at(&mut self, load: f64, before: f64, earlier: f64) -> Result<StepReport, StepFailure> {
+        let t = self.time;
+        for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
+            if let Some(force) = force {
+                self.assembler.set_force(region, End::New, Some(&|x| force(x, t).map(|f| f * load)));
+            }
+        }
+        self.explicit.fill(0.0);
+        if let Some(source) = &mut self.source {
+            source(t, t, 1.0, &mut self.explicit);
+        }
+        let (before_state, earlier_state) = (self.new.clone(), self.old.clone());
+        if before > 0.0 {
+            let ratio = if before > earlier && earlier > 0.0 { (load - before) / (before - earlier) } else { 0.0 };
+            self.new.extrapolate(&earlier_state, &before_state, ratio);
+        }
+        self.apply_boundary(t, load);
+        self.newton.forget();
+        let mut system = StepSystem {
+            assembler: &mut self.assembler,
+            rule: StepRule::STATIONARY,
+            new: &mut self.new,
+            old: &before_state,
+            explicit: &self.explicit,
+            scales: self.settings.scales,
+            tangent: self.settings.tangent,
+            time: t,
+            point: &mut self.point,
+            min_j: 1.0,
+            norms: BlockNorms::default(),
+        };
+        let solved = match self.newton.norm(&mut system) {
+            Some(reference) => self.newton.solve(&mut system, reference),
+            None => Err(NewtonError::Inadmissible),
+        };
+        let (norms, min_j) = (system.norms, system.min_j);
+        match solved {
+            Ok(report) => {
+                self.old = before_state;
+                let (newton_steps, jacobians) = (report.steps, report.jacobians);
+                Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
+            }
+            Err(reason) => {
+                let worst = self.assembler.worst();
+                self.new = before_state;
+                Err(StepFailure { time: t, step: 0.0, reason, worst })
+            }
+        }
+    }
+
+    /// The last step as assembly sees it: for forces by the residual.
+    pub fn last_step(&self) -> (StepRule, &State, &State) {
+        let rule = if self.last_step > 0.0 {
+            self.settings.scheme.rule(self.last_step)
+        } else {
+            StepRule::STATIONARY
+        };
+        (rule, &self.new, &self.old)
+    }
+
+    /// Time to which pressure and forces of the last step belong: t⁻ + θ k.
+    pub fn force_time(&self) -> f64 {
+        let k = self.last_step;
+        if k > 0.0 { self.time - k + self.settings.scheme.rule(k).theta * k } else { self.time }
+    }
+
+    /// The clock, for a checkpoint.
+    pub fn clock(&self) -> Clock {
+        Clock { time: self.time, last_step: self.last_step }
+    }
+
+    /// Where the Jacobian that the next step will start with was taken; `None`: it will make a new one.
+    pub fn jacobian_point(&self) -> Option<&JacobianPoint> {
+        self.point.as_ref().filter(|_| self.newton.keeps())
+    }
+
+    /// Go on from a checkpoint: the last two solutions, the clock and the kept Jacobian.
+    ///
+    /// # Errors
+    /// If the kept Jacobian cannot be factorised again.
+    pub fn restore(
+        &mut self,
+        clock: Clock,
+        new: State,
+        old: State,
+        point: Option<JacobianPoint>,
+    ) -> Result<(), NewtonError> {
+        (self.time, self.last_step) = (clock.time, clock.last_step);
+        (self.new, self.old) = (new, old);
+        self.newton.forget();
+        if let Some(point) = point {
+            self.set_forces(End::New, point.time);
+            let view = StepView { rule: point.rule, new: &point.new, old: &point.old };
+            let (assembler, tangent) = (&self.assembler, self.settings.tangent);
+            self.newton.recall(|matrix| assembler.jacobian(&view, tangent, matrix))?;
+            self.point = Some(point);
+        }
+        self.set_forces(End::New, clock.time);
+        self.set_forces(End::Old, clock.time);
+        Ok(())
+    }
+}

@@ -1,0 +1,129 @@
+//! The nonlinear system of one step.
+
+use super::stepper::JacobianPoint;
+use crate::algebra::Csr;
+use crate::assembly::{Assembler, StepView};
+use crate::nonlinear::NonlinearSystem;
+use crate::physics::StepRule;
+use crate::space::{FsiSpace, PsiOwner, State};
+use crate::tangent::Tangent;
+
+/// Weights that give the residuals of all equations the unit of a velocity.
+///
+/// The equations carry different units, so each has its own: momentum k/(ρ ĥ^D), divergence 1/ĥ^(D−1),
+/// extension 1/(E_e k ĥ^(D−2)), velocity-deformation relation 1/ĥ^D, with the mean distance ĥ of nodes.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Scales {
+    /// ρ ĥ^D \[kg\].
+    pub mass: f64,
+    /// ĥ \[m\].
+    pub size: f64,
+    /// Largest E_e.
+    pub stiffness: f64,
+}
+
+/// Scaled maximum norms of the equations \[m/s\].
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct BlockNorms {
+    /// Momentum.
+    pub momentum: f64,
+    /// Divergence.
+    pub divergence: f64,
+    /// Extension.
+    pub extension: f64,
+    /// Velocity-deformation relation.
+    pub relation: f64,
+}
+
+impl BlockNorms {
+    /// The largest.
+    pub fn max(&self) -> f64 {
+        self.momentum.max(self.divergence).max(self.extension).max(self.relation)
+    }
+}
+
+impl Scales {
+    /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`; `None` if not finite.
+    pub fn norms<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
+        let k = if per_k > 0.0 { 1.0 / per_k } else { 1.0 };
+        let (n_v, n_u) = (space.n_v(), space.n_u());
+        let mut n = BlockNorms {
+            momentum: norm_inf(&r[..n_v])? * k / self.mass,
+            divergence: norm_inf(&r[n_v + n_u..])? / self.size.powi(D as i32 - 1),
+            ..BlockNorms::default()
+        };
+        for (node, r) in r[n_v..n_v + n_u].chunks_exact(D).enumerate() {
+            let size = norm_inf(r)?;
+            match space.owner[node] {
+                PsiOwner::Extension => n.extension = n.extension.max(size),
+                PsiOwner::Relation => n.relation = n.relation.max(size),
+            }
+        }
+        n.extension /= self.stiffness * k * self.size.powi(D as i32 - 2);
+        n.relation /= self.size.powi(D as i32);
+        Some(n)
+    }
+}
+
+/// Largest absolute value; `None` if one is not finite.
+fn norm_inf(r: &[f64]) -> Option<f64> {
+    // A sum of absolute values is finite only if each is; the maximum alone would swallow NaN.
+    let (max, sum) = r.iter().fold((0.0f64, 0.0f64), |(m, s), x| (m.max(x.abs()), s + x.abs()));
+    sum.is_finite().then_some(max)
+}
+
+/// One step between two states.
+pub struct StepSystem<'a, const D: usize> {
+    /// Assembly.
+    pub assembler: &'a mut Assembler<D>,
+    /// Weights of the scheme.
+    pub rule: StepRule,
+    /// The iterate.
+    pub new: &'a mut State,
+    /// The solution at the old time.
+    pub old: &'a State,
+    /// Explicit part and sources, `[v, u, p]`.
+    pub explicit: &'a [f64],
+    /// Units.
+    pub scales: Scales,
+    /// How derivatives are computed.
+    pub tangent: Tangent,
+    /// New time of the step \[s\].
+    pub time: f64,
+    /// Where the last Jacobian was taken.
+    pub point: &'a mut Option<JacobianPoint>,
+    /// Smallest J of the last residual.
+    pub min_j: f64,
+    /// Norms of the last residual.
+    pub norms: BlockNorms,
+}
+
+impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
+    fn residual(&mut self, r: &mut [f64]) -> Option<f64> {
+        r.copy_from_slice(self.explicit);
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.min_j = self.assembler.residual(&view, r);
+        self.norms = self.scales.norms(&self.assembler.space, self.rule.per_k, r)?;
+        (self.min_j > 0.0).then_some(self.norms.max())
+    }
+
+    fn jacobian(&mut self, a: &mut Csr) {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.assembler.jacobian(&view, self.tangent, a);
+        match self.point {
+            Some(point) => {
+                (point.rule, point.time) = (self.rule, self.time);
+                point.new.copy_from(self.new);
+                point.old.copy_from(self.old);
+            }
+            None => {
+                let (new, old) = (self.new.clone(), self.old.clone());
+                *self.point = Some(JacobianPoint { rule: self.rule, time: self.time, new, old });
+            }
+        }
+    }
+
+    fn update(&mut self, omega: f64, delta: &[f64]) {
+        self.new.add_scaled(omega, delta);
+    }
+}
