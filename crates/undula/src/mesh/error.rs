@@ -80,7 +80,9 @@ pub enum MeshError {
     #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}")]
     Inverted(CellList),
     /// A facet shared by more than two cells, or by two cells with different mid nodes.
-    #[error("cells that do not fit their neighbour (a facet used more than twice, or with two mid nodes): {0}")]
+    #[error(
+        "cells that do not fit their neighbour (a facet used more than twice, or with two mid nodes): {0}"
+    )]
     NotConforming(CellList),
     /// Coincident but distinct nodes.
     #[error(

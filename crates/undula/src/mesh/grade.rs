@@ -69,7 +69,8 @@ impl Mesh<2> {
     fn part_nodes(&mut self, cell: usize, quarters: [[usize; 2]; 4], middle: &mut MidNodes) -> [u32; 9] {
         std::array::from_fn(|i| {
             // The vertices of the part that this node is the mean of: one, two or four.
-            let among = |v: &usize| [i % 3, i / 3].iter().zip([v & 1, v >> 1]).all(|(&x, b)| x == 1 || x == 2 * b);
+            let among =
+                |v: &usize| [i % 3, i / 3].iter().zip([v & 1, v >> 1]).all(|(&x, b)| x == 1 || x == 2 * b);
             let vertices: Vec<[usize; 2]> = (0..4).filter(among).map(|v| quarters[v]).collect();
             let n = vertices.len();
             let total = [0, 1].map(|d| vertices.iter().map(|q| q[d]).sum::<usize>());

@@ -1,19 +1,28 @@
 //! Geometry and topology of the reference domain; nothing here knows that there is a fluid.
 
 pub mod generate;
+pub mod gmsh;
 
+mod box_tree;
 mod curve;
+mod distance;
 mod error;
 mod geometry;
 mod grade;
+mod locate;
+mod matching;
 mod quality;
 mod refine;
+mod regions;
 mod topology;
 
 pub use curve::Curve;
+pub use distance::FacetDistance;
 pub use error::{CellAt, CellList, LISTED, MeshError};
+pub use locate::{Located, Locator};
 pub use quality::Quality;
 pub use refine::Refined;
+pub use regions::INTERFACE;
 pub use topology::{Facets, Side};
 
 use crate::element::Shape;

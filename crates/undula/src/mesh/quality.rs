@@ -34,23 +34,20 @@ impl Quality {
 impl<const D: usize> Mesh<D> {
     /// Measures all cells.
     pub fn quality(&self) -> Quality {
-        let gauss: Vec<([f64; D], f64)> = (0..3_usize.pow(D as u32))
+        let mut points: Vec<([f64; D], f64)> = (0..3_usize.pow(D as u32))
             .map(|i| {
                 let at: [usize; D] = std::array::from_fn(|d| i / 3_usize.pow(d as u32) % 3);
                 (at.map(|k| GAUSS[k].0), at.iter().map(|&k| GAUSS[k].1).product())
             })
             .collect();
-        let nodes: Vec<[f64; D]> = (0..self.shape.n_nodes(self.degree))
-            .map(|n| {
-                let at = self.shape.lattice(self.degree, n);
-                std::array::from_fn(|d| at[d] as f64 / self.degree as f64)
-            })
-            .collect();
+        points.extend((0..self.shape.n_nodes(self.degree)).map(|n| {
+            let at = self.shape.lattice(self.degree, n);
+            (std::array::from_fn(|d| at[d] as f64 / self.degree as f64), 0.0)
+        }));
         let mut quality = Quality { scaled_jacobian: vec![], volume: vec![], inverted: vec![] };
         for cell in 0..self.n_cells() {
             let (mut worst, mut volume) = (f64::INFINITY, 0.0);
-            for &(xi, weight) in gauss.iter().chain(nodes.iter().map(|&xi| (xi, 0.0)).collect::<Vec<_>>().iter())
-            {
+            for &(xi, weight) in &points {
                 let gradient = self.map_gradient(cell, xi);
                 let det = determinant(gradient);
                 worst = worst.min(scaled(gradient, det));
@@ -63,6 +60,28 @@ impl<const D: usize> Mesh<D> {
             quality.volume.push(volume);
         }
         quality
+    }
+
+    /// Renumbers cells whose nodes run clockwise so that they run counter-clockwise; returns how many.
+    pub fn turn_clockwise_cells(&mut self) -> usize {
+        let n = self.shape.n_nodes(self.degree);
+        // The node with the first two coordinates exchanged.
+        let turned: Vec<usize> = (0..n)
+            .map(|i| {
+                let [x, y, z] = self.shape.lattice(self.degree, i);
+                y + (self.degree + 1) * (x + (self.degree + 1) * z)
+            })
+            .collect();
+        let clockwise: Vec<usize> =
+            (0..self.n_cells()).filter(|&c| determinant(self.map_gradient(c, [0.5; D])) < 0.0).collect();
+        for &cell in &clockwise {
+            let nodes = self.cell(cell).to_vec();
+            turned.iter().enumerate().for_each(|(i, &j)| self.cell_nodes[cell * n + i] = nodes[j]);
+            for facet in self.facets.iter_mut().filter(|f| f.cell as usize == cell && f.local < 4) {
+                facet.local ^= 2;
+            }
+        }
+        clockwise.len()
     }
 
     /// Refuses cells whose map is folded or numbered clockwise.

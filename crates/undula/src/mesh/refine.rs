@@ -88,18 +88,17 @@ impl<const D: usize> Mesh<D> {
         for (number, curve) in curves.iter().enumerate() {
             let followed: Vec<_> = curve.boundaries().iter().filter_map(|b| self.boundary(b)).collect();
             for f in self.facets.iter().filter(|f| followed.contains(&f.boundary)) {
-                named.insert(Side { cell: f.cell, local: f.local }, number);
+                named.insert(f.side(), number);
                 sides.entry(f.cell).or_default().push((f.local, number));
             }
         }
         if named.is_empty() {
             return sides;
         }
-        for [one, two] in self.facets_of_cells().inner {
-            for (here, beyond) in [(one, two), (two, one)] {
-                if let Some(&number) = named.get(&here) {
-                    sides.entry(beyond.cell).or_default().push((beyond.local, number));
-                }
+        // In the order of the cells, so that sums of displacements do not depend on chance.
+        for (here, beyond) in self.facets_of_cells().inner.into_iter().flat_map(|[a, b]| [(a, b), (b, a)]) {
+            if let Some(&number) = named.get(&here) {
+                sides.entry(beyond.cell).or_default().push((beyond.local, number));
             }
         }
         sides

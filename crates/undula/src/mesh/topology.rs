@@ -1,6 +1,7 @@
 //! Which cells meet at which facet.
 
 use super::Mesh;
+use std::collections::HashMap;
 
 /// A facet as seen from one of its cells.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,37 +23,14 @@ pub struct Facets {
     pub bad: Vec<u32>,
 }
 
-/// Sorted vertices of a facet: its identity.
+/// Sorted vertices of a facet, filled up with `u32::MAX`: its identity.
 pub(crate) type FacetKey = [u32; 4];
 
 impl<const D: usize> Mesh<D> {
-    /// Sorted vertices of facet `local` of `cell`, filled up with `u32::MAX`.
-    pub(crate) fn facet_key(&self, cell: usize, local: usize) -> FacetKey {
-        let mut key = [u32::MAX; 4];
-        let (axis, side) = (local / 2, local % 2);
-        let corners = self.shape.vertices(self.degree);
-        let on_facet = corners
-            .iter()
-            .filter(|&&c| self.shape.lattice(self.degree, c)[axis] == side * self.degree);
-        for (entry, &corner) in key.iter_mut().zip(on_facet) {
-            *entry = self.cell(cell)[corner];
-        }
-        key.sort_unstable();
-        key
-    }
-
     /// Finds all facets, sorted by cell; linear but for a sort.
     pub fn facets_of_cells(&self) -> Facets {
-        let n_facets = self.shape.n_facets();
-        let mut keyed: Vec<(FacetKey, Side)> = (0..self.n_cells())
-            .flat_map(|cell| (0..n_facets).map(move |local| (cell, local)))
-            .map(|(cell, local)| {
-                (self.facet_key(cell, local), Side { cell: cell as u32, local: local as u8 })
-            })
-            .collect();
-        keyed.sort_unstable();
         let mut facets = Facets::default();
-        for group in keyed.chunk_by(|a, b| a.0 == b.0) {
+        for group in self.sides_by_vertices().chunk_by(|a, b| a.0 == b.0) {
             match *group {
                 [(_, side)] => facets.outer.push(side),
                 [(_, one), (_, two)] if self.same_nodes(one, two) => facets.inner.push([one, two]),
@@ -66,16 +44,41 @@ impl<const D: usize> Mesh<D> {
         facets
     }
 
+    /// For each side of a facet between two cells the other side.
+    pub fn neighbours(&self) -> HashMap<Side, Side> {
+        let inner = self.facets_of_cells().inner;
+        inner.into_iter().flat_map(|[one, two]| [(one, two), (two, one)]).collect()
+    }
+
+    /// All sides of all cells with their vertices, sorted.
+    pub(crate) fn sides_by_vertices(&self) -> Vec<(FacetKey, Side)> {
+        let corners = self.shape.vertices(self.degree);
+        let on = |&c: &usize, local: usize| {
+            self.shape.lattice(self.degree, c)[local / 2] == local % 2 * self.degree
+        };
+        let of_facet: Vec<Vec<usize>> = (0..self.shape.n_facets())
+            .map(|local| corners.iter().copied().filter(|c| on(c, local)).collect())
+            .collect();
+        let mut sides = Vec::with_capacity(self.n_cells() * of_facet.len());
+        for cell in 0..self.n_cells() {
+            for (local, vertices) in of_facet.iter().enumerate() {
+                let mut key = [u32::MAX; 4];
+                key.iter_mut().zip(vertices).for_each(|(k, &v)| *k = self.cell(cell)[v]);
+                key.sort_unstable();
+                sides.push((key, Side { cell: cell as u32, local: local as u8 }));
+            }
+        }
+        sides.sort_unstable();
+        sides
+    }
+
     /// Whether two sides have the same geometry nodes.
     fn same_nodes(&self, one: Side, two: Side) -> bool {
-        if self.degree == 1 {
-            return true;
-        }
         let sorted = |side: Side| {
             let mut nodes = self.facet_nodes(side.cell as usize, side.local as usize);
             nodes.sort_unstable();
             nodes
         };
-        sorted(one) == sorted(two)
+        self.degree == 1 || sorted(one) == sorted(two)
     }
 }

@@ -26,7 +26,8 @@ impl Path {
         match self {
             Path::Line => [mix(a[0], b[0]), mix(a[1], b[1])],
             Path::Arc(c) => {
-                let polar = |x: [f64; 2]| ((x[0] - c[0]).hypot(x[1] - c[1]), (x[1] - c[1]).atan2(x[0] - c[0]));
+                let polar =
+                    |x: [f64; 2]| ((x[0] - c[0]).hypot(x[1] - c[1]), (x[1] - c[1]).atan2(x[0] - c[0]));
                 let ((r_a, angle_a), (r_b, angle_b)) = (polar(a), polar(b));
                 let turn = (angle_b - angle_a + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
                     - std::f64::consts::PI;
@@ -107,10 +108,7 @@ impl Blocks {
 
     /// Number of the boundary called `name`, a new one if there is none.
     pub(super) fn boundary(&mut self, name: &str) -> u16 {
-        self.mesh.boundary(name).unwrap_or_else(|| {
-            self.mesh.boundaries.push(name.to_string());
-            self.mesh.boundaries.len() as u16 - 1
-        })
+        self.mesh.boundary_number(name)
     }
 
     /// Calls the edge between `a` and `b` part of boundary `name`; before the blocks at it are added.
@@ -137,9 +135,8 @@ impl Blocks {
         let (n, m) = (bottom.nodes.len(), left.nodes.len());
         assert!(top.nodes.len() == n && right.nodes.len() == m, "opposite edges have equal divisions");
         let coons = Coons { x: &self.mesh.nodes, bottom: &bottom, right: &right, top: &top, left: &left };
-        let inside: Vec<_> = (1..m - 1)
-            .map(|j| (1..n - 1).map(|i| coons.at(i, j)).collect::<Vec<_>>())
-            .collect();
+        let inside: Vec<_> =
+            (1..m - 1).map(|j| (1..n - 1).map(|i| coons.at(i, j)).collect::<Vec<_>>()).collect();
         let mut grid = vec![bottom.nodes.clone()];
         for (row, j) in inside.into_iter().zip(1..) {
             let mut numbers = vec![left.nodes[j]];
@@ -162,7 +159,8 @@ impl Blocks {
                 self.mesh.cell_nodes.extend(nodes);
                 self.mesh.cell_region.push(region);
                 let at_side = [i == 0, i + 1 == n, j == 0, j + 1 == m];
-                for (local, (boundary, _)) in names.iter().zip(at_side).enumerate().filter(|(_, (_, at))| *at) {
+                for (local, (boundary, _)) in names.iter().zip(at_side).enumerate().filter(|(_, (_, at))| *at)
+                {
                     let facet = |&boundary| Facet { cell, local: local as u8, boundary };
                     self.mesh.facets.extend(boundary.iter().map(facet));
                 }
@@ -175,15 +173,13 @@ impl Blocks {
     /// A facet that two blocks named is kept once, as the cell of the first region sees it.
     pub(super) fn finish(self) -> Mesh<2> {
         let mut mesh = self.mesh;
-        let mut beyond: HashMap<Side, Side> = HashMap::new();
-        for [one, two] in mesh.facets_of_cells().inner {
-            beyond.extend([(one, two), (two, one)]);
-        }
+        let beyond = mesh.neighbours();
         let rank = |side: Side| (mesh.cell_region[side.cell as usize], side);
-        let facets = mesh.facets.iter().copied().filter(|f| {
-            let side = Side { cell: f.cell, local: f.local };
-            beyond.get(&side).is_none_or(|&other| rank(side) < rank(other))
-        });
+        let facets = mesh
+            .facets
+            .iter()
+            .copied()
+            .filter(|f| beyond.get(&f.side()).is_none_or(|&other| rank(f.side()) < rank(other)));
         mesh.facets = facets.collect();
         mesh
     }

@@ -54,7 +54,13 @@ impl Blocks {
 
     /// The cells between the ring with corners `[se, ne, nw, sw]`, the inflow and the walls up to the
     /// points `below` and `above`; `along` cells over and under the ring, `across` cells in front of it.
-    pub(super) fn before_ring(&mut self, ring: [Point; 4], [below, above]: [Point; 2], along: usize, across: usize) {
+    pub(super) fn before_ring(
+        &mut self,
+        ring: [Point; 4],
+        [below, above]: [Point; 2],
+        along: usize,
+        across: usize,
+    ) {
         let [se, ne, nw, sw] = ring;
         let [front_low, front_high] = [self.x(sw)[0] - 0.02, self.x(nw)[0] - 0.02];
         let bottom = [self.point(0.0, 0.0), self.point(front_low, 0.0)];
@@ -72,7 +78,9 @@ impl Blocks {
             self.edge(a, b, Path::Line, &even(n));
             self.name(a, b, name);
         }
-        for (a, b) in [(inflow[0], sw), (inflow[1], nw), (bottom[1], sw), (nw, top[1]), (below, se), (ne, above)] {
+        for (a, b) in
+            [(inflow[0], sw), (inflow[1], nw), (bottom[1], sw), (nw, top[1]), (below, se), (ne, above)]
+        {
             self.edge(a, b, Path::Line, &even(1));
         }
         for corners in [

@@ -32,9 +32,12 @@ pub fn rectangle(
         blocks.point(lower[0], upper[1]),
     ];
     let [a, b, c, d] = corners;
-    for (from, to, n, name) in
-        [(a, d, cells[1], "left"), (b, c, cells[1], "right"), (a, b, cells[0], "bottom"), (d, c, cells[0], "top")]
-    {
+    for (from, to, n, name) in [
+        (a, d, cells[1], "left"),
+        (b, c, cells[1], "right"),
+        (a, b, cells[0], "bottom"),
+        (d, c, cells[0], "top"),
+    ] {
         blocks.edge(from, to, Path::Line, &even(n));
         blocks.name(from, to, name);
     }
