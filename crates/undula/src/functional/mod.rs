@@ -1,1 +1,3 @@
 //! Numbers of interest.
+
+pub mod statistics;

@@ -242,7 +242,8 @@ mod tests {
 
     #[test]
     fn completed_runs_are_replaced_and_only_their_own_files_go() {
-        let path = scratch("directory-replace").join("deep/run");
+        let directory = scratch("directory-replace");
+        let path = directory.join("deep/run");
         let run = RunDirectory::create(&path, false).unwrap();
         run.write_case("a = 1").unwrap();
         write_atomic(path.join(run.field_name(3)), |f| f.write_all(b"x")).unwrap();
@@ -309,7 +310,8 @@ mod tests {
     #[test]
     fn unwritable_places_give_their_name() {
         // Below a file nothing can be created, whoever runs the test.
-        let path = scratch("directory-unwritable").join("file");
+        let directory = scratch("directory-unwritable");
+        let path = directory.join("file");
         fs::write(&path, "").unwrap();
         let message = RunDirectory::create(path.join("run"), false).unwrap_err().to_string();
         assert!(message.contains("file") && message.contains("cannot create directory"), "{message}");
@@ -317,7 +319,8 @@ mod tests {
 
     #[test]
     fn failed_writes_keep_the_old_content() {
-        let path = scratch("directory-atomic").join("a.txt");
+        let directory = scratch("directory-atomic");
+        let path = directory.join("a.txt");
         write_atomic(&path, |f| f.write_all(b"old")).unwrap();
         let result = write_atomic(&path, |f| {
             f.write_all(b"half of the n")?;

@@ -164,7 +164,8 @@ mod tests {
 
     #[test]
     fn every_number_reads_back_with_the_same_bits() {
-        let path = scratch("history-bits").join("history.csv");
+        let directory = scratch("history-bits");
+        let path = directory.join("history.csv");
         let mut seed = 1u64;
         let mut values = vec![0.0, -0.0, 5e-324, f64::MAX, 1.0 / 3.0, 1e-4, 1e15, f64::INFINITY, 431.5];
         for _ in 0..3000 {
@@ -189,7 +190,8 @@ mod tests {
 
     #[test]
     fn resuming_cuts_later_rows_and_half_written_lines() {
-        let path = scratch("history-resume").join("history.csv");
+        let directory = scratch("history-resume");
+        let path = directory.join("history.csv");
         let mut writer = HistoryWriter::create(&path, &columns()).unwrap();
         (1..=5).for_each(|n| writer.append(&[n as f64, 0.1 * n as f64, 0.5]).unwrap());
         let complete = fs::read(&path).unwrap();
@@ -208,7 +210,8 @@ mod tests {
 
     #[test]
     fn mismatches_are_named() {
-        let path = scratch("history-errors").join("history.csv");
+        let directory = scratch("history-errors");
+        let path = directory.join("history.csv");
         fs::write(&path, "step,time,drag\n1,0.1,2\n2,oops,2\n").unwrap();
         assert!(History::read(&path).unwrap_err().to_string().contains("line 3: expected 3 numbers"));
         fs::write(&path, "step,time,drag\n1,0.1,2\n").unwrap();

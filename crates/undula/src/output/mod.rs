@@ -24,13 +24,35 @@ pub use vtu::{Field, FieldSnapshot, Precision, read_vtu, write_vtu};
 
 #[cfg(test)]
 pub(crate) mod testing {
-    use std::path::PathBuf;
+    use std::path::{Path, PathBuf};
 
-    /// An empty directory for the test `name`.
-    pub(crate) fn scratch(name: &str) -> PathBuf {
+    /// An empty directory, removed at the end.
+    pub(crate) struct Scratch(PathBuf);
+
+    /// The scratch directory of the test `name`.
+    pub(crate) fn scratch(name: &str) -> Scratch {
         let path = std::env::temp_dir().join(format!("undula-{}-{name}", std::process::id()));
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
-        path
+        Scratch(path)
+    }
+
+    impl std::ops::Deref for Scratch {
+        type Target = Path;
+        fn deref(&self) -> &Path {
+            &self.0
+        }
+    }
+
+    impl AsRef<Path> for Scratch {
+        fn as_ref(&self) -> &Path {
+            &self.0
+        }
+    }
+
+    impl Drop for Scratch {
+        fn drop(&mut self) {
+            let _ = std::fs::remove_dir_all(&self.0);
+        }
     }
 }

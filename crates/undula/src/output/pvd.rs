@@ -129,7 +129,8 @@ mod tests {
 
     #[test]
     fn other_files_are_refused() {
-        let path = scratch("pvd-other").join("fields.pvd");
+        let directory = scratch("pvd-other");
+        let path = directory.join("fields.pvd");
         fs::write(&path, "<html/>").unwrap();
         assert!(Collection::read(&path).is_err());
         fs::write(&path, "<VTKFile type=\"Collection\"><DataSet file=\"a\"/></VTKFile>").unwrap();

@@ -220,7 +220,8 @@ mod tests {
 
     #[test]
     fn numbers_survive_and_those_not_finite_become_null() {
-        let path = scratch("summary").join("summary.json");
+        let directory = scratch("summary");
+        let path = directory.join("summary.json");
         let written = example();
         written.write(&path).unwrap();
         let read = Summary::read(&path).unwrap();
@@ -251,7 +252,8 @@ mod tests {
 
     #[test]
     fn something_else_is_refused() {
-        let path = scratch("summary-else").join("summary.json");
+        let directory = scratch("summary-else");
+        let path = directory.join("summary.json");
         fs::write(&path, "{\"status\": \"great\"}").unwrap();
         assert!(Summary::read(&path).unwrap_err().to_string().contains("summary.json: unknown variant"));
     }

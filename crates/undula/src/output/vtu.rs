@@ -323,3 +323,16 @@ fn inflate(appended: &[u8], offset: usize) -> Option<Vec<u8>> {
     }
     Some(raw)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Figures of the VTK file format: vertices round the cell, then edges, then the interior.
+    #[test]
+    fn nodes_are_in_the_order_of_vtk() {
+        assert_eq!(vtk_order(1), [0, 1, 3, 2]);
+        assert_eq!(vtk_order(2), [0, 2, 8, 6, 1, 5, 7, 3, 4]);
+        assert_eq!(vtk_order(3), [0, 3, 15, 12, 1, 2, 7, 11, 13, 14, 4, 8, 5, 6, 9, 10]);
+    }
+}
