@@ -1,14 +1,15 @@
 //! A checked case: every default resolved, every value valid.
 //!
-//! `Case` is what the TOML file means. It is made by [`super::check`] only, so that code further down
+//! `Case` is what the TOML file means. It is made by [`Case::from_toml`] only, so that code further down
 //! never meets an invalid one, and it is written back as `case.toml` into the output directory.
 
+use super::error::Place;
 use super::expression::Expression;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// A complete, valid description of one computation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Case {
     /// Short name, also the name of the default output directory.
     pub name: String,
@@ -28,6 +29,8 @@ pub struct Case {
     pub boundary: BTreeMap<String, Condition>,
     /// `None`: a stationary solution is sought.
     pub time: Option<TimeSpec>,
+    /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
+    pub at_time: f64,
     /// The nonlinear solver.
     pub newton: NewtonSpec,
     /// The linear solver.
@@ -36,6 +39,37 @@ pub struct Case {
     pub functional: Vec<(String, FunctionalSpec)>,
     /// What is written, and how often.
     pub output: OutputSpec,
+    /// Where it was read from, for later messages; no part of its meaning.
+    pub record: Record,
+}
+
+impl Case {
+    /// Settings without effect and parts that are left out, in words.
+    pub fn notes(&self) -> &[String] {
+        &self.record.notes
+    }
+
+    /// θ of the first step; `None` if stationary.
+    pub fn theta(&self) -> Option<f64> {
+        self.time.as_ref().map(|time| time.scheme.theta(time.step.eval(&[0.0; 3], time.start)))
+    }
+}
+
+/// Where the parts of a case were written. All records are equal, so that cases are compared by meaning.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The file, as named by the user.
+    pub file_name: String,
+    /// Place of every dotted key that was given.
+    pub places: BTreeMap<String, Place>,
+    /// Settings without effect and parts that are left out.
+    pub notes: Vec<String>,
+}
+
+impl PartialEq for Record {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Where the mesh comes from.
@@ -204,6 +238,18 @@ pub enum TimeScheme {
         /// c \[1/s\].
         shift: f64,
     },
+}
+
+impl TimeScheme {
+    /// The implicit weight θ of a step of length `k` \[s\], at most 1.
+    pub fn theta(&self, k: f64) -> f64 {
+        match *self {
+            TimeScheme::BackwardEuler => 1.0,
+            TimeScheme::Theta { theta } => theta,
+            TimeScheme::CrankNicolson => 0.5,
+            TimeScheme::ShiftedCrankNicolson { shift } => (0.5 + shift * k).min(1.0),
+        }
+    }
 }
 
 /// Nonlinear solver.

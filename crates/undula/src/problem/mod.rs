@@ -1,4 +1,16 @@
 //! From a case file to a checked, runnable description.
+//!
+//! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
+//! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
+//! `builtin` the cases shipped with the program and `reference` their published results.
 
+pub mod builtin;
 pub mod case;
+mod check;
+pub mod error;
 pub mod expression;
+pub mod fit;
+mod raw;
+mod read;
+pub mod reference;
+mod write;

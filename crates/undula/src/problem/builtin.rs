@@ -1,0 +1,88 @@
+//! The cases shipped with the program, and how a case is found by name.
+
+use super::case::Case;
+use super::error::{CaseErrors, LoadError, did_you_mean, quoted};
+use std::path::Path;
+
+/// A case shipped with the program.
+#[derive(Copy, Clone, Debug)]
+pub struct BuiltinCase {
+    /// Name on the command line.
+    pub name: &'static str,
+    /// The case file.
+    pub toml: &'static str,
+    /// Its published results.
+    pub reference: &'static str,
+}
+
+macro_rules! cases {
+    ($($name:literal),* $(,)?) => {
+        &[$(BuiltinCase {
+            name: $name,
+            toml: include_str!(concat!("../../cases/", $name, ".toml")),
+            reference: include_str!(concat!("../../cases/", $name, ".reference.toml")),
+        }),*]
+    };
+}
+
+static CASES: &[BuiltinCase] = cases![
+    "cfd1", "cfd2", "cfd3", "csm1", "csm2", "csm3", "fsi1", "fsi2", "fsi3", "dfg-2d1", "dfg-2d2", "dfg-2d3",
+];
+
+/// All built-in cases.
+pub fn builtin_cases() -> &'static [BuiltinCase] {
+    CASES
+}
+
+/// The built-in case `name`.
+pub fn builtin_case(name: &str) -> Option<&'static BuiltinCase> {
+    CASES.iter().find(|case| case.name == name)
+}
+
+impl Case {
+    /// The built-in case `name` with `overrides`; its messages call the file `NAME.toml`.
+    ///
+    /// # Errors
+    /// An unknown name, or mistakes in the overrides.
+    pub fn builtin(name: &str, overrides: &[String]) -> Result<Self, LoadError> {
+        let case = builtin_case(name).ok_or_else(|| no_such_case(name))?;
+        Ok(Self::from_toml(case.toml, &format!("{name}.toml"), overrides)?)
+    }
+
+    /// The built-in case of that name, else the case file at that path.
+    ///
+    /// # Errors
+    /// Neither exists, the file cannot be read, or it has mistakes.
+    pub fn load(path_or_builtin: &str, overrides: &[String]) -> Result<Self, LoadError> {
+        if builtin_case(path_or_builtin).is_some() {
+            return Self::builtin(path_or_builtin, overrides);
+        }
+        let path = Path::new(path_or_builtin);
+        let bytes = match std::fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(no_such_case(path_or_builtin)),
+            Err(source) => return Err(LoadError::Unreadable { path: path.into(), source }),
+        };
+        let text =
+            String::from_utf8(bytes).map_err(|e| not_text(path_or_builtin, e.utf8_error().valid_up_to()))?;
+        Ok(Self::from_toml(&text, path_or_builtin, overrides)?)
+    }
+}
+
+fn not_text(name: &str, position: usize) -> CaseErrors {
+    CaseErrors(vec![super::error::CaseError {
+        place: super::error::Place::File { name: name.into(), line: 1, column: 1 },
+        key: String::new(),
+        value: None,
+        message: format!("not a text file: byte {position} is not UTF-8"),
+    }])
+}
+
+fn no_such_case(name: &str) -> LoadError {
+    let stem = name.strip_suffix(".toml").unwrap_or(name);
+    let mut hint = did_you_mean(stem, CASES.iter().map(|case| case.name));
+    if hint.is_empty() {
+        hint = format!("; built-in cases are {}", quoted(CASES.iter().map(|case| case.name)));
+    }
+    LoadError::NoSuchCase { name: name.into(), hint }
+}

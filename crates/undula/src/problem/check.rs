@@ -1,0 +1,155 @@
+//! From TOML to [`Case`]: every key read, every default resolved, all mistakes told at once.
+//!
+//! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
+//! `condition`, time and solvers in `solver`. What needs the mesh is in [`super::fit`].
+
+mod body;
+mod condition;
+mod solver;
+
+use super::case::{Case, Record};
+use super::error::{CaseErrors, quoted};
+use super::raw::{Document, Origin};
+use super::read::{Checker, Section};
+use std::path::{Path, PathBuf};
+
+impl Case {
+    /// The case that the TOML `text` means after `overrides` (`key=value`, as after `--set`; the value
+    /// `none` removes a key). `file_name` is shown in messages; a mesh file is looked for beside it.
+    ///
+    /// # Errors
+    /// All mistakes, each with its place.
+    ///
+    /// ```
+    /// use undula::problem::case::Case;
+    /// let text = "[mesh]\ngenerator = \"turek-hron\"\n[fluid]\ndensity = -1\nkinematic-viscosity = 1e-3\n";
+    /// let errors = Case::from_toml(text, "own.toml", &[]).unwrap_err();
+    /// assert_eq!(errors.to_string(), "own.toml:4:11: fluid.density = -1: expected a number above 0");
+    /// ```
+    pub fn from_toml(text: &str, file_name: &str, overrides: &[String]) -> Result<Self, CaseErrors> {
+        let document = Document::parse(text, file_name, overrides).map_err(CaseErrors)?;
+        let checker = Checker::new(&document);
+        let case = read(&checker);
+        let places =
+            checker.origins.borrow().iter().map(|(key, o)| (key.clone(), document.place(o))).collect();
+        let notes = checker.notes.take();
+        let errors = checker.into_errors();
+        match case {
+            Some(mut case) if errors.is_empty() => {
+                case.record = Record { file_name: file_name.into(), places, notes };
+                Ok(case)
+            }
+            _ => Err(CaseErrors(errors)),
+        }
+    }
+}
+
+/// The case; meaningless if the checker found mistakes.
+fn read(checker: &Checker<'_>) -> Option<Case> {
+    let mut root = checker.root();
+    let name = name(&mut root);
+    let title = root.string("title").unwrap_or_default();
+    let mesh = body::mesh(root.section("mesh"), &root);
+    let space = body::space(root.section("space"));
+    let fluid = body::fluid(root.section("fluid"));
+    let solid = body::solid(root.section("solid"));
+    if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
+        checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
+    }
+    if let (Some(f), Some(s)) = (&fluid, &solid)
+        && f.region == s.region
+    {
+        root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
+    }
+    let motion = body::motion(root.section("motion"));
+    let boundary = condition::boundary(root.section("boundary"));
+    let (time, at_time) = solver::time(root.section("time"));
+    let newton = solver::newton(root.section("newton"));
+    let linear = solver::linear(root.section("linear"));
+    let (functional, names) =
+        condition::functional(root.section("functional"), fluid.is_some(), solid.is_some());
+    let output = solver::output(root.section("output"), &names, &functional);
+    let case = Case {
+        name,
+        title,
+        mesh: mesh?,
+        space,
+        fluid,
+        solid,
+        motion,
+        boundary,
+        time,
+        at_time: at_time.unwrap_or(0.0),
+        newton,
+        linear,
+        functional,
+        output,
+        record: Record::default(),
+    };
+    if case.time.is_none() && at_time.is_none() {
+        refuse_time(&case, &mut root);
+    }
+    root.finish();
+    Some(case)
+}
+
+/// A stationary case takes its data at one time; that time must be known if it matters.
+fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
+    let message =
+        "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
+    for (name, condition) in &case.boundary {
+        if let super::case::Condition::Velocity(v) = condition
+            && v.iter().any(super::expression::Expression::depends_on_time)
+        {
+            root.section("boundary").section(name).wrong("velocity", message);
+        }
+    }
+    let fluid = case.fluid.as_ref().map(|f| ("fluid", &f.body_force));
+    let solid = case.solid.as_ref().map(|s| ("solid", &s.body_force));
+    for (body, force) in fluid.into_iter().chain(solid) {
+        if force.iter().any(super::expression::Expression::depends_on_time) {
+            root.section(body).wrong("body-force", message);
+        }
+    }
+}
+
+/// `name`, else the file name without its folder and ending.
+fn name(root: &mut Section<'_, '_>) -> String {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
+    let file =
+        Path::new(&root.checker.document.file_name).file_stem().map(|s| s.to_string_lossy().into_owned());
+    let fallback: String =
+        file.unwrap_or_default().chars().map(|c| if allowed(c) { c } else { '_' }).collect();
+    let fallback = if fallback.trim_matches('.').is_empty() { "case".into() } else { fallback };
+    match root.string("name") {
+        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(allowed) => {
+            root.wrong(
+                "name",
+                "expected letters, digits, `-`, `_` and `.` only (it names the output directory)",
+            );
+            fallback
+        }
+        Some(name) => name,
+        None => fallback,
+    }
+}
+
+/// A path of the case: beside the case file, or in the working directory if it comes from `--set`.
+fn resolve(section: &Section<'_, '_>, key: &str, path: &str) -> PathBuf {
+    let origins = section.checker.origins.borrow();
+    let from_file = matches!(origins.get(&section.dotted(key)), Some(Origin::File(_)));
+    let folder = Path::new(&section.checker.document.file_name).parent().filter(|_| from_file);
+    let path = folder.map_or(PathBuf::from(path), |folder| folder.join(path));
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+/// Names of regions and boundaries as they occur in meshes.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}
+
+/// ``; there are `a`, `b` ``, or nothing.
+fn there_are<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    let list = quoted(names);
+    if list.is_empty() { String::new() } else { format!("; there are {list}") }
+}

@@ -1,0 +1,176 @@
+//! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
+
+use super::there_are;
+use crate::problem::case::{
+    FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec, Linearization, NewtonSpec, OutputSpec,
+    TimeScheme, TimeSpec,
+};
+use crate::problem::error::did_you_mean;
+use crate::problem::expression::Expression;
+use crate::problem::read::{ANY, NOT_NEGATIVE, Range, Section};
+
+const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
+const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
+const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number above 0 and below 1" };
+
+#[derive(Copy, Clone, PartialEq)]
+enum Scheme {
+    Stationary,
+    BackwardEuler,
+    Theta,
+    CrankNicolson,
+    Shifted,
+}
+
+/// The schedule, `None` if stationary, and the end time if one is given.
+pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
+    if !s.is_present() {
+        return (None, None);
+    }
+    let schemes = [
+        ("backward-euler", Scheme::BackwardEuler),
+        ("theta", Scheme::Theta),
+        ("crank-nicolson", Scheme::CrankNicolson),
+        ("shifted-crank-nicolson", Scheme::Shifted),
+        ("stationary", Scheme::Stationary),
+    ];
+    let later = ["rannacher", "fractional-step-theta", "cg1", "bdf2"];
+    let scheme = s.choice("scheme", &schemes, &later);
+    let step = s.expression("step");
+    let start = s.number("start", 0.0, ANY);
+    let end = s.optional_number("end", ANY);
+    let theta = s.optional_number("theta", THETA);
+    let shift = s.number("shift", 1.0, NOT_NEGATIVE);
+    let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
+    s.choice("domain-term", &[("secant", ())], &["midpoint-tangent", "galerkin"]);
+    let scheme = scheme.unwrap_or(Scheme::Shifted);
+    check_schedule(&s, scheme, step.as_ref(), (start, end), shift);
+    for (key, its_scheme) in [("theta", Scheme::Theta), ("shift", Scheme::Shifted)] {
+        if s.has(key) && scheme != its_scheme && scheme != Scheme::Stationary {
+            let note = format!("time.{key} has no effect: the scheme is another one");
+            s.checker.notes.borrow_mut().push(note);
+        }
+    }
+    let scheme = match scheme {
+        Scheme::Stationary => {
+            if s.has("step") {
+                s.checker
+                    .notes
+                    .borrow_mut()
+                    .push("time.step has no effect: time.scheme is `stationary`".into());
+            }
+            s.finish();
+            return (None, end);
+        }
+        Scheme::BackwardEuler => TimeScheme::BackwardEuler,
+        Scheme::CrankNicolson => TimeScheme::CrankNicolson,
+        Scheme::Shifted => TimeScheme::ShiftedCrankNicolson { shift },
+        Scheme::Theta => {
+            if !s.has("theta") {
+                s.missing("theta", "the weight of the new time, from 0.5 to 1");
+            }
+            TimeScheme::Theta { theta: theta.unwrap_or(1.0) }
+        }
+    };
+    s.finish();
+    let (step, end_or_start) = (step.unwrap_or_default(), end.unwrap_or(start));
+    (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings }), end)
+}
+
+fn check_schedule(
+    s: &Section<'_, '_>,
+    scheme: Scheme,
+    step: Option<&Expression>,
+    (start, end): (f64, Option<f64>),
+    shift: f64,
+) {
+    if scheme == Scheme::Stationary {
+        return;
+    }
+    for (key, meaning) in [
+        ("step", "the time step [s]; for a stationary case set time.scheme = \"stationary\""),
+        ("end", "the last time [s]; for a stationary case set time.scheme = \"stationary\""),
+    ] {
+        if !s.has(key) {
+            s.missing(key, meaning);
+        }
+    }
+    if end.is_some_and(|end| end <= start) {
+        s.wrong("end", format!("expected a time after the start, {start} s"));
+    }
+    let Some(step) = step else { return };
+    if step.depends_on_space() {
+        return s.wrong("step", "expected a number or an expression of t alone");
+    }
+    // A varying step is looked at where it is most likely to go wrong.
+    let last = end.filter(|end| *end > start).unwrap_or(start);
+    let times = (0..=100).map(|i| start + (last - start) * f64::from(i) / 100.0);
+    let Some((t, k)) =
+        times.map(|t| (t, step.eval(&[0.0; 3], t))).find(|(_, k)| !(k.is_finite() && *k > 0.0))
+    else {
+        let theta = 0.5 + shift * step.eval(&[0.0; 3], start);
+        if scheme == Scheme::Shifted && theta > 1.0 {
+            s.wrong(
+                "step",
+                format!("theta = 1/2 + shift * step = {theta} is above 1; reduce `step` or `shift`"),
+            );
+        }
+        return;
+    };
+    if step.is_constant() {
+        s.wrong("step", "expected a number above 0");
+    } else {
+        s.wrong("step", format!("expected a value above 0 at all times, it is {k} at t = {t}"));
+    }
+}
+
+pub(super) fn newton(mut s: Section<'_, '_>) -> NewtonSpec {
+    let linearization = s.choice(
+        "linearization",
+        &[("newton", Linearization::Newton)],
+        &["reduced", "fixed-point", "condensed"],
+    );
+    let jacobians = [("automatic", JacobianKind::Automatic), ("analytic", JacobianKind::Analytic)];
+    let jacobian = s.choice("jacobian", &jacobians, &["finite-difference"]);
+    let spec = NewtonSpec {
+        linearization: linearization.unwrap_or(Linearization::Newton),
+        jacobian: jacobian.unwrap_or(JacobianKind::Automatic),
+        rate_max: s.number("rate-max", 0.2, RATE),
+        tolerance: s.number("tolerance", 1e-8, REDUCTION),
+        floor: s.number("floor", 1e-12, NOT_NEGATIVE),
+        max_steps: s.integer("max-steps", 30, 1..=1000),
+        extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
+        line_search: s.integer("line-search", 5, 0..=30),
+    };
+    s.finish();
+    spec
+}
+
+pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
+    let solver = s.choice("solver", &[("faer", LinearSolverKind::Faer)], &["gmres", "umfpack", "mumps"]);
+    let refinement = s.integer("refinement", 2, 0..=20);
+    s.finish();
+    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Faer), refinement }
+}
+
+/// `names` are all functionals of the file, `present` those that are evaluated.
+pub(super) fn output(
+    mut s: Section<'_, '_>,
+    names: &[String],
+    present: &[(String, FunctionalSpec)],
+) -> OutputSpec {
+    let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
+    let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
+    let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
+    let leading = s.string("leading");
+    if let Some(name) = &leading
+        && !names.contains(name)
+    {
+        let all = || names.iter().map(String::as_str);
+        let hint = did_you_mean(name, all());
+        s.wrong("leading", format!("expected the name of a functional{hint}{}", there_are(all())));
+    }
+    s.finish();
+    let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
+    OutputSpec { fields_every, deformed, checkpoint_every, leading }
+}

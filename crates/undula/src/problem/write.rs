@@ -1,0 +1,279 @@
+//! A case as TOML with all defaults resolved.
+
+use super::case::{
+    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
+    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+};
+use super::expression::Expression;
+
+/// Shortest decimal that reads back as `x`, always with a point or exponent.
+pub(super) fn number(x: f64) -> String {
+    if x.is_nan() {
+        return "nan".into();
+    }
+    if x.is_infinite() {
+        return if x > 0.0 { "inf".into() } else { "-inf".into() };
+    }
+    let size = x.abs();
+    if size != 0.0 && !(1e-3..1e7).contains(&size) {
+        let text = format!("{x:e}");
+        return if text.contains('.') { text } else { text.replace('e', ".0e") };
+    }
+    format!("{x:?}")
+}
+
+fn string(s: &str) -> String {
+    toml::Value::from(s).to_string()
+}
+
+fn expression(e: &Expression) -> String {
+    match e.source().parse::<f64>() {
+        Ok(x) => number(x),
+        Err(_) => string(e.source()),
+    }
+}
+
+fn expressions(pair: &[Expression; 2]) -> String {
+    format!("[{}, {}]", expression(&pair[0]), expression(&pair[1]))
+}
+
+fn pair(x: &[f64; 2]) -> String {
+    format!("[{}, {}]", number(x[0]), number(x[1]))
+}
+
+/// Lines of TOML.
+struct Lines(String);
+
+impl Lines {
+    fn table(&mut self, name: &str) {
+        self.0 += &format!("\n[{name}]\n");
+    }
+
+    fn key(&mut self, key: &str, value: impl AsRef<str>, comment: &str) {
+        let space = if comment.is_empty() { "" } else { "  # " };
+        self.0 += &format!("{key} = {}{space}{comment}\n", value.as_ref());
+    }
+
+    fn word(&mut self, key: &str, value: &str) {
+        self.key(key, string(value), "");
+    }
+}
+
+impl Case {
+    /// The case as TOML, every default written out; it loads again to an equal case.
+    pub fn to_toml(&self) -> String {
+        let mut out = Lines(String::new());
+        out.word("name", &self.name);
+        out.word("title", &self.title);
+        self.write_mesh(&mut out);
+        self.write_bodies(&mut out);
+        for (name, condition) in &self.boundary {
+            out.table(&format!("boundary.{}", key(name)));
+            write_condition(&mut out, condition);
+        }
+        self.write_time(&mut out);
+        self.write_solvers(&mut out);
+        for (name, functional) in &self.functional {
+            out.table(&format!("functional.{}", key(name)));
+            write_functional(&mut out, functional);
+        }
+        out.table("output");
+        out.key("fields-every", self.output.fields_every.to_string(), "steps; 0: only at the end");
+        out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
+        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
+        if let Some(leading) = &self.output.leading {
+            out.word("leading", leading);
+        }
+        out.0
+    }
+
+    fn write_mesh(&self, out: &mut Lines) {
+        out.table("mesh");
+        match &self.mesh.source {
+            MeshSource::TurekHron => out.word("generator", "turek-hron"),
+            MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
+            MeshSource::Box { lower, upper, cells } => {
+                out.word("generator", "box");
+                out.key("lower", pair(lower), "m");
+                out.key("upper", pair(upper), "m");
+                out.key("cells", format!("{cells:?}"), "");
+            }
+            MeshSource::File(path) => out.word("file", &path.to_string_lossy()),
+        }
+        out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
+        out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
+        if !self.mesh.region.is_empty() {
+            out.table("mesh.region");
+            for (name, inside) in &self.mesh.region {
+                out.key(&key(name), expression(inside), "positive inside");
+            }
+        }
+        out.table("space");
+        out.word(
+            "velocity",
+            match self.space.velocity {
+                VelocityElement::Q2 => "Q2",
+            },
+        );
+        out.word(
+            "pressure",
+            match self.space.pressure {
+                PressureElement::P1dc => "P1dc",
+                PressureElement::Q1 => "Q1",
+            },
+        );
+        out.key("quadrature", self.space.quadrature.to_string(), "Gauss points per direction");
+    }
+
+    fn write_bodies(&self, out: &mut Lines) {
+        if let Some(fluid) = &self.fluid {
+            out.table("fluid");
+            out.word("region", &fluid.region);
+            out.key("density", number(fluid.density), "kg/m³");
+            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity), "m²/s");
+            out.key("body-force", expressions(&fluid.body_force), "m/s²");
+        }
+        if let Some(solid) = &self.solid {
+            out.table("solid");
+            out.word("region", &solid.region);
+            out.word(
+                "law",
+                match solid.law {
+                    SolidLaw::StVenantKirchhoff => "st-venant-kirchhoff",
+                },
+            );
+            out.key("density", number(solid.density), "kg/m³");
+            out.key("mu", number(solid.mu), "Pa");
+            out.key("lambda", number(solid.lambda), "Pa");
+            out.key("body-force", expressions(&solid.body_force), "m/s²");
+        }
+        out.table("motion");
+        out.word(
+            "model",
+            match self.motion.model {
+                MotionModel::Harmonic => "harmonic",
+                MotionModel::PseudoElastic => "pseudo-elastic",
+            },
+        );
+        out.key("poisson", number(self.motion.poisson), "");
+        out.key("offset", number(self.motion.offset), "m");
+        out.key("exponent", number(self.motion.exponent), "");
+        out.word("walls", "fixed");
+    }
+
+    fn write_time(&self, out: &mut Lines) {
+        out.table("time");
+        let Some(time) = &self.time else {
+            out.word("scheme", "stationary");
+            return out.key("end", number(self.at_time), "s, the time expressions are taken at");
+        };
+        match time.scheme {
+            TimeScheme::BackwardEuler => out.word("scheme", "backward-euler"),
+            TimeScheme::CrankNicolson => out.word("scheme", "crank-nicolson"),
+            TimeScheme::Theta { theta } => {
+                out.word("scheme", "theta");
+                out.key("theta", number(theta), "");
+            }
+            TimeScheme::ShiftedCrankNicolson { shift } => {
+                out.word("scheme", "shifted-crank-nicolson");
+                out.key("shift", number(shift), "1/s, theta = 1/2 + shift * step");
+            }
+        }
+        out.key("step", expression(&time.step), "s");
+        out.key("start", number(time.start), "s");
+        out.key("end", number(time.end), "s");
+        out.key("max-halvings", time.max_halvings.to_string(), "of a failed step");
+    }
+
+    fn write_solvers(&self, out: &mut Lines) {
+        let newton = &self.newton;
+        out.table("newton");
+        out.word(
+            "linearization",
+            match newton.linearization {
+                Linearization::Newton => "newton",
+            },
+        );
+        out.word(
+            "jacobian",
+            match newton.jacobian {
+                JacobianKind::Automatic => "automatic",
+                JacobianKind::Analytic => "analytic",
+            },
+        );
+        out.key(
+            "rate-max",
+            number(newton.rate_max),
+            "a Jacobian is kept while residuals shrink by this factor",
+        );
+        out.key("tolerance", number(newton.tolerance), "relative to the old solution");
+        out.key("floor", number(newton.floor), "m/s");
+        out.key("max-steps", newton.max_steps.to_string(), "");
+        out.word("start", if newton.extrapolate { "extrapolated" } else { "old" });
+        out.key("line-search", newton.line_search.to_string(), "halvings of an update");
+        out.table("linear");
+        out.word(
+            "solver",
+            match self.linear.solver {
+                LinearSolverKind::Faer => "faer",
+            },
+        );
+        out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");
+    }
+}
+
+/// A key, quoted if it must be.
+fn key(name: &str) -> String {
+    if super::check::is_name(name) { name.into() } else { string(name) }
+}
+
+fn write_condition(out: &mut Lines, condition: &Condition) {
+    match condition {
+        Condition::Velocity(velocity) => {
+            out.word("condition", "velocity");
+            out.key("velocity", expressions(velocity), "m/s");
+        }
+        Condition::NoSlip => out.word("condition", "no-slip"),
+        Condition::DoNothing => out.word("condition", "do-nothing"),
+        Condition::TractionFree => out.word("condition", "traction-free"),
+        Condition::Clamped => out.word("condition", "clamped"),
+    }
+}
+
+fn write_functional(out: &mut Lines, functional: &FunctionalSpec) {
+    let axis = |component: usize| if component == 0 { "x" } else { "y" };
+    match functional {
+        FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+            out.word("kind", "force");
+            out.key("on", format!("[{}]", on.iter().map(|n| string(n)).collect::<Vec<_>>().join(", ")), "");
+            out.word("component", axis(*component));
+            out.word("method", if *surface_integral { "surface-integral" } else { "residual" });
+            if let Some(scales) = coefficient {
+                out.key("coefficient", pair(scales), "m/s, m: times 2/(density v² L)");
+            }
+        }
+        FunctionalSpec::Displacement { point, component } => {
+            out.word("kind", "displacement");
+            out.key("point", pair(point), "m");
+            out.word("component", axis(*component));
+        }
+        FunctionalSpec::PressureDifference { a, b } => {
+            out.word("kind", "pressure-difference");
+            out.key("a", pair(a), "m");
+            out.key("b", pair(b), "m");
+        }
+        FunctionalSpec::Energy(kind) => {
+            out.word("kind", "energy");
+            out.word(
+                "term",
+                match kind {
+                    EnergyKind::FluidKinetic => "fluid-kinetic",
+                    EnergyKind::SolidKinetic => "solid-kinetic",
+                    EnergyKind::Elastic => "elastic",
+                    EnergyKind::Dissipation => "dissipation",
+                },
+            );
+        }
+        FunctionalSpec::Rotation => out.word("kind", "rotation"),
+    }
+}
