@@ -7,6 +7,7 @@
 pub mod algebra;
 pub mod assembly;
 pub mod element;
+pub mod error;
 pub mod functional;
 pub mod math;
 pub mod mesh;
@@ -14,6 +15,8 @@ pub mod nonlinear;
 pub mod output;
 pub mod physics;
 pub mod problem;
+pub mod run;
+pub mod simulation;
 pub mod space;
 pub mod tangent;
 pub mod time;

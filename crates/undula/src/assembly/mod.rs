@@ -162,11 +162,6 @@ impl<const D: usize> Assembler<D> {
         self.kernels.set_force(region, end, force);
     }
 
-    /// Use the force of the new time as that of the old one.
-    pub fn advance_force(&mut self) {
-        self.kernels.advance_force();
-    }
-
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
     pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
@@ -241,7 +236,6 @@ trait Kernels<const D: usize>: Send + Sync {
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
     fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32);
     fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>);
-    fn advance_force(&mut self);
     fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
     fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
@@ -306,15 +300,6 @@ impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L> {
             Region::Fluid => self.fluid.as_mut().map(|k| fill_force(k, end, force)),
             Region::Solid => self.solid.as_mut().map(|k| fill_force(k, end, force)),
         };
-    }
-
-    fn advance_force(&mut self) {
-        if let Some(k) = &mut self.fluid {
-            k.force_old.clone_from(&k.force);
-        }
-        if let Some(k) = &mut self.solid {
-            k.force_old.clone_from(&k.force);
-        }
     }
 
     fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) {

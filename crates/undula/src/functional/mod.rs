@@ -1,3 +1,42 @@
 //! Numbers of interest.
 
+pub mod energy;
+pub mod force;
+pub mod point;
 pub mod statistics;
+
+use crate::assembly::Physics;
+use crate::physics::StepRule;
+use crate::space::{FsiSpace, State};
+
+/// What a functional may look at after a step.
+pub struct Snapshot<'a, const D: usize> {
+    /// Spaces.
+    pub space: &'a FsiSpace<D>,
+    /// Parameters.
+    pub physics: &'a Physics,
+    /// Weights of the last step.
+    pub rule: StepRule,
+    /// Solution at the new time.
+    pub new: &'a State,
+    /// Solution at the old time.
+    pub old: &'a State,
+    /// Residual of the fluid alone in the last step, `[v, u, p]` \[N/m\]: what the fluid exerts on each node.
+    pub fluid_residual: &'a [f64],
+}
+
+/// A number computed from the solution after each step.
+pub trait Functional<const D: usize>: Send {
+    /// SI unit; empty for a pure number.
+    fn unit(&self) -> &'static str;
+    /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
+    fn at_force_time(&self) -> bool {
+        false
+    }
+    /// Whether it reads [`Snapshot::fluid_residual`].
+    fn needs_fluid_residual(&self) -> bool {
+        false
+    }
+    /// The value.
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64;
+}

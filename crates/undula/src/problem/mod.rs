@@ -4,6 +4,7 @@
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
 //! `builtin` the cases shipped with the program and `reference` their published results.
 
+pub mod build;
 pub mod builtin;
 pub mod case;
 mod check;

@@ -183,9 +183,9 @@ impl<const D: usize> Stepper<D> {
         let solved = self.solve_step(rule, t_old, t);
         match solved {
             Ok((report, norms, min_j)) => {
-                self.time = t;
+                // Sums of decimal steps stay decimal: 0.3, not 0.30000000000000004.
+                self.time = (t * 1e12).round() * 1e-12;
                 self.last_step = k;
-                self.assembler.advance_force();
                 let (newton_steps, jacobians) = (report.steps, report.jacobians);
                 Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
             }
@@ -207,6 +207,7 @@ impl<const D: usize> Stepper<D> {
         t: f64,
     ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
         let start = Instant::now();
+        self.set_forces(End::Old, t_old);
         self.set_forces(End::New, t);
         let view = StepView { rule, new: &self.old, old: &self.old };
         self.assembler.explicit(&view, &mut self.explicit);
@@ -336,14 +337,11 @@ impl<const D: usize> Stepper<D> {
         }
     }
 
-    /// The last step as assembly sees it: for forces by the residual.
-    pub fn last_step(&self) -> (StepRule, &State, &State) {
-        let rule = if self.last_step > 0.0 {
-            self.settings.scheme.rule(self.last_step)
-        } else {
-            StepRule::STATIONARY
-        };
-        (rule, &self.new, &self.old)
+    /// The last step: its rule, the solutions at its ends, and the assembly to evaluate it with.
+    pub fn last_step(&mut self) -> (StepRule, &State, &State, &mut Assembler<D>) {
+        let k = self.last_step;
+        let rule = if k > 0.0 { self.settings.scheme.rule(k) } else { StepRule::STATIONARY };
+        (rule, &self.new, &self.old, &mut self.assembler)
     }
 
     /// Time to which pressure and forces of the last step belong: t⁻ + θ k.

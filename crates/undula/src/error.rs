@@ -1,0 +1,40 @@
+//! Everything that can go wrong, gathered.
+
+use crate::algebra::SolverError;
+use crate::mesh::MeshError;
+use crate::nonlinear::NewtonError;
+use crate::output::OutputError;
+use crate::problem::error::{CaseErrors, LoadError};
+use crate::time::StepFailure;
+
+/// Why a computation could not be set up or went wrong.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The case is wrong, or does not fit its mesh.
+    #[error(transparent)]
+    Case(#[from] CaseErrors),
+    /// The case could not be loaded.
+    #[error(transparent)]
+    Load(#[from] LoadError),
+    /// The mesh is wrong.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The linear solver could not be prepared.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A checkpoint could not be continued.
+    #[error("cannot go on from the checkpoint: {0}")]
+    Resume(String),
+    /// The kept Jacobian of a checkpoint could not be factorised.
+    #[error(transparent)]
+    Newton(#[from] NewtonError),
+    /// A step has no solution: the run breaks down.
+    #[error(transparent)]
+    Breakdown(#[from] StepFailure),
+    /// The thread pool could not be made.
+    #[error("cannot start {0} threads")]
+    Threads(usize),
+}

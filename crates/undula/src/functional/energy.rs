@@ -1,0 +1,74 @@
+//! Integrals over regions: energies, dissipation, rotation.
+#![allow(non_snake_case)]
+
+use super::{Functional, Snapshot};
+use crate::assembly::points::{PointValues, for_each_point};
+use crate::physics::Kinematics;
+use crate::space::Region;
+
+/// Which integral.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Integral {
+    /// ½ (ρ_f J v, v)_F \[J/m\].
+    FluidKinetic,
+    /// ½ (ρ_s v, v)_S \[J/m\].
+    SolidKinetic,
+    /// Stored energy of the solid \[J/m\].
+    Elastic,
+    /// ∫_F 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m\].
+    Dissipation,
+    /// (1/|S|) ∫_S x × u dx \[m²\], (5.36).
+    Rotation,
+}
+
+/// An integral with its quadrature.
+pub struct Energy {
+    /// Which.
+    pub integral: Integral,
+    /// Gauss points per direction.
+    pub quadrature: usize,
+}
+
+impl<const D: usize> Functional<D> for Energy {
+    fn unit(&self) -> &'static str {
+        match self.integral {
+            Integral::Dissipation => "W/m",
+            Integral::Rotation => "m²",
+            _ => "J/m",
+        }
+    }
+
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
+        let (mut sum, mut volume) = (0.0, 0.0);
+        for_each_point(at.space, at.new, self.quadrature, |point| {
+            if let Some(value) = self.density(at, point) {
+                sum += point.weight * value;
+                volume += point.weight;
+            }
+        });
+        if self.integral == Integral::Rotation && volume > 0.0 { sum / volume } else { sum }
+    }
+}
+
+impl Energy {
+    /// Integrand at a point; `None` in the region that does not count.
+    fn density<const D: usize>(&self, at: &Snapshot<'_, D>, point: &PointValues<'_, D>) -> Option<f64> {
+        let f = &point.fields;
+        match (self.integral, point.region) {
+            (Integral::FluidKinetic, Region::Fluid) => {
+                Some(0.5 * at.physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
+            }
+            (Integral::Dissipation, Region::Fluid) => {
+                let fluid = at.physics.fluid?;
+                let Kinematics { F_inv, J, .. } = Kinematics::of(&f.grad_u);
+                let grad_v = f.grad_v * F_inv;
+                let strain = 0.5 * (grad_v + grad_v.t());
+                Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain))
+            }
+            (Integral::SolidKinetic, Region::Solid) => Some(0.5 * at.physics.solid?.rho * f.v.dot(f.v)),
+            (Integral::Elastic, Region::Solid) => Some(at.physics.solid?.material.energy(&f.grad_u)),
+            (Integral::Rotation, Region::Solid) => Some(point.x[0] * f.u.0[1] - point.x[1] * f.u.0[0]),
+            _ => None,
+        }
+    }
+}

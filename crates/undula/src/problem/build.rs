@@ -1,0 +1,305 @@
+//! From a checked case to spaces, equations and solvers.
+
+use super::case::{
+    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, MeshSource, MotionModel,
+    PressureElement, SolidLaw, TimeScheme, VelocityElement,
+};
+use super::expression::Expression;
+use super::fit::MeshNames;
+use crate::algebra::{Csr, FaerLu, LinearSolver};
+use crate::assembly::{self, Assembler, Physics};
+use crate::error::Error;
+use crate::functional::Functional;
+use crate::functional::energy::{Energy, Integral};
+use crate::functional::force::{ForceByResidual, ForceBySurface};
+use crate::functional::point::{Displacement, PressureDifference};
+use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
+use crate::nonlinear::{Newton, Settings};
+use crate::physics::{Extension, Fluid, Material, Solid};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
+use crate::tangent::Tangent;
+use crate::time::{Force, Scales, Scheme, Stepper, StepperSettings};
+use std::sync::Arc;
+
+/// Functionals by name, in the order of the columns of `history.csv`.
+pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
+
+/// Name of the facets between fluid and solid.
+const INTERFACE: &str = "interface";
+
+impl Case {
+    /// The complete mesh with its interface marked, checked against the case.
+    ///
+    /// # Errors
+    /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
+    pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        let spec = &self.mesh;
+        let refine = spec.refine as usize;
+        let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
+            MeshSource::TurekHron => {
+                (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
+            }
+            MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
+            MeshSource::Box { lower, upper, cells } => (generate::rectangle(*lower, *upper, *cells, refine)?, vec![]),
+            MeshSource::File(path) => (gmsh::read(path)?.refined(refine, &[]), vec![]),
+        };
+        for (name, inside) in &spec.region {
+            mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))?;
+        }
+        let (fluid, solid) = (self.fluid_region(), self.solid_region());
+        if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some() {
+            mesh.mark_interface(fluid, solid)?;
+        }
+        self.check_mesh(&MeshNames::of(&mesh))?;
+        if mesh.boundary(INTERFACE).is_some() {
+            mesh.check_matching(fluid, solid, &curves)?;
+        } else {
+            mesh.check()?;
+        }
+        Ok(mesh)
+    }
+
+    fn fluid_region(&self) -> &str {
+        self.fluid.as_ref().map_or("fluid", |f| f.region.as_str())
+    }
+
+    fn solid_region(&self) -> &str {
+        self.solid.as_ref().map_or("solid", |s| s.region.as_str())
+    }
+
+    /// Spaces on the regions that take part.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`].
+    pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
+        let mesh = self.build_mesh()?;
+        let mesh = mesh.restrict(&self.regions());
+        let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
+        let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
+        let regions = mesh.cell_region.iter().map(region).collect();
+        let degree = match self.space.velocity {
+            VelocityElement::Q2 => 2,
+        };
+        let pressure = match self.space.pressure {
+            PressureElement::P1dc => PressureKind::P1dc,
+            PressureElement::Q1 => PressureKind::Continuous(1),
+        };
+        Ok(FsiSpace::new(mesh, regions, degree, pressure))
+    }
+
+    /// Parameters of the equations.
+    pub fn physics(&self) -> Physics {
+        let extension = match self.motion.model {
+            MotionModel::Harmonic => Extension::Harmonic,
+            MotionModel::PseudoElastic => Extension::PseudoElastic { poisson: self.motion.poisson },
+        };
+        let fluid = self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
+        let solid = self.solid.as_ref().map(|s| {
+            let SolidLaw::StVenantKirchhoff = s.law;
+            Solid { rho: s.density, material: Material::StVenantKirchhoff { mu: s.mu, lambda: s.lambda } }
+        });
+        Physics { fluid, solid }
+    }
+
+    /// Everything that computes: assembly, Newton, linear solver and the initial state at rest.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
+    pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
+        let space = Arc::new(self.build_space()?);
+        let conditions = self.conditions(&space.mesh);
+        let (stiffness, largest) = self.stiffness(&space)?;
+        let mut options = assembly::Options::serial(self.space.quadrature);
+        options.threads = threads;
+        let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let mut solver: Box<dyn LinearSolver> = match self.linear.solver {
+            LinearSolverKind::Faer => Box::new(FaerLu::faer(crate::algebra::Options {
+                refinement: self.linear.refinement,
+                ..crate::algebra::Options::default()
+            })),
+        };
+        solver.analyse(&assembler.pattern, &assembler.unknowns())?;
+        let newton = Newton::new(self.newton_settings(), solver, Csr::zeros(&assembler.pattern));
+        let settings = StepperSettings {
+            scheme: self.scheme(),
+            tangent: match self.newton.jacobian {
+                JacobianKind::Automatic => Tangent::Automatic,
+                JacobianKind::Analytic => Tangent::Analytic,
+            },
+            extrapolate: self.newton.extrapolate,
+            max_halvings: self.time.as_ref().map_or(0, |t| t.max_halvings),
+            scales: self.scales(&space, largest),
+        };
+        let start = self.time.as_ref().map_or(self.at_time, |t| t.start);
+        let mut initial = State::zero(space.n_v(), space.n_u(), space.n_p());
+        let State { v, u, .. } = &mut initial;
+        if self.time.is_some() {
+            assembler.constraints.apply(&space, start, v, u);
+        }
+        let force = [
+            self.fluid.as_ref().and_then(|f| body_force(&f.body_force)),
+            self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
+        ];
+        Ok(Stepper::new(assembler, newton, settings, start, initial, force))
+    }
+
+    fn newton_settings(&self) -> Settings {
+        let n = &self.newton;
+        Settings {
+            tolerance: n.tolerance,
+            floor: n.floor,
+            rate_max: n.rate_max,
+            max_steps: n.max_steps,
+            line_search: n.line_search,
+        }
+    }
+
+    fn scheme(&self) -> Scheme {
+        match self.time.as_ref().map(|t| t.scheme) {
+            Some(TimeScheme::ShiftedCrankNicolson { shift }) => Scheme::ShiftedCrankNicolson { shift },
+            Some(TimeScheme::CrankNicolson) => Scheme::CRANK_NICOLSON,
+            Some(TimeScheme::Theta { theta }) => Scheme::Theta { theta },
+            Some(TimeScheme::BackwardEuler) | None => Scheme::BACKWARD_EULER,
+        }
+    }
+
+    /// One condition per boundary of `mesh`.
+    fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+        let both = self.fluid.is_some() && self.solid.is_some();
+        let of = |name: &String| match self.boundary.get(name) {
+            Some(Condition::Velocity(v)) => {
+                let v = v.clone();
+                BoundaryCondition::Velocity(Arc::new(move |x: &[f64; 2], t| {
+                    let x = [x[0], x[1], 0.0];
+                    [v[0].eval(&x, t), v[1].eval(&x, t)]
+                }))
+            }
+            Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
+            Some(Condition::DoNothing) => BoundaryCondition::Outflow { do_nothing: true },
+            Some(Condition::TractionFree) if self.fluid.is_some() && !self.solid_only(mesh, name) => {
+                BoundaryCondition::Outflow { do_nothing: false }
+            }
+            Some(Condition::TractionFree) => BoundaryCondition::Free,
+            // The interface: inside the domain, or the surface of the region that is left.
+            None if both || self.fluid.is_none() => BoundaryCondition::Free,
+            None => BoundaryCondition::Fixed,
+        };
+        mesh.boundaries.iter().map(of).collect()
+    }
+
+    /// Whether all cells at the boundary `name` are solid.
+    fn solid_only(&self, mesh: &Mesh<2>, name: &str) -> bool {
+        let (boundary, solid) = (mesh.boundary(name), mesh.region(self.solid_region()));
+        let mut facets = mesh.facets.iter().filter(|f| Some(f.boundary) == boundary);
+        facets.all(|f| Some(mesh.cell_region[f.cell as usize]) == solid)
+    }
+
+    /// E_e(x) = (d_0 + d)^(−exponent) with the distance d to the interface, and its largest value.
+    #[allow(clippy::type_complexity)]
+    fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
+        let m = &self.motion;
+        let plain = m.model == MotionModel::Harmonic || m.exponent == 0.0;
+        if plain || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
+            return Ok((Box::new(|_| 1.0), 1.0));
+        }
+        let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
+        let (offset, exponent) = (m.offset, m.exponent);
+        let value = move |x: &[f64; 2]| (offset + distance.distance(*x)).powf(-exponent);
+        Ok((Box::new(value), offset.powf(-exponent)))
+    }
+
+    fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
+        let rule = crate::element::Quadrature::cell(space.mesh.shape, 2);
+        let mut area = 0.0;
+        for cell in 0..space.mesh.n_cells() {
+            for (xi, w) in rule.points.iter().zip(&rule.weights) {
+                area += w * crate::math::Tensor(space.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
+            }
+        }
+        let size = (area / space.nodes.len() as f64).sqrt();
+        let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density));
+        Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness }
+    }
+
+    /// The functionals of the case.
+    ///
+    /// # Errors
+    /// Points outside of the mesh.
+    pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
+        let mut list: Functionals = vec![];
+        for (name, spec) in &self.functional {
+            list.push((name.clone(), self.build_functional(space, spec)?));
+        }
+        Ok(list)
+    }
+
+    fn build_functional(
+        &self,
+        space: &FsiSpace<2>,
+        spec: &FunctionalSpec,
+    ) -> Result<Box<dyn Functional<2>>, MeshError> {
+        let quadrature = self.space.quadrature;
+        Ok(match spec {
+            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+                let density = self.fluid.as_ref().map_or(1.0, |f| f.density);
+                let (factor, unit) = match coefficient {
+                    Some([speed, length]) => (2.0 / (density * speed * speed * length), ""),
+                    None => (1.0, "N/m"),
+                };
+                // An interface that is not there, as in a flow without body, carries no force.
+                if *surface_integral {
+                    Box::new(ForceBySurface::new(space, on, *component, factor, unit, quadrature + 1))
+                } else {
+                    Box::new(ForceByResidual::new(space, on, *component, factor, unit))
+                }
+            }
+            FunctionalSpec::Displacement { point, component } => {
+                Box::new(Displacement::new(space, *point, *component)?)
+            }
+            FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, *a, *b)?),
+            FunctionalSpec::Energy(kind) => {
+                let integral = match kind {
+                    EnergyKind::FluidKinetic => Integral::FluidKinetic,
+                    EnergyKind::SolidKinetic => Integral::SolidKinetic,
+                    EnergyKind::Elastic => Integral::Elastic,
+                    EnergyKind::Dissipation => Integral::Dissipation,
+                };
+                Box::new(Energy { integral, quadrature })
+            }
+            FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
+        })
+    }
+}
+
+/// A body force, `None` if it is zero everywhere.
+fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
+    if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
+        return None;
+    }
+    let f = f.clone();
+    Some(Box::new(move |x, t| {
+        let x = [x[0], x[1], 0.0];
+        [f[0].eval(&x, t), f[1].eval(&x, t)]
+    }))
+}
+
+/// Shown by `undula check`: sizes without computing anything.
+pub struct Sizes {
+    /// Cells.
+    pub cells: usize,
+    /// Velocity, deformation and pressure unknowns, given ones counted.
+    pub unknowns: [usize; 3],
+}
+
+impl Case {
+    /// Build mesh and spaces and count.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`].
+    pub fn sizes(&self) -> Result<Sizes, Error> {
+        let space = self.build_space()?;
+        self.build_functionals(&space)?;
+        Ok(Sizes { cells: space.mesh.n_cells(), unknowns: [space.n_v(), space.n_u(), space.n_p()] })
+    }
+}
+

@@ -1,0 +1,234 @@
+//! The computation: step by step, with its functionals. No files; see [`crate::run`] for those.
+
+use crate::assembly::StepView;
+use crate::error::Error;
+use crate::functional::statistics::{leading_window, statistics};
+use crate::functional::{Functional, Snapshot};
+use crate::output::{FunctionalSummary, Unknowns};
+use crate::problem::build::Functionals;
+use crate::problem::case::Case;
+use crate::space::{Region, State};
+use crate::time::{Clock, JacobianPoint, StepReport, Stepper};
+use std::collections::BTreeMap;
+
+/// A case in the course of being computed.
+///
+/// ```no_run
+/// # use undula::{problem::case::Case, simulation::Simulation};
+/// let case = Case::load("fsi3", &["time.end=6".into()]).expect("a built-in case");
+/// let mut simulation = Simulation::new(case, 2).expect("it fits its mesh");
+/// while !simulation.finished() {
+///     let row = simulation.step().expect("a solution");
+///     println!("{:.3} s: drag {:.2} N/m", row.time, row.values[0]);
+/// }
+/// ```
+pub struct Simulation {
+    /// The case.
+    pub case: Case,
+    /// Spaces, equations, solvers, and the solution.
+    pub stepper: Stepper<2>,
+    /// Rows so far.
+    pub history: Vec<Row>,
+    /// Steps done.
+    pub steps: u64,
+    functionals: Functionals,
+    fluid_residual: Vec<f64>,
+    needs_residual: bool,
+    threads: usize,
+    pool: Option<rayon::ThreadPool>,
+}
+
+/// What one step gave.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Number of the step, from 1; 0 for a stationary solution.
+    pub step: u64,
+    /// Time \[s\].
+    pub time: f64,
+    /// Time t⁻ + θ k to which pressure and forces belong \[s\].
+    pub force_time: f64,
+    /// Functionals in the order of [`Simulation::names`].
+    pub values: Vec<f64>,
+    /// Smallest J at the quadrature points.
+    pub min_j: f64,
+    /// Newton iterations.
+    pub newton_steps: usize,
+    /// Jacobians assembled.
+    pub jacobians: usize,
+}
+
+impl Simulation {
+    /// Set up `case` on `threads` threads.
+    ///
+    /// # Errors
+    /// If the case does not fit its mesh, or the linear solver cannot be prepared.
+    pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
+        let threads = threads.max(1);
+        let pool = match threads {
+            1 => None,
+            n => Some(rayon::ThreadPoolBuilder::new().num_threads(n).build().map_err(|_| Error::Threads(n))?),
+        };
+        let stepper = case.build_stepper(threads)?;
+        let functionals = case.build_functionals(&stepper.assembler.space)?;
+        let needs_residual = functionals.iter().any(|(_, f)| f.needs_fluid_residual());
+        let fluid_residual = vec![0.0; stepper.assembler.space.n_unknowns()];
+        Ok(Simulation {
+            case,
+            stepper,
+            history: vec![],
+            steps: 0,
+            functionals,
+            fluid_residual,
+            needs_residual,
+            threads,
+            pool,
+        })
+    }
+
+    /// Names of the functionals.
+    pub fn names(&self) -> Vec<String> {
+        self.functionals.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Units of the functionals, empty for a pure number.
+    pub fn units(&self) -> Vec<&'static str> {
+        self.functionals.iter().map(|(_, f)| f.unit()).collect()
+    }
+
+    /// Threads in use.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// Whether the end of the case is reached.
+    pub fn finished(&self) -> bool {
+        match &self.case.time {
+            Some(time) => self.stepper.time >= time.end - 1e-9 * time.end.abs().max(1e-3),
+            None => !self.history.is_empty(),
+        }
+    }
+
+    /// Do the next step, or find the stationary solution.
+    ///
+    /// # Errors
+    /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
+    pub fn step(&mut self) -> Result<Row, Error> {
+        // The pool leaves `self` while it works on it; all loops below run inside.
+        match self.pool.take() {
+            None => self.step_here(),
+            Some(pool) => {
+                let row = pool.install(|| self.step_here());
+                self.pool = Some(pool);
+                row
+            }
+        }
+    }
+
+    fn step_here(&mut self) -> Result<Row, Error> {
+        let report = match &self.case.time {
+            None => self.stepper.stationary()?,
+            Some(time) => {
+                let now = self.stepper.time;
+                let k = time.step.eval(&[0.0; 3], now);
+                let rest = time.end - now;
+                // The last step lands on the end; a rest of a few per mille is not worth its own.
+                let k = if rest < 1.001 * k { rest } else { k };
+                self.stepper.step(k)?
+            }
+        };
+        if self.case.time.is_some() {
+            self.steps += 1;
+        }
+        let row = self.evaluate(&report);
+        self.history.push(row.clone());
+        Ok(row)
+    }
+
+    fn evaluate(&mut self, report: &StepReport) -> Row {
+        let (rule, new, old, assembler) = self.stepper.last_step();
+        if self.needs_residual {
+            let view = StepView { rule, new, old };
+            assembler.region_residual(&view, Region::Fluid, &mut self.fluid_residual);
+        }
+        let snapshot = Snapshot {
+            space: &assembler.space,
+            physics: &assembler.physics,
+            rule,
+            new,
+            old,
+            fluid_residual: &self.fluid_residual,
+        };
+        let values = self.functionals.iter().map(|(_, f)| f.evaluate(&snapshot)).collect();
+        Row {
+            step: self.steps,
+            time: self.stepper.time,
+            force_time: self.stepper.force_time(),
+            values,
+            min_j: report.min_j,
+            newton_steps: report.newton_steps,
+            jacobians: report.jacobians,
+        }
+    }
+
+    /// Go on from a checkpoint taken after step `step`.
+    ///
+    /// # Errors
+    /// If the kept Jacobian cannot be factorised.
+    pub fn restore(
+        &mut self,
+        clock: Clock,
+        new: State,
+        old: State,
+        point: Option<JacobianPoint>,
+        step: u64,
+    ) -> Result<(), Error> {
+        self.steps = step;
+        let stepper = &mut self.stepper;
+        match &self.pool {
+            None => stepper.restore(clock, new, old, point)?,
+            Some(pool) => pool.install(|| stepper.restore(clock, new, old, point))?,
+        }
+        Ok(())
+    }
+
+    /// Number of the functional whose period is the window of the statistics.
+    pub fn leading(&self) -> Option<usize> {
+        let position = |test: &dyn Fn(&str) -> bool| self.functionals.iter().position(|(name, _)| test(name));
+        match &self.case.output.leading {
+            Some(name) => position(&|n| n == name),
+            None => position(&|n| n.starts_with("uy")).or_else(|| position(&|n| n == "lift")),
+        }
+    }
+
+    /// Last values, means, amplitudes and frequencies so far.
+    pub fn statistics(&self) -> BTreeMap<String, FunctionalSummary> {
+        let times: Vec<f64> = self.history.iter().map(|r| r.time).collect();
+        let force_times: Vec<f64> = self.history.iter().map(|r| r.force_time).collect();
+        let column = |i: usize| -> Vec<f64> { self.history.iter().map(|r| r.values[i]).collect() };
+        let times_of = |i: usize| {
+            let f: &dyn Functional<2> = &*self.functionals[i].1;
+            if f.at_force_time() { &force_times } else { &times }
+        };
+        let window = self.leading().and_then(|i| leading_window(times_of(i), &column(i)));
+        let mut summaries = BTreeMap::new();
+        for (i, (name, f)) in self.functionals.iter().enumerate() {
+            let s = statistics(times_of(i), &column(i), window);
+            let unit = f.unit().to_string();
+            let summary =
+                FunctionalSummary { last: s.last, mean: s.mean, amplitude: s.amplitude, frequency: s.frequency, unit };
+            summaries.insert(name.clone(), summary);
+        }
+        summaries
+    }
+
+    /// Numbers of unknowns, given ones counted.
+    pub fn unknowns(&self) -> Unknowns {
+        let space = &self.stepper.assembler.space;
+        Unknowns {
+            velocity: space.n_v(),
+            deformation: space.n_u(),
+            pressure: space.n_p(),
+            total: space.n_unknowns(),
+        }
+    }
+}
