@@ -57,19 +57,18 @@ impl Value {
         }
     }
 
-    /// The value in TOML, shortened for messages.
-    pub fn shown(&self) -> String {
-        let text = match self {
+    /// The value in TOML.
+    fn text(&self) -> String {
+        match self {
             Value::String(s) => format!("{s:?}"),
             Value::Integer(i) => i.to_string(),
             Value::Float(x) => super::write::number(*x),
             Value::Array(items) => {
-                format!("[{}]", items.iter().map(|i| i.value.shown()).collect::<Vec<_>>().join(", "))
+                format!("[{}]", items.iter().map(|i| i.value.text()).collect::<Vec<_>>().join(", "))
             }
             Value::Table(_) => "{…}".into(),
             Value::Other(_, text) => text.clone(),
-        };
-        if text.chars().count() > 60 { text.chars().take(59).chain(['…']).collect() } else { text }
+        }
     }
 }
 
@@ -113,6 +112,16 @@ impl Document {
             }
         }
         if errors.is_empty() { Ok(document) } else { Err(errors) }
+    }
+
+    /// The value as written, shortened for messages.
+    pub fn shown(&self, item: &Item) -> String {
+        let written = match &item.origin {
+            Origin::File(span) => self.text.get(span.clone()).filter(|t| !t.contains('\n')),
+            Origin::Set(_) => None,
+        };
+        let text = written.map_or_else(|| item.value.text(), str::to_string);
+        if text.chars().count() > 60 { text.chars().take(59).chain(['…']).collect() } else { text }
     }
 
     /// The place for people.
