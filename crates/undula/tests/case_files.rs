@@ -1,54 +1,14 @@
-//! Case files: what loads, what is refused and in which words, and the way back to TOML.
+//! Case files: what they mean, and the way back to TOML.
 
+mod common;
+
+use common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
+use undula::element::Shape;
+use undula::mesh::{Facet, Mesh};
 use undula::problem::builtin::builtin_cases;
 use undula::problem::case::*;
 use undula::problem::expression::Expression;
 use undula::problem::fit::MeshNames;
-
-fn sets(overrides: &[&str]) -> Vec<String> {
-    overrides.iter().map(|s| s.to_string()).collect()
-}
-
-fn builtin(name: &str, overrides: &[&str]) -> Case {
-    match Case::builtin(name, &sets(overrides)) {
-        Ok(case) => case,
-        Err(e) => panic!("{name} {overrides:?}:\n{e}"),
-    }
-}
-
-/// The messages for `text`, one per line.
-fn wrong(text: &str, overrides: &[&str]) -> String {
-    match Case::from_toml(text, "own.toml", &sets(overrides)) {
-        Ok(_) => panic!("should be refused:\n{text}\n{overrides:?}"),
-        Err(e) => e.to_string(),
-    }
-}
-
-fn wrong_builtin(name: &str, overrides: &[&str]) -> String {
-    match Case::builtin(name, &sets(overrides)) {
-        Ok(_) => panic!("should be refused: {name} {overrides:?}"),
-        Err(e) => e.to_string(),
-    }
-}
-
-const FLUID: &str =
-    "[mesh]\ngenerator = \"schaefer-turek\"\n[fluid]\ndensity = 1\nkinematic-viscosity = 1e-3\n";
-
-/// Names of the built-in channel with beam.
-fn turek_hron() -> MeshNames {
-    let one = |name: &str, region: &str| (name.to_string(), vec![region.to_string()]);
-    MeshNames {
-        regions: sets(&["fluid", "solid"]),
-        boundaries: vec![
-            one("inflow", "fluid"),
-            one("outflow", "fluid"),
-            one("walls", "fluid"),
-            one("cylinder", "fluid"),
-            one("clamp", "solid"),
-            one("interface", "fluid"),
-        ],
-    }
-}
 
 #[test]
 fn every_builtin_case_loads_and_survives_the_way_back() {
@@ -136,6 +96,7 @@ fn overrides_reach_every_key() {
             "newton.jacobian=analytic",
             "output.leading=lift",
             "title=a title with = and blanks",
+            "motion.poisson=.3",
         ],
     );
     let time = case.time.unwrap();
@@ -144,7 +105,7 @@ fn overrides_reach_every_key() {
     assert_eq!(case.fluid.unwrap().kinematic_viscosity, 0.01);
     assert!(matches!(case.functional[0].1, FunctionalSpec::Force { component: 1, .. }));
     assert_eq!(case.functional[4].1, FunctionalSpec::Energy(EnergyKind::Elastic));
-    assert_eq!(case.motion.model, MotionModel::Harmonic);
+    assert_eq!((case.motion.model, case.motion.poisson), (MotionModel::Harmonic, 0.3));
     assert_eq!(case.newton.jacobian, JacobianKind::Analytic);
     assert_eq!(case.title, "a title with = and blanks");
     assert_eq!(case.record.notes, ["time.shift has no effect: the scheme is another one"]);
@@ -188,4 +149,78 @@ fn young_and_poisson_are_moduli_too() {
     let text = "[mesh]\ngenerator = \"turek-hron\"\n[solid]\ndensity = 1000\nyoung = 1.4e6\npoisson = 0.4\n";
     let solid = Case::from_toml(text, "own.toml", &[]).unwrap().solid.unwrap();
     assert!((solid.mu - 0.5e6).abs() < 1e-6 && (solid.lambda - 2e6).abs() < 1e-5);
+}
+
+#[test]
+fn a_box_with_a_solid_survives_the_way_back() {
+    let text = r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [2, 1.5]
+cells = [8, 6]
+region = { solid = "0.1 - abs(x-1)" }
+[fluid]
+density = 1
+kinematic-viscosity = 1e-30
+body-force = [1e9, "2*pi"]
+[solid]
+density = 1
+mu = 1
+lambda = 0
+[time]
+scheme = "theta"
+theta = 0.75
+step = "if(t<1, 0.01, 0.1)"
+start = -1
+end = 3
+[boundary.top]
+condition = "traction-free"
+[functional.e]
+kind = "energy"
+term = "dissipation"
+[functional.r]
+kind = "rotation"
+[functional.f]
+kind = "force"
+on = "interface"
+component = "x"
+method = "surface-integral"
+coefficient = [0.2, 0.1]
+"#;
+    let case = Case::from_toml(text, "folder/own case.toml", &[]).unwrap();
+    assert_eq!(case.name, "own_case");
+    assert_eq!(Case::from_toml(&case.to_toml(), "case.toml", &[]).as_ref(), Ok(&case), "{}", case.to_toml());
+    assert_eq!(case.fluid.unwrap().body_force[1].source(), "2*pi");
+}
+
+#[test]
+fn a_mesh_file_is_looked_for_beside_the_case() {
+    let text = FLUID.replace("generator = \"schaefer-turek\"", "file = \"meshes/own.msh\"");
+    let case = Case::from_toml(&text, "/cases/own.toml", &[]).unwrap();
+    assert_eq!(case.mesh.source, MeshSource::File("/cases/meshes/own.msh".into()));
+    assert_eq!(Case::from_toml(&case.to_toml(), "/out/case.toml", &[]), Ok(case));
+    let case = Case::from_toml(&text, "/cases/own.toml", &sets(&["mesh.file=/other.msh"])).unwrap();
+    assert_eq!(case.mesh.source, MeshSource::File("/other.msh".into()));
+}
+
+#[test]
+fn names_come_from_the_facets() {
+    let facet = |cell, boundary| Facet { cell, local: 0, boundary };
+    let mesh = Mesh::<2> {
+        shape: Shape::Quadrilateral,
+        degree: 1,
+        nodes: Vec::new(),
+        cell_nodes: Vec::new(),
+        cell_region: vec![0, 1],
+        regions: sets(&["fluid", "solid"]),
+        facets: vec![facet(0, 0), facet(1, 0), facet(0, 0), facet(1, 1)],
+        boundaries: sets(&["bottom", "clamp", "unused"]),
+    };
+    let names = MeshNames::of(&mesh);
+    assert_eq!(names.regions, mesh.regions);
+    let expected = [("bottom", &["fluid", "solid"][..]), ("clamp", &["solid"]), ("unused", &[])];
+    for ((name, regions), (expected_name, expected_regions)) in names.boundaries.iter().zip(expected) {
+        assert_eq!((name.as_str(), regions), (expected_name, &sets(expected_regions)));
+    }
 }

@@ -8,7 +8,7 @@ mod condition;
 mod solver;
 
 use super::case::{Case, Record};
-use super::error::{CaseErrors, quoted};
+use super::error::CaseErrors;
 use super::raw::{Document, Origin};
 use super::read::{Checker, Section};
 use std::path::{Path, PathBuf};
@@ -146,10 +146,4 @@ fn resolve(section: &Section<'_, '_>, key: &str, path: &str) -> PathBuf {
 /// Names of regions and boundaries as they occur in meshes.
 pub(super) fn is_name(name: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
-}
-
-/// ``; there are `a`, `b` ``, or nothing.
-fn there_are<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    let list = quoted(names);
-    if list.is_empty() { String::new() } else { format!("; there are {list}") }
 }

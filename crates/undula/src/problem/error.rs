@@ -143,3 +143,13 @@ fn distance(a: &str, b: &str) -> usize {
 pub(crate) fn quoted<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
     words.into_iter().map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
 }
+
+/// ``; did you mean `b`? There are `a`, `b` ``, or ``; there are `a`, `b` `` if none is close.
+pub(crate) fn suggestion<'a>(word: &str, names: impl Iterator<Item = &'a str> + Clone) -> String {
+    let hint = did_you_mean(word, names.clone());
+    match (hint.is_empty(), quoted(names)) {
+        (_, list) if list.is_empty() => "; there are none".into(),
+        (true, list) => format!("; there are {list}"),
+        (false, list) => format!("{hint} There are {list}"),
+    }
+}

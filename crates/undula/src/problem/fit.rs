@@ -1,7 +1,7 @@
 //! Whether a case fits its mesh: what names the mesh has, and what holds there.
 
 use super::case::{Case, Condition, FunctionalSpec};
-use super::error::{CaseError, CaseErrors, Place, did_you_mean, quoted};
+use super::error::{CaseError, CaseErrors, Place, suggestion};
 use crate::mesh::Mesh;
 
 /// Name of the boundary between fluid and solid.
@@ -95,18 +95,14 @@ impl Fit<'_> {
         let solid = self.case.solid.as_ref().map(|s| ("solid", &s.region));
         for (body, region) in fluid.into_iter().chain(solid) {
             if !self.names.regions.contains(region) {
-                let all = || self.names.regions.iter().map(String::as_str);
-                let hint = did_you_mean(region, all());
-                let message = format!("the mesh has no region `{region}`{hint}; it has {}", quoted(all()));
+                let message = absent("region", region, self.names.regions.iter().map(String::as_str));
                 self.error(&format!("{body}.region"), message);
             }
         }
     }
 
-    /// Boundaries of the mesh as one list for messages.
-    fn listed(&self, name: &str) -> String {
-        let all = || self.names.boundaries.iter().map(|(n, _)| n.as_str());
-        format!("the mesh has no boundary `{name}`{}; it has {}", did_you_mean(name, all()), quoted(all()))
+    fn absent_boundary(&self, name: &str) -> String {
+        absent("boundary", name, self.names.boundaries.iter().map(|(n, _)| n.as_str()))
     }
 
     /// Whether a boundary touches the region of the fluid, of the solid.
@@ -118,7 +114,7 @@ impl Fit<'_> {
     fn boundaries(&mut self) {
         for name in self.case.boundary.keys() {
             if !self.names.boundaries.iter().any(|(n, _)| n == name) {
-                let message = self.listed(name);
+                let message = self.absent_boundary(name);
                 self.error(&format!("boundary.{name}"), message);
             }
         }
@@ -142,13 +138,13 @@ impl Fit<'_> {
                 }
                 Some(Condition::Clamped) if !solid => {
                     self.error(
-                        &key,
+                        &format!("{key}.condition"),
                         "`clamped` is for a solid, and only the fluid is here; use `no-slip`".into(),
                     );
                 }
                 Some(Condition::Velocity(_) | Condition::DoNothing) if !fluid => {
                     let message = "only the solid is here; use `clamped` or `traction-free`";
-                    self.error(&key, message.into());
+                    self.error(&format!("{key}.condition"), message.into());
                 }
                 Some(_) => {}
             }
@@ -162,7 +158,7 @@ impl Fit<'_> {
             for boundary in on {
                 match self.names.boundaries.iter().find(|(n, _)| n == boundary) {
                     None => {
-                        let message = self.listed(boundary);
+                        let message = self.absent_boundary(boundary);
                         self.error(&key, message);
                     }
                     Some((_, regions)) if boundary != INTERFACE && !self.touches(regions).0 => {
@@ -198,4 +194,8 @@ impl Fit<'_> {
             self.error("fluid", message.into());
         }
     }
+}
+
+fn absent<'a>(kind: &str, name: &str, all: impl Iterator<Item = &'a str> + Clone) -> String {
+    format!("the mesh has no {kind} `{name}`{}", suggestion(name, all))
 }

@@ -2,12 +2,14 @@
 //!
 //! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
-//! `builtin` the cases shipped with the program and `reference` their published results.
+//! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
+//! tables that set results side by side.
 
 pub mod build;
 pub mod builtin;
 pub mod case;
 mod check;
+pub mod compare;
 pub mod error;
 pub mod expression;
 pub mod fit;

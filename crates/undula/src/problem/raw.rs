@@ -57,19 +57,18 @@ impl Value {
         }
     }
 
-    /// The value in TOML, shortened for messages.
-    pub fn shown(&self) -> String {
-        let text = match self {
+    /// The value in TOML.
+    fn text(&self) -> String {
+        match self {
             Value::String(s) => format!("{s:?}"),
             Value::Integer(i) => i.to_string(),
             Value::Float(x) => super::write::number(*x),
             Value::Array(items) => {
-                format!("[{}]", items.iter().map(|i| i.value.shown()).collect::<Vec<_>>().join(", "))
+                format!("[{}]", items.iter().map(|i| i.value.text()).collect::<Vec<_>>().join(", "))
             }
             Value::Table(_) => "{…}".into(),
             Value::Other(_, text) => text.clone(),
-        };
-        if text.chars().count() > 60 { text.chars().take(59).chain(['…']).collect() } else { text }
+        }
     }
 }
 
@@ -113,6 +112,16 @@ impl Document {
             }
         }
         if errors.is_empty() { Ok(document) } else { Err(errors) }
+    }
+
+    /// The value as written, shortened for messages.
+    pub fn shown(&self, item: &Item) -> String {
+        let written = match &item.origin {
+            Origin::File(span) => self.text.get(span.clone()).filter(|t| !t.contains('\n')),
+            Origin::Set(_) => None,
+        };
+        let text = written.map_or_else(|| item.value.text(), str::to_string);
+        if text.chars().count() > 60 { text.chars().take(59).chain(['…']).collect() } else { text }
     }
 
     /// The place for people.
@@ -165,7 +174,7 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
     };
     let path: Vec<&str> = path.split('.').map(str::trim).collect();
     let valid = |k: &&str| !k.is_empty() && k.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
-    let (Some((last, tables)), true) = (path.split_last(), path.iter().all(|k| valid(&k))) else {
+    let (Some((last, tables)), true) = (path.split_last(), path.iter().all(valid)) else {
         return Err("expected a dotted key before `=`, such as `time.step`".into());
     };
     let value = value.trim();
@@ -205,11 +214,20 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
         Err(_) if value.starts_with(['[', '{', '"', '\'']) => {
             return Err(format!("`{value}` is not a TOML value"));
         }
-        Err(_) => Item { key: origin(0..0), origin: origin(0..0), value: Value::String(value.into()) },
+        Err(_) => Item { key: origin(0..0), origin: origin(0..0), value: bare(value) },
     };
     match table.0.iter_mut().find(|(k, _)| k == last) {
         Some((_, old)) => *old = item,
         None => table.0.push((last.to_string(), item)),
     }
     Ok(())
+}
+
+/// What TOML does not take: numbers such as `.3` and `1.`, else a string without its quotes.
+fn bare(text: &str) -> Value {
+    let like_number = text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '.' | '+' | '-'));
+    match text.parse() {
+        Ok(x) if like_number => Value::Float(x),
+        _ => Value::String(text.into()),
+    }
 }

@@ -87,12 +87,16 @@ impl<'c, 'd> Section<'c, 'd> {
     /// Tells that the value of `key` is wrong.
     pub fn wrong(&self, key: &str, message: impl Into<String>) {
         let item = self.table.and_then(|t| t.get(key));
-        let (origin, value) = item.map_or((&self.origin, None), |i| (&i.origin, Some(i.value.shown())));
+        let (origin, value) = match item {
+            None => (&self.origin, None),
+            Some(Item { key, value: Value::Table(_), .. }) => (key, None),
+            Some(item) => (&item.origin, Some(self.checker.document.shown(item))),
+        };
         self.checker.error(origin, &self.dotted(key), value, message.into());
     }
 
     fn wrong_item(&self, key: &str, item: &Item, message: String) {
-        self.checker.error(&item.origin, &self.dotted(key), Some(item.value.shown()), message);
+        self.checker.error(&item.origin, &self.dotted(key), Some(self.checker.document.shown(item)), message);
     }
 
     fn wrong_type(&self, key: &str, item: &Item, expected: &str) {
@@ -123,6 +127,9 @@ impl<'c, 'd> Section<'c, 'd> {
     /// The table under `key`, possibly absent.
     pub fn section(&mut self, key: &str) -> Section<'c, 'd> {
         let item = self.item(key);
+        if let Some(item) = item {
+            self.checker.origins.borrow_mut().insert(self.dotted(key), item.key.clone());
+        }
         let table = item.and_then(|i| match &i.value {
             Value::Table(table) => Some(table),
             _ => {
@@ -243,7 +250,12 @@ impl<'c, 'd> Section<'c, 'd> {
                 Ok(expression) => expression,
                 Err(e) => {
                     let origin = self.inside(&item.origin, source, e.position);
-                    self.checker.error(&origin, &self.dotted(key), Some(item.value.shown()), e.to_string());
+                    self.checker.error(
+                        &origin,
+                        &self.dotted(key),
+                        Some(self.checker.document.shown(item)),
+                        e.to_string(),
+                    );
                     return None;
                 }
             },

@@ -1,11 +1,10 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
-use super::there_are;
 use crate::problem::case::{
     FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec, Linearization, NewtonSpec, OutputSpec,
     TimeScheme, TimeSpec,
 };
-use crate::problem::error::did_you_mean;
+use crate::problem::error::suggestion;
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, Range, Section};
 
@@ -43,7 +42,8 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let shift = s.number("shift", 1.0, NOT_NEGATIVE);
     let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
     s.choice("domain-term", &[("secant", ())], &["midpoint-tangent", "galerkin"]);
-    let scheme = scheme.unwrap_or(Scheme::Shifted);
+    // After a mistake any scheme will do that asks for nothing more.
+    let scheme = scheme.unwrap_or(if s.has("scheme") { Scheme::BackwardEuler } else { Scheme::Shifted });
     check_schedule(&s, scheme, step.as_ref(), (start, end), shift);
     for (key, its_scheme) in [("theta", Scheme::Theta), ("shift", Scheme::Shifted)] {
         if s.has(key) && scheme != its_scheme && scheme != Scheme::Stationary {
@@ -166,9 +166,8 @@ pub(super) fn output(
     if let Some(name) = &leading
         && !names.contains(name)
     {
-        let all = || names.iter().map(String::as_str);
-        let hint = did_you_mean(name, all());
-        s.wrong("leading", format!("expected the name of a functional{hint}{}", there_are(all())));
+        let hint = suggestion(name, names.iter().map(String::as_str));
+        s.wrong("leading", format!("expected the name of a functional{hint}"));
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));

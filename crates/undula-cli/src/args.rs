@@ -1,0 +1,134 @@
+//! The command line: what can be said, and the ways to answer that all subcommands share.
+
+use clap::{Args, Parser, Subcommand};
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Fluid-structure interaction on a fixed reference domain.
+#[derive(Debug, Parser)]
+#[command(name = "undula", version, about, after_help = EXIT_CODES)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 completed, 1 failed, 2 bad input, 3 breakdown of the computation, \
+                          130 interrupted.";
+
+/// One arm per subcommand.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Compute a case
+    Run(RunArgs),
+    /// Check a case without computing it, and say what it is
+    Check(CheckArgs),
+    /// List the built-in cases
+    Cases,
+    /// Write a built-in case to a file, as a start for an own one
+    New(NewArgs),
+    /// Set results beside published ones, or beside those of another run
+    Compare(CompareArgs),
+    /// Draw the histories of a run
+    Plot(PlotArgs),
+}
+
+/// Which case, and what to change in it.
+#[derive(Debug, Args)]
+pub struct CaseArgs {
+    /// Built-in case or TOML file
+    pub case: String,
+    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+}
+
+/// `undula run`.
+#[derive(Debug, Args)]
+pub struct RunArgs {
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Output directory [default: out/NAME of the case]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Number of threads [default: all cores]; results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Go on from the last checkpoint in the output directory
+    #[arg(long, conflicts_with = "force")]
+    pub resume: bool,
+    /// Replace the results in the output directory
+    #[arg(long)]
+    pub force: bool,
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `undula check`.
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Print the case as TOML with all defaults instead of the summary
+    #[arg(long)]
+    pub toml: bool,
+}
+
+/// `undula new`.
+#[derive(Debug, Args)]
+pub struct NewArgs {
+    /// Built-in case to start from
+    pub name: String,
+    /// File to write [default: NAME.toml]
+    pub file: Option<PathBuf>,
+    /// Overwrite the file if it exists
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// `undula compare`.
+#[derive(Debug, Args)]
+pub struct CompareArgs {
+    /// Output directory of a run
+    pub dir: PathBuf,
+    /// Output directory of a second run, to be set beside the first
+    pub other: Option<PathBuf>,
+    /// Reference file to compare with [default: that of the built-in case of the same name]
+    #[arg(long, value_name = "FILE", conflicts_with = "other")]
+    pub reference: Option<PathBuf>,
+}
+
+/// `undula plot`.
+#[derive(Debug, Args)]
+pub struct PlotArgs {
+    /// Output directory of a run
+    pub dir: PathBuf,
+    /// Where to write the pictures [default: the directory of the run]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+}
+
+/// Exit code of a run that broke down.
+pub const BREAKDOWN: u8 = 3;
+/// Exit code of an interrupted run.
+pub const INTERRUPTED: u8 = 130;
+
+/// Tells what is wrong with the input; exit code 2, as for mistakes on the command line.
+pub fn bad_input(message: impl Display) -> anyhow::Result<ExitCode> {
+    writeln!(std::io::stderr(), "{message}")?;
+    Ok(ExitCode::from(2))
+}
+
+/// Writes to standard output. A reader that has seen enough, such as `head`, is no failure.
+pub fn print(text: &str) -> anyhow::Result<ExitCode> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(e.into()),
+        _ => Ok(ExitCode::SUCCESS),
+    }
+}

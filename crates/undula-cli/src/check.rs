@@ -1,0 +1,150 @@
+//! `undula check`: what a case is, without computing it.
+
+use crate::args::{CaseArgs, CheckArgs, bad_input, print};
+use std::fmt::Write;
+use std::process::ExitCode;
+use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
+use undula::problem::error::LoadError;
+
+/// Loads the case and prints its summary, or all its mistakes.
+pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
+    match load(&args.case)? {
+        Ok(case) if args.toml => print(&case.to_toml()),
+        Ok(case) => print(&summary(&case, None)?),
+        Err(code) => Ok(code),
+    }
+}
+
+/// The case, or the exit code after its mistakes were printed.
+///
+/// # Errors
+/// A file that is there but cannot be read.
+pub fn load(args: &CaseArgs) -> anyhow::Result<Result<Case, ExitCode>> {
+    match Case::load(&args.case, &args.set) {
+        Ok(case) => Ok(Ok(case)),
+        Err(e) if e.is_bad_input() => {
+            let count = match &e {
+                LoadError::Invalid(errors) if errors.0.len() > 1 => format!("\n{} mistakes", errors.0.len()),
+                _ => String::new(),
+            };
+            Ok(Err(bad_input(format_args!("{e}{count}"))?))
+        }
+        Err(e) => Err(e.into()),
+    }
+}
+
+/// Size of the discrete problem, for callers that have made the mesh.
+#[derive(Copy, Clone, Debug)]
+pub struct Size {
+    /// Cells after refinement.
+    pub cells: usize,
+    /// Unknowns of one time step.
+    pub unknowns: usize,
+}
+
+/// The case in physical terms, with its size if that is known.
+///
+/// # Errors
+/// None in practice; writing to a string does not fail.
+pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Error> {
+    let mut out = String::new();
+    writeln!(out, "{}: {}\n", case.name, case.title)?;
+    write!(out, "mesh      {}, refine {}, grading {}", source(case), case.mesh.refine, case.mesh.grading)?;
+    match size {
+        Some(Size { cells, unknowns }) => writeln!(out, ", {cells} cells, {unknowns} unknowns")?,
+        None => writeln!(out)?,
+    }
+    writeln!(out, "space     {:?}/{:?}", case.space.velocity, case.space.pressure)?;
+    match &case.fluid {
+        None => writeln!(out, "fluid     none: the interface is traction-free")?,
+        Some(fluid) => write_fluid(&mut out, case, fluid)?,
+    }
+    match &case.solid {
+        None => writeln!(out, "solid     none: the interface is a no-slip wall")?,
+        Some(solid) => write_solid(&mut out, solid)?,
+    }
+    if let (Some(fluid), Some(solid)) = (&case.fluid, &case.solid) {
+        writeln!(out, "          density ratio solid/fluid {:.3}", solid.density / fluid.density)?;
+    }
+    write_time(&mut out, case)?;
+    let names: Vec<&str> = case.functional.iter().map(|(name, _)| name.as_str()).collect();
+    writeln!(out, "output    {}", if names.is_empty() { "no functionals".into() } else { names.join(", ") })?;
+    for note in case.notes() {
+        writeln!(out, "note      {note}")?;
+    }
+    Ok(out)
+}
+
+fn write_fluid(out: &mut String, case: &Case, fluid: &FluidSpec) -> std::fmt::Result {
+    let (rho, nu) = (fluid.density, fluid.kinematic_viscosity);
+    writeln!(out, "fluid     density {rho} kg/m³, viscosity {nu} m²/s ({:.3e} Pa s)", rho * nu)?;
+    for (name, condition) in &case.boundary {
+        let Condition::Velocity(velocity) = condition else { continue };
+        writeln!(out, "          {name}: v = ({}, {}) m/s", velocity[0], velocity[1])?;
+    }
+    if let Some(speed) = mean_inflow(case) {
+        writeln!(
+            out,
+            "          Re = {:.4} with the mean inflow {speed:.4} m/s and {DIAMETER} m",
+            speed * DIAMETER / nu
+        )?;
+    }
+    Ok(())
+}
+
+/// Diameter of the cylinder in the built-in channels \[m\].
+const DIAMETER: f64 = 0.1;
+/// Their height \[m\].
+const HEIGHT: f64 = 0.41;
+
+fn source(case: &Case) -> String {
+    match &case.mesh.source {
+        MeshSource::TurekHron => "channel with cylinder and beam (turek-hron)".into(),
+        MeshSource::SchaeferTurek => "channel with cylinder (schaefer-turek)".into(),
+        MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
+        MeshSource::File(path) => path.display().to_string(),
+    }
+}
+
+/// Largest mean over time of the velocity at the inflow of the built-in channels \[m/s\].
+fn mean_inflow(case: &Case) -> Option<f64> {
+    if !matches!(case.mesh.source, MeshSource::TurekHron | MeshSource::SchaeferTurek) {
+        return None;
+    }
+    let Some(Condition::Velocity([vx, _])) = case.boundary.get("inflow") else { return None };
+    let (start, end) = case.time.as_ref().map_or((case.at_time, case.at_time), |time| (time.start, time.end));
+    // Simpson's rule over the height, exact for the parabola.
+    let mean = |t: f64| {
+        let weight = |i: u32| if i == 0 || i == 40 { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
+        (0..=40).map(|i| weight(i) * vx.eval(&[0.0, HEIGHT * f64::from(i) / 40.0, 0.0], t)).sum::<f64>()
+            / 120.0
+    };
+    let times = (0..=200).map(|i| start + (end - start) * f64::from(i) / 200.0);
+    times.map(mean).max_by(f64::total_cmp).filter(|speed| *speed > 0.0)
+}
+
+fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
+    let (rho, mu, lambda) = (solid.density, solid.mu, solid.lambda);
+    let poisson = lambda / (2.0 * (lambda + mu));
+    let young = 2.0 * mu * (1.0 + poisson);
+    writeln!(out, "solid     density {rho} kg/m³, {:?}", solid.law)?;
+    writeln!(
+        out,
+        "          mu {mu:.4e} Pa, lambda {lambda:.4e} Pa (Young {young:.4e} Pa, Poisson {poisson:.4})"
+    )?;
+    let (shear, pressure) = ((mu / rho).sqrt(), ((lambda + 2.0 * mu) / rho).sqrt());
+    writeln!(out, "          waves {shear:.4} m/s (shear), {pressure:.4} m/s (pressure)")
+}
+
+fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
+    let Some(time) = &case.time else {
+        return writeln!(out, "time      stationary");
+    };
+    let theta = case.theta().unwrap_or(1.0);
+    write!(out, "time      {} to {} s, step {} s", time.start, time.end, time.step)?;
+    if let Some(k) = time.step.constant_value() {
+        // A last step that rounding would leave over is not taken.
+        write!(out, ", {} steps", ((time.end - time.start) / k - 1e-9).ceil())?;
+    }
+    writeln!(out, ", theta {theta}")
+}

@@ -1,0 +1,34 @@
+//! `undula new`: a built-in case as the start of an own one.
+
+use crate::args::{NewArgs, bad_input, print};
+use anyhow::Context;
+use std::fs::File;
+use std::io::{ErrorKind, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use undula::problem::builtin::{builtin_case, builtin_cases};
+use undula::problem::error::did_you_mean;
+
+/// Writes the TOML of the built-in case; an existing file is kept unless `--force` is given.
+pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
+    let Some(shipped) = builtin_case(&args.name) else {
+        let hint = did_you_mean(&args.name, builtin_cases().iter().map(|c| c.name));
+        return bad_input(format_args!("no built-in case `{}`{hint} (`undula cases` lists them)", args.name));
+    };
+    let path = args.file.clone().unwrap_or_else(|| PathBuf::from(format!("{}.toml", shipped.name)));
+    let opened = if args.force {
+        File::create(&path)
+    } else {
+        File::options().write(true).create_new(true).open(&path)
+    };
+    let mut file = match opened {
+        Ok(file) => file,
+        Err(e) if e.kind() == ErrorKind::AlreadyExists => {
+            return bad_input(format_args!("{} exists already; --force overwrites it", path.display()));
+        }
+        Err(e) => return Err(e).with_context(|| format!("cannot write {}", path.display())),
+    };
+    file.write_all(shipped.toml.as_bytes()).with_context(|| format!("cannot write {}", path.display()))?;
+    let shown = path.display();
+    print(&format!("Wrote {shown}. Edit it, then: undula check {shown}; undula run {shown}\n"))
+}

@@ -1,0 +1,247 @@
+//! Results of a run beside published ones, or beside those of another run.
+
+use super::reference::{Numbers, Published, References, Run};
+use std::fmt;
+
+/// A run beside the published results of its case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// Name of the case.
+    pub case: String,
+    /// How the run ended.
+    pub status: String,
+    /// One row per published number, grouped by functional and number.
+    pub rows: Vec<Row>,
+    /// Functionals of the run that nobody published.
+    pub unpublished: Vec<String>,
+}
+
+/// A published number and the computed one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Functional.
+    pub functional: String,
+    /// `value`, `mean`, `amplitude`, `frequency`, `min` or `max`.
+    pub quantity: &'static str,
+    /// SI unit, Hz for a frequency.
+    pub unit: String,
+    /// From the run, if it has it.
+    pub computed: Option<f64>,
+    /// From the source.
+    pub published: f64,
+    /// (computed − published) relative to the published number; a mean is taken relative to the
+    /// amplitude if that is larger.
+    pub deviation: Option<f64>,
+    /// Relative uncertainty of the published number.
+    pub uncertainty: Option<f64>,
+    /// Who published it.
+    pub source: String,
+    /// Whether this is the source to compare with.
+    pub primary: bool,
+}
+
+/// Two runs side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// Names of the two cases.
+    pub cases: [String; 2],
+    /// One row per number that both have.
+    pub rows: Vec<DifferenceRow>,
+    /// Functionals that only one of them has.
+    pub unmatched: Vec<String>,
+}
+
+/// A number of two runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DifferenceRow {
+    /// Functional.
+    pub functional: String,
+    /// Which number.
+    pub quantity: &'static str,
+    /// SI unit, Hz for a frequency.
+    pub unit: String,
+    /// Of the first and the second run.
+    pub values: [f64; 2],
+    /// (second − first) relative to the first, as in [`Row::deviation`].
+    pub deviation: Option<f64>,
+}
+
+/// (x − y) over the size of y; a mean over the amplitude if that is larger. `None` if the size is 0.
+fn deviation(x: f64, y: f64, quantity: &str, numbers: &Numbers) -> Option<f64> {
+    let amplitude = if quantity == "mean" { numbers.amplitude.map_or(0.0, f64::abs) } else { 0.0 };
+    let size = y.abs().max(amplitude);
+    (size > 0.0).then(|| (x - y) / size)
+}
+
+fn unit_of(quantity: &str, unit: &str) -> String {
+    if quantity == "frequency" { "Hz".into() } else { unit.into() }
+}
+
+/// Sets the numbers of `run` beside those of `references`.
+pub fn compare(run: &Run, references: &References) -> Comparison {
+    let mut rows = Vec::new();
+    for (functional, sources) in &references.results {
+        let computed = run.functionals.get(functional);
+        let numbers = computed.map_or(Numbers::default(), |c| c.numbers);
+        for (quantity, value) in numbers.named() {
+            let of = |p: &Published| {
+                p.numbers.named().into_iter().find(|(q, _)| *q == quantity).and_then(|(_, x)| x)
+            };
+            for (i, source) in sources.iter().enumerate() {
+                let Some(published) = of(source) else { continue };
+                let uncertainty = source.uncertainty.named().into_iter().find(|(q, _)| *q == quantity);
+                let note = if source.note.is_empty() { String::new() } else { format!(" ({})", source.note) };
+                rows.push(Row {
+                    functional: functional.clone(),
+                    quantity,
+                    unit: unit_of(quantity, &source.unit),
+                    computed: value,
+                    published,
+                    deviation: value.and_then(|x| deviation(x, published, quantity, &source.numbers)),
+                    uncertainty: uncertainty.and_then(|(_, x)| x),
+                    source: format!("{}{note}", source.source),
+                    primary: i == 0,
+                });
+            }
+        }
+    }
+    let unpublished = run.functionals.keys().filter(|name| !references.results.contains_key(*name));
+    Comparison {
+        case: run.case.clone(),
+        status: run.status.clone(),
+        rows,
+        unpublished: unpublished.cloned().collect(),
+    }
+}
+
+/// Sets the numbers of `second` beside those of `first`.
+pub fn difference(first: &Run, second: &Run) -> Difference {
+    let mut rows = Vec::new();
+    for (functional, a) in &first.functionals {
+        let Some(b) = second.functionals.get(functional) else { continue };
+        for ((quantity, x), (_, y)) in a.numbers.named().into_iter().zip(b.numbers.named()) {
+            if let (Some(x), Some(y)) = (x, y) {
+                rows.push(DifferenceRow {
+                    functional: functional.clone(),
+                    quantity,
+                    unit: unit_of(quantity, &a.unit),
+                    values: [x, y],
+                    deviation: deviation(y, x, quantity, &a.numbers),
+                });
+            }
+        }
+    }
+    let only = |a: &Run, b: &Run| -> Vec<String> {
+        a.functionals.keys().filter(|name| !b.functionals.contains_key(*name)).cloned().collect()
+    };
+    let unmatched = [only(first, second), only(second, first)].concat();
+    Difference { cases: [first.case.clone(), second.case.clone()], rows, unmatched }
+}
+
+/// Six significant digits.
+fn digits(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 {
+        "0".into()
+    } else if (1e-3..1e6).contains(&size) {
+        let before = size.log10().floor() as i32;
+        format!("{x:.*}", usize::try_from(5 - before).unwrap_or(0))
+    } else {
+        format!("{x:.5e}")
+    }
+}
+
+/// As many digits as were published.
+fn as_published(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+}
+
+fn percent(x: Option<f64>, signed: bool) -> String {
+    match x {
+        None => "-".into(),
+        Some(x) if signed => format!("{:+.3} %", 100.0 * x),
+        Some(x) => format!("{} %", (1e8 * x).round() / 1e6),
+    }
+}
+
+/// Writes rows in columns; `right` names the columns that are flush right.
+fn columns(f: &mut fmt::Formatter<'_>, rows: &[Vec<String>], right: &[usize]) -> fmt::Result {
+    let n = rows.first().map_or(0, Vec::len);
+    let width = |j: usize| rows.iter().map(|r| r[j].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..n).map(width).collect();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate();
+        let line: Vec<String> = cells
+            .map(
+                |(j, (cell, w))| {
+                    if right.contains(&j) { format!("{cell:>w$}") } else { format!("{cell:<w$}") }
+                },
+            )
+            .collect();
+        writeln!(f, "{}", line.join("  ").trim_end())?;
+    }
+    Ok(())
+}
+
+fn heading(words: &[&str]) -> Vec<String> {
+    words.iter().map(|w| w.to_string()).collect()
+}
+
+impl fmt::Display for Comparison {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}: {}\n", self.case, self.status)?;
+        let words = ["functional", "", "unit", "computed", "published", "deviation", "uncertainty", "source"];
+        let mut rows = vec![heading(&words)];
+        let mut last = None;
+        for row in &self.rows {
+            // What stays the same from row to row is written once.
+            let first = last != Some((&row.functional, row.quantity));
+            let same_functional = last.is_some_and(|(functional, _)| *functional == row.functional);
+            last = Some((&row.functional, row.quantity));
+            let once = |text: String, shown: bool| if shown { text } else { String::new() };
+            rows.push(vec![
+                once(row.functional.clone(), !same_functional),
+                once(row.quantity.into(), first),
+                once(row.unit.clone(), first),
+                once(row.computed.map_or("-".into(), digits), first),
+                as_published(row.published),
+                percent(row.deviation, true),
+                row.uncertainty.map_or(String::new(), |x| percent(Some(x), false)),
+                row.source.clone(),
+            ]);
+        }
+        columns(f, &rows, &[3, 4, 5, 6])?;
+        if self.rows.iter().any(|r| r.quantity == "mean") {
+            writeln!(f, "\nDeviations of a mean are relative to the amplitude where that is larger.")?;
+        }
+        if !self.unpublished.is_empty() {
+            writeln!(f, "\nWithout published values: {}", self.unpublished.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+impl fmt::Display for Difference {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut rows =
+            vec![heading(&["functional", "", "unit", &self.cases[0], &self.cases[1], "deviation"])];
+        let mut last = None;
+        for row in &self.rows {
+            let same = last == Some(&row.functional);
+            last = Some(&row.functional);
+            rows.push(vec![
+                if same { String::new() } else { row.functional.clone() },
+                row.quantity.into(),
+                row.unit.clone(),
+                digits(row.values[0]),
+                digits(row.values[1]),
+                percent(row.deviation, true),
+            ]);
+        }
+        columns(f, &rows, &[3, 4, 5])?;
+        if !self.unmatched.is_empty() {
+            writeln!(f, "\nOnly in one of them: {}", self.unmatched.join(", "))?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,350 @@
+//! Case files that are refused, and in which words.
+
+mod common;
+
+use common::{FLUID, builtin, turek_hron, wrong, wrong_builtin};
+use undula::problem::builtin::builtin_cases;
+use undula::problem::case::Case;
+
+#[test]
+fn mistakes_of_a_whole_file_are_told_at_once() {
+    let text = r#"name = "a/b"
+colour = 1
+
+[mesh]
+generator = "turek-horn"
+refine = 1.5
+grading = -1
+
+[space]
+velocity = "Q3"
+pressure = "P1d"
+
+[fluid]
+density = -1000
+kinematic-viscosity = "thin"
+densty = 1
+
+[solid]
+law = "hooke"
+mu = 1e6
+young = 1e6
+body-force = [0]
+
+[motion]
+model = "biharmonic"
+poisson = 0.5
+walls = "sliding"
+
+[boundary.inflow]
+condition = "velocity"
+velocity = ["1.5*sinn(y)", true]
+
+[boundary.outflow]
+condition = "donothing"
+
+[boundary.walls]
+velocity = [0, 0]
+
+[boundary.interface]
+condition = "no-slip"
+
+[time]
+scheme = "cn"
+step = "t-1"
+end = 0
+theta = 0.4
+
+[newton]
+rate-max = 1
+jacobian = "finite-difference"
+max-steps = 0
+tolerance = 2
+
+[linear]
+solver = "gmres"
+
+[functional.drag]
+kind = "force"
+on = []
+component = "z"
+
+[functional.tip]
+kind = "displacement"
+point = [0.6, "right"]
+
+[functional.other]
+kind = "forces"
+
+[output]
+fields-every = -1
+mesh = "moved"
+leading = "lft"
+"#;
+    let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
+own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`, `fluid`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
+own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `box`; did you mean `turek-hron`?
+own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
+own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
+own.toml:10:12: space.velocity = "Q3": not yet available; expected one of `Q2`
+own.toml:11:12: space.pressure = "P1d": expected one of `P1dc`, `Q1`; did you mean `P1dc`?
+own.toml:14:11: fluid.density = -1000: expected a number above 0
+own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
+own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `kinematic-viscosity`, `body-force`
+own.toml:18:2: solid.density: missing: the density [kg/m³]
+own.toml:18:2: solid.lambda: missing: `mu` and `lambda` [Pa] belong together
+own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`
+own.toml:21:9: solid.young = 1e6: give either `mu` and `lambda` or `young` and `poisson`
+own.toml:22:14: solid.body-force = [0]: expected two expressions, as ["x component", "y component"], not 1 values
+own.toml:25:9: motion.model = "biharmonic": not yet available; expected one of `harmonic`, `pseudo-elastic`
+own.toml:26:11: motion.poisson = 0.5: expected a number above -1 and below 0.5
+own.toml:27:9: motion.walls = "sliding": not yet available; expected one of `fixed`
+own.toml:31:18: boundary.inflow.velocity[0] = "1.5*sinn(y)": unknown function `sinn`; did you mean `sin`? (at byte 4)
+own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expression in quotes, not true or false
+own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?
+own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
+own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
+own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`
+own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
+own.toml:45:7: time.end = 0: expected a time after the start, 0 s
+own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
+own.toml:49:12: newton.rate-max = 1: expected a number from 0 to below 1
+own.toml:50:12: newton.jacobian = "finite-difference": not yet available; expected one of `automatic`, `analytic`
+own.toml:51:13: newton.max-steps = 0: expected an integer from 1 to 1000
+own.toml:52:13: newton.tolerance = 2: expected a number above 0 and below 1
+own.toml:55:10: linear.solver = "gmres": not yet available; expected one of `faer`
+own.toml:59:6: functional.drag.on = []: expected an array of names, such as ["cylinder", "interface"]
+own.toml:60:13: functional.drag.component = "z": expected one of `x`, `y`
+own.toml:62:13: functional.tip.component: missing: "x" or "y"
+own.toml:64:15: functional.tip.point[1] = "right": expected a finite number
+own.toml:67:8: functional.other.kind = "forces": expected one of `force`, `displacement`, `pressure-difference`, `energy`, `rotation`; did you mean `force`?
+own.toml:70:16: output.fields-every = -1: expected an integer, 0 or above
+own.toml:71:8: output.mesh = "moved": expected one of `deformed`, `reference`
+own.toml:72:11: output.leading = "lft": expected the name of a functional; there are `drag`, `tip`, `other`"#;
+    let told = wrong(text, &[]);
+    for (told, expected) in told.lines().zip(expected.lines()) {
+        assert_eq!(told, expected);
+    }
+    assert_eq!(told.lines().count(), expected.lines().count(), "{told}");
+}
+
+#[test]
+fn further_mistakes() {
+    for (tail, expected) in [
+        (
+            "[solid]\nregion = \"fluid\"\ndensity = 1\nmu = 1\nlambda = 1\n",
+            "own.toml:7:10: solid.region = \"fluid\": the fluid fills the region `fluid` already",
+        ),
+        (
+            "[solid]\ndensity = 1\nmu = 3\nlambda = -2\n",
+            "own.toml:9:10: solid.lambda = -2: expected a number above -2/3 mu = -2 Pa",
+        ),
+        (
+            "[time]\nscheme = \"bdf2\"\nstep = 1\nend = 2\n",
+            "own.toml:7:10: time.scheme = \"bdf2\": not yet available; expected one of `backward-euler`, `theta`, \
+          `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+        ),
+        (
+            "[time]\nstep = 1.0\nend = 2\n",
+            "own.toml:7:8: time.step = 1.0: theta = 1/2 + shift * step = 1.5 is above 1; reduce `step` or `shift`",
+        ),
+        (
+            "[time]\nscheme = \"theta\"\nstep = \"0.1*x\"\nend = 2\n",
+            "own.toml:6:2: time.theta: missing: the weight of the new time, from 0.5 to 1\n\
+          own.toml:8:8: time.step = \"0.1*x\": expected a number or an expression of t alone",
+        ),
+        (
+            "[time]\nscheme = \"crank-nicolson\"\nstep = 0\nend = 2\n",
+            "own.toml:8:8: time.step = 0: expected a number above 0",
+        ),
+        (
+            "[boundary]\ninflow = \"velocity\"\n",
+            "own.toml:7:10: boundary.inflow = \"velocity\": expected a table [boundary.inflow]",
+        ),
+        (
+            "[boundary.inflow]\ncondition = \"velocity\"\nvelocity = [\"1/0\", 0]\n",
+            "own.toml:8:13: boundary.inflow.velocity[0] = \"1/0\": expected a finite value",
+        ),
+        (
+            "[functional.time]\nkind = \"rotation\"\n",
+            "own.toml:6:13: functional.time: expected a name of letters, digits, `-` and `_`, not `step`, `time`, `force_time`",
+        ),
+        ("[newton]\nrate-max = 0.1\nrate-max = 0.2\n", "own.toml:8:1: not TOML: duplicate key"),
+        ("[newton\n", "own.toml:6:8: not TOML: unclosed table, expected `]`"),
+    ] {
+        assert_eq!(wrong(&format!("{FLUID}{tail}"), &[]), expected, "{tail}");
+    }
+    assert_eq!(
+        wrong("title = \"nothing\"\n", &[]),
+        "own.toml:1:1: mesh: missing: add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"\n\
+         own.toml:1:1: the case has neither [fluid] nor [solid]"
+    );
+}
+
+#[test]
+fn mistakes_in_meshes() {
+    for (mesh, expected) in [
+        (
+            "refine = 1",
+            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `box`) or `file`",
+        ),
+        (
+            "generator = \"box\"\nlower = [0, 0]\nupper = [1, 0]\ncells = [4, 0]",
+            "own.toml:4:9: mesh.upper = [1, 0]: expected a corner right of and above `lower` = [0, 0]\n\
+          own.toml:5:13: mesh.cells[1] = 0: expected an integer from 1 to 100000",
+        ),
+        (
+            "generator = \"box\"\nlower = [0, 0]\nupper = [1, 1]",
+            "own.toml:1:2: mesh.cells: missing: a box needs `lower` and `upper` corner [m] and `cells` per direction",
+        ),
+        (
+            "generator = \"turek-hron\"\ncells = [4, 4]",
+            "own.toml:3:9: mesh.cells = [4, 4]: only for generator = \"box\"",
+        ),
+        (
+            "generator = \"turek-hron\"\nfile = \"a.msh\"",
+            "own.toml:3:8: mesh.file = \"a.msh\": give either `generator` or `file`",
+        ),
+        (
+            "generator = \"rotor\"",
+            "own.toml:2:13: mesh.generator = \"rotor\": not yet available; expected one of `turek-hron`, `schaefer-turek`, `box`",
+        ),
+    ] {
+        let text = format!("[mesh]\n{mesh}\n[fluid]\ndensity = 1\nkinematic-viscosity = 1\n");
+        assert_eq!(wrong(&text, &[]), expected, "{mesh}");
+    }
+}
+
+#[test]
+fn mistakes_in_overrides_name_the_override() {
+    for (overrides, expected) in [
+        (
+            &["time.scheme=cn"][..],
+            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+        ),
+        (
+            &["time.scheme=crank-nicholson"],
+            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`; did you mean `crank-nicolson`?",
+        ),
+        (
+            &["time.setp=0.1"],
+            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `domain-term`",
+        ),
+        (
+            &["fluid.density=-1", "mesh.refine=x"],
+            "--set fluid.density=-1: expected a number above 0\n--set mesh.refine=x: expected an integer from 0 to 10",
+        ),
+        (
+            &["boundary.inflow.velocity=[\"sin(\", 0]"],
+            "--set boundary.inflow.velocity=[\"sin(\", 0]: boundary.inflow.velocity[0] = \"sin(\": ends where a number, a name or `(` is expected (at byte 4)",
+        ),
+        (
+            &["boundary.inflow.velocity=[1, 0"],
+            "--set boundary.inflow.velocity=[1, 0: `[1, 0` is not a TOML value",
+        ),
+        (&["time.step"], "--set time.step: expected key=value, such as `time.step=0.01`"),
+        (&["time.step="], "--set time.step=: expected a value after `=` (`none` removes the key)"),
+        (&["time..step=1"], "--set time..step=1: expected a dotted key before `=`, such as `time.step`"),
+        (&["time.step.size=1"], "--set time.step.size=1: `time.step` is a number, it has no keys"),
+        (&["fluid=7"], "--set fluid=7: expected a table [fluid]"),
+        (&["fluid.density=none"], "fsi3.toml:11:2: fluid.density: missing: the density [kg/m³]"),
+    ] {
+        assert_eq!(wrong_builtin("fsi3", overrides), expected, "{overrides:?}");
+    }
+}
+
+#[test]
+fn names_are_checked_against_the_mesh() {
+    let fits = |name: &str, overrides: &[&str]| match builtin(name, overrides).check_mesh(&turek_hron()) {
+        Ok(()) => String::new(),
+        Err(e) => e.to_string(),
+    };
+    for (overrides, expected) in [
+        (
+            &["boundary.outflw.condition=do-nothing"][..],
+            "--set boundary.outflw.condition=do-nothing: boundary.outflw: the mesh has no boundary `outflw`; did you mean `outflow`? There are `inflow`, `outflow`, `walls`, `cylinder`, `clamp`, `interface`",
+        ),
+        (
+            &["boundary.clamp=none"],
+            "fsi1.toml:22:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped` or `traction-free`\n\
+          fsi1.toml:16:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
+        ),
+        (
+            &["boundary.walls=none", "boundary.inflow.condition=clamped"],
+            "--set boundary.inflow.condition=clamped: `clamped` is for a solid, and only the fluid is here; use `no-slip`\n\
+          fsi1.toml:22:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing` or `traction-free`",
+        ),
+        (
+            &["functional.drag.on=[\"cylindre\", \"clamp\"]"],
+            "--set functional.drag.on=[\"cylindre\", \"clamp\"]: the mesh has no boundary `cylindre`; did you mean `cylinder`? There are `inflow`, `outflow`, `walls`, `cylinder`, `clamp`, `interface`\n\
+          --set functional.drag.on=[\"cylindre\", \"clamp\"]: the fluid does not touch the boundary `clamp`",
+        ),
+        (
+            &["boundary.clamp.condition=do-nothing"],
+            "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped` or `traction-free`\n\
+          fsi1.toml:16:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
+        ),
+        (
+            &["solid.region=beam"],
+            "--set solid.region=beam: the mesh has no region `beam`; there are `fluid`, `solid`",
+        ),
+        (
+            &["solid=none", "boundary.outflow.condition=no-slip"],
+            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only: one boundary needs condition = `do-nothing` or `traction-free`",
+        ),
+    ] {
+        assert_eq!(fits("fsi1", overrides), expected, "{overrides:?}");
+    }
+}
+
+#[test]
+fn a_case_that_is_not_there() {
+    let told = |name: &str| match Case::load(name, &[]) {
+        Ok(_) => panic!("{name}"),
+        Err(e) => (e.to_string(), e.is_bad_input()),
+    };
+    assert_eq!(told("fsi33"), ("no such case or file: `fsi33`; did you mean `fsi3`?".into(), true));
+    assert_eq!(told("fs3.toml"), ("no such case or file: `fs3.toml`; did you mean `fsi3`?".into(), true));
+    assert_eq!(
+        told("missing/own.toml").0,
+        "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
+         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`"
+    );
+    // A directory exists, but it cannot be read as a file.
+    assert!(!told("src").1);
+}
+
+/// Damaged files are refused or accepted, but never end the program.
+#[test]
+fn damaged_files_do_no_harm() {
+    let mut seed = 1u64;
+    let mut random = |n: usize| {
+        seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        (seed >> 33) as usize % n
+    };
+    let pieces =
+        ["[", "]", "\"", "=", "\n", "-", "{", "}", "1e999", "ü", ".", "(", "^", "none", "0x", "\\u00", ","];
+    let mut accepted = 0;
+    for round in 0..3000 {
+        let shipped = &builtin_cases()[round % builtin_cases().len()];
+        let mut text: Vec<char> = shipped.toml.chars().collect();
+        for _ in 0..1 + random(3) {
+            let at = random(text.len());
+            match random(3) {
+                0 => drop(text.drain(at..(at + 1 + random(8)).min(text.len()))),
+                1 => drop(text.splice(at..at, pieces[random(pieces.len())].chars())),
+                _ => text.swap(at, round % 50),
+            }
+        }
+        let text: String = text.into_iter().collect();
+        match Case::from_toml(&text, "own.toml", &[]) {
+            Ok(case) => {
+                accepted += 1;
+                assert_eq!(Case::from_toml(&case.to_toml(), "own.toml", &[]).as_ref(), Ok(&case), "{text}");
+                let _ = case.check_mesh(&turek_hron());
+            }
+            Err(e) => assert!(!e.0.is_empty() && !e.to_string().is_empty(), "{text}"),
+        }
+    }
+    assert!(accepted > 100, "{accepted}");
+}

@@ -1,0 +1,50 @@
+//! What the tests of case files share.
+#![allow(dead_code)]
+
+use undula::problem::case::Case;
+use undula::problem::fit::MeshNames;
+
+pub fn sets(overrides: &[&str]) -> Vec<String> {
+    overrides.iter().map(|s| s.to_string()).collect()
+}
+
+pub fn builtin(name: &str, overrides: &[&str]) -> Case {
+    match Case::builtin(name, &sets(overrides)) {
+        Ok(case) => case,
+        Err(e) => panic!("{name} {overrides:?}:\n{e}"),
+    }
+}
+
+/// The messages for `text`, one per line.
+pub fn wrong(text: &str, overrides: &[&str]) -> String {
+    match Case::from_toml(text, "own.toml", &sets(overrides)) {
+        Ok(_) => panic!("should be refused:\n{text}\n{overrides:?}"),
+        Err(e) => e.to_string(),
+    }
+}
+
+pub fn wrong_builtin(name: &str, overrides: &[&str]) -> String {
+    match Case::builtin(name, &sets(overrides)) {
+        Ok(_) => panic!("should be refused: {name} {overrides:?}"),
+        Err(e) => e.to_string(),
+    }
+}
+
+pub const FLUID: &str =
+    "[mesh]\ngenerator = \"schaefer-turek\"\n[fluid]\ndensity = 1\nkinematic-viscosity = 1e-3\n";
+
+/// Names of the built-in channel with beam.
+pub fn turek_hron() -> MeshNames {
+    let one = |name: &str, region: &str| (name.to_string(), vec![region.to_string()]);
+    MeshNames {
+        regions: sets(&["fluid", "solid"]),
+        boundaries: vec![
+            one("inflow", "fluid"),
+            one("outflow", "fluid"),
+            one("walls", "fluid"),
+            one("cylinder", "fluid"),
+            one("clamp", "solid"),
+            one("interface", "fluid"),
+        ],
+    }
+}
