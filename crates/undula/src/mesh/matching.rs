@@ -32,7 +32,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// Checks in addition that the mesh *matches* the two regions: boundary `interface` is exactly the
+    /// Checks in addition that the mesh *matches* the two regions (Definition 5.9, Remark 5.10): boundary `interface` is exactly the
     /// set of facets between `first` and `second` (every cell being in one region), and all geometry
     /// nodes of boundaries that follow one of `curves` lie on it.
     ///
