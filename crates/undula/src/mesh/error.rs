@@ -128,7 +128,10 @@ pub enum MeshError {
         cells: CellList,
     },
     /// The two regions do not touch.
-    #[error("regions `{first}` and `{second}` share no facet")]
+    #[error(
+        "regions `{first}` and `{second}` share no facet: they lie apart, overlap, or were meshed without \
+         regard to each other (in Gmsh, `BooleanFragments` makes them share their interface)"
+    )]
     NoInterface {
         /// First region.
         first: String,
@@ -148,14 +151,6 @@ pub enum MeshError {
     /// A point outside of the mesh.
     #[error("point {point:?} lies in no cell; the nearest node is {nearest:?}")]
     Outside {
-        /// The point \[m\].
-        point: Vec<f64>,
-        /// Position of the nearest node \[m\].
-        nearest: Vec<f64>,
-    },
-    /// No vertex at a point where one is needed.
-    #[error("no vertex of the mesh at {point:?}; the nearest node is {nearest:?}")]
-    NoVertex {
         /// The point \[m\].
         point: Vec<f64>,
         /// Position of the nearest node \[m\].

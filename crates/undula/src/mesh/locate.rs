@@ -24,6 +24,8 @@ pub struct Located<const D: usize> {
 pub struct Locator<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     tree: BoxTree<D>,
+    /// Cells whose box is further away than this need not be tried.
+    reach: f64,
 }
 
 impl<'a, const D: usize> Locator<'a, D> {
@@ -31,7 +33,8 @@ impl<'a, const D: usize> Locator<'a, D> {
     pub fn new(mesh: &'a Mesh<D>) -> Self {
         let nodes = |cell: usize| mesh.cell(cell).iter().map(|&n| mesh.nodes[n as usize]);
         let boxes = (0..mesh.n_cells()).map(|cell| image_bounds(nodes(cell), mesh.degree, D)).collect();
-        Locator { mesh, tree: BoxTree::new(boxes) }
+        let reach = (0..mesh.n_cells()).map(|cell| mesh.cell_diameter(cell)).fold(0.0, f64::max);
+        Locator { mesh, tree: BoxTree::new(boxes), reach: TOLERANCE * reach }
     }
 
     /// The cell that contains `x` \[m\], and where in it; the lowest of several.
@@ -53,7 +56,7 @@ impl<'a, const D: usize> Locator<'a, D> {
 
     fn find_among(&self, x: [f64; D], wanted: impl Fn(usize) -> bool) -> Result<Located<D>, MeshError> {
         let mut candidates = vec![];
-        self.tree.near(x, TOLERANCE * self.mesh.diameter(), |cell| candidates.push(cell));
+        self.tree.near(x, self.reach, |cell| candidates.push(cell));
         candidates.retain(|&cell| wanted(cell));
         candidates.sort_unstable();
         let mut best: Option<(f64, Located<D>)> = None;

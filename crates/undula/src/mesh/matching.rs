@@ -32,7 +32,7 @@ impl<const D: usize> Mesh<D> {
         }
     }
 
-    /// Checks in addition that the mesh *matches* the two regions: boundary `interface` is exactly the
+    /// Checks in addition that the mesh *matches* the two regions (Definition 5.9, Remark 5.10): boundary `interface` is exactly the
     /// set of facets between `first` and `second` (every cell being in one region), and all geometry
     /// nodes of boundaries that follow one of `curves` lie on it.
     ///
@@ -138,5 +138,99 @@ impl<const D: usize> Mesh<D> {
         cells.sort_unstable();
         cells.dedup();
         cells
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::generate::{cylinder, rectangle, turek_hron};
+    use crate::mesh::{Facet, Mesh, MeshError};
+
+    fn unit_square(n: usize) -> Mesh<2> {
+        rectangle([0.0, 0.0], [1.0, 1.0], [n, n], 0).unwrap()
+    }
+
+    /// Gives the cells of region `region` nodes of their own.
+    fn cut_open(mesh: &mut Mesh<2>, region: u16) {
+        let n = mesh.nodes.len() as u32;
+        mesh.nodes.extend(mesh.nodes.clone());
+        for cell in (0..mesh.n_cells()).filter(|&c| mesh.cell_region[c] == region).collect::<Vec<_>>() {
+            mesh.cell_nodes[9 * cell..9 * cell + 9].iter_mut().for_each(|node| *node += n);
+        }
+    }
+
+    #[test]
+    fn duplicated_interface_nodes_are_refused() {
+        let mut mesh = turek_hron(0, 0);
+        cut_open(&mut mesh, 1);
+        match mesh.check_matching("fluid", "solid", &[cylinder()]) {
+            Err(MeshError::DuplicatedNodes(cells)) => {
+                assert_eq!(cells.first.len(), 10);
+                let more = format!("and {} more", cells.count - 10);
+                assert!(MeshError::DuplicatedNodes(cells).to_string().ends_with(&more));
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// The unit square with the right half twice as fine and not connected in between.
+    fn hanging() -> Mesh<2> {
+        let mut mesh = rectangle([0.0, 0.0], [0.5, 1.0], [1, 2], 0).unwrap();
+        let right = rectangle([0.5, 0.0], [1.0, 1.0], [2, 4], 0).unwrap();
+        let (nodes, cells) = (mesh.nodes.len() as u32, mesh.n_cells() as u32);
+        mesh.nodes.extend(&right.nodes);
+        mesh.cell_nodes.extend(right.cell_nodes.iter().map(|n| n + nodes));
+        mesh.cell_region.extend(&right.cell_region);
+        mesh.facets.extend(right.facets.iter().map(|&f| Facet { cell: f.cell + cells, ..f }));
+        mesh
+    }
+
+    #[test]
+    fn hanging_nodes_are_refused() {
+        match hanging().check() {
+            Err(MeshError::HangingNodes(cells)) => assert_eq!(cells.count, 6),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn folded_unnamed_and_misfitting_cells_are_refused() {
+        let mut folded = unit_square(3);
+        let (node, _) = folded.nearest_node([1.0 / 3.0, 1.0 / 3.0]).unwrap();
+        folded.nodes[node as usize] = [0.9, 0.9];
+        assert!(matches!(folded.check(), Err(MeshError::Inverted(_))));
+
+        let mut unnamed = unit_square(3);
+        unnamed.facets.retain(|f| f.boundary != 3);
+        match unnamed.check() {
+            Err(MeshError::UnnamedBoundary(cells)) => {
+                assert_eq!(cells.first.iter().map(|c| c.cell).collect::<Vec<_>>(), [6, 7, 8]);
+            }
+            other => panic!("{other:?}"),
+        }
+
+        let mut twice = unit_square(2);
+        twice.cell_nodes.extend(twice.cell(0).to_vec());
+        twice.cell_region.push(0);
+        assert!(matches!(twice.check(), Err(MeshError::NotConforming(_))));
+    }
+
+    #[test]
+    fn misplaced_names_and_nodes_off_the_circle_are_refused() {
+        let mut off = turek_hron(0, 0);
+        let f = *off.facets.iter().find(|f| off.boundaries[f.boundary as usize] == "cylinder").unwrap();
+        let node = off.facet_nodes(f.cell as usize, f.local as usize)[1] as usize;
+        off.nodes[node][0] += 1e-4;
+        match off.check_matching("fluid", "solid", &[cylinder()]) {
+            Err(MeshError::OffCurve { boundary, distance, .. }) => {
+                assert!(boundary == "cylinder" && distance > 1e-5 && distance < 2e-4);
+            }
+            other => panic!("{other:?}"),
+        }
+
+        let mut stray = turek_hron(0, 0);
+        let (walls, interface) = (stray.boundary("walls").unwrap(), stray.boundary("interface").unwrap());
+        stray.facets.iter_mut().find(|f| f.boundary == walls).unwrap().boundary = interface;
+        assert!(matches!(stray.check_matching("fluid", "solid", &[]), Err(MeshError::StrayInterface { .. })));
     }
 }

@@ -176,13 +176,31 @@ impl<const D: usize> FineLattice<D> {
         })
     }
 
+    /// Mean of the parent's nodes next to `at` on the facet across `axis`: projected, it lies in the
+    /// middle of them, where the map of the parent would be off by `O(h³)` along the curve.
+    fn straight(&self, at: [usize; D], axis: usize, points: &[[f64; D]]) -> [f64; D] {
+        let odd = |d: usize| d != axis && at[d] % 2 == 1;
+        let mut mean = [0.0; D];
+        for corner in 0..1 << D {
+            let beside = std::array::from_fn(|d| match (odd(d), corner >> d & 1) {
+                (true, 0) => at[d] - 1,
+                (true, _) => at[d] + 1,
+                _ => at[d],
+            });
+            for d in 0..D {
+                mean[d] += points[self.index(beside)][d] / (1 << D) as f64;
+            }
+        }
+        mean
+    }
+
     /// Moves the points on facet `facet` onto `curve`, and those behind the inside of the facet by
     /// `1 − t` of the same, `t ∈ [0, 1]` being their place between the facet and the opposite one.
     fn move_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
         let (axis, side) = (facet / 2, facet % 2);
         for &at in self.at.iter().filter(|at| at[axis] == side * self.n) {
             let here = points[self.index(at)];
-            let target = curve.project(here);
+            let target = curve.project(self.straight(at, axis, points));
             let inside = (0..D).all(|d| d == axis || (at[d] != 0 && at[d] != self.n));
             for depth in 0..if inside { self.n } else { 1 } {
                 let share = 1.0 - depth as f64 / self.n as f64;

@@ -69,22 +69,30 @@ fn ring(blocks: &mut Blocks) -> Vec<Point> {
     [&walls[..1], &outer[..6], &walls[1..]].concat()
 }
 
-/// The rows of cells from the ring to the outflow: along the beam, round its tip, and the wake.
-fn behind_ring(blocks: &mut Blocks, first: Vec<Point>) {
-    // Points by column (in front of the tip, at it, behind it, end of the near wake, outflow) and row.
+/// Points behind the ring by column (in front of the tip, at it, behind it, end of the near wake,
+/// outflow) and, from wall to wall, by row; a square of `2 HALF` is left round each tip corner.
+fn points_behind_ring() -> [[[f64; 2]; 8]; 5] {
     let tip = [-0.115, -0.02, -HALF, HALF, 0.02, 0.118];
     let near = [-0.138, -0.064, -0.031, 0.031, 0.064, 0.144];
     let far = [-0.145, -0.074, -0.037, 0.037, 0.074, 0.151];
-    let x_of = [[0.57, 0.577, 0.59], [0.612, 0.605, TIP], [0.66, 0.64, 0.61], [1.2; 3], [LENGTH; 3]];
+    let y = [tip, tip, tip, near, far];
+    // At the walls, between them and the beam, and at the beam.
+    let x = [[0.57, 0.577, 0.59], [0.612, 0.605, TIP], [0.66, 0.64, 0.61], [1.2; 3], [LENGTH; 3]];
+    std::array::from_fn(|column| {
+        std::array::from_fn(|row| match row {
+            0 => [x[column][0], 0.0],
+            7 => [x[column][0], HEIGHT],
+            1 | 6 => [x[column][1], CENTRE[1] + y[column][row - 1]],
+            _ => [x[column][2], CENTRE[1] + y[column][row - 1]],
+        })
+    })
+}
+
+/// The rows of cells from the ring to the outflow: along the beam, round its tip, and the wake.
+fn behind_ring(blocks: &mut Blocks, first: Vec<Point>) {
     let mut columns = vec![first];
-    for (x, y) in x_of.into_iter().zip([tip, tip, tip, near, far]) {
-        let rows = (0..8).map(|row: usize| match row {
-            0 => [x[0], 0.0],
-            7 => [x[0], HEIGHT],
-            1 | 6 => [x[1], CENTRE[1] + y[row - 1]],
-            _ => [x[2], CENTRE[1] + y[row - 1]],
-        });
-        columns.push(rows.map(|[x, y]| blocks.point(x, y)).collect());
+    for column in points_behind_ring() {
+        columns.push(column.map(|[x, y]| blocks.point(x, y)).to_vec());
     }
     let along_beam = parts(&[0.055, 0.055, 0.055, 0.05, 0.035, 0.02]);
     let near_wake = parts(&[0.018, 0.036, 0.07, 0.11, 0.155, 0.195]);

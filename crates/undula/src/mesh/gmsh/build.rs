@@ -1,11 +1,11 @@
 //! From the sections of a file to a mesh.
 
 use super::lines::error;
-use super::sections::{Element, Raw};
+use super::sections::{Element, Node, Raw};
 use crate::element::Shape;
 use crate::mesh::topology::FacetKey;
 use crate::mesh::{Mesh, MeshError, Side};
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
 /// Nodes of Gmsh's quadrilaterals in lexicographic order: corners, then mid nodes, counter-clockwise.
@@ -60,24 +60,27 @@ fn nodes(
     mesh: &mut Mesh<2>,
     path: &Path,
 ) -> Result<HashMap<u64, u32>, MeshError> {
-    let at: HashMap<u64, [f64; 3]> = raw.nodes.iter().copied().collect();
-    let mut used: HashMap<u64, usize> = HashMap::new();
-    for element in surfaces {
-        for &tag in &element.nodes {
-            if !at.contains_key(&tag) {
-                return Err(error(path, element.line, format!("node {tag} is not in section `$Nodes`")));
-            }
-            used.entry(tag).or_insert(element.line);
+    let mut at: HashMap<u64, &Node> = HashMap::new();
+    for node in &raw.nodes {
+        if let Some(before) = at.insert(node.tag, node) {
+            let reason = format!("node {} is in line {} already", node.tag, before.line);
+            return Err(error(path, node.line, reason));
         }
     }
+    let mut used: HashSet<u64> = HashSet::new();
+    for element in surfaces {
+        if let Some(tag) = element.nodes.iter().find(|tag| !at.contains_key(tag)) {
+            return Err(error(path, element.line, format!("node {tag} is not in section `$Nodes`")));
+        }
+        used.extend(&element.nodes);
+    }
     let mut number = HashMap::new();
-    let plane = surfaces.first().map_or(0.0, |e| at[&e.nodes[0]][2]);
-    for &(tag, _) in &raw.nodes {
-        let Some(&line) = used.get(&tag).filter(|_| !number.contains_key(&tag)) else { continue };
-        let [x, y, z] = at[&tag];
-        if (z - plane).abs() > 1e-10 * (1.0 + x.abs() + y.abs()) {
+    let mut plane = None;
+    for &Node { line, tag, x: [x, y, z] } in raw.nodes.iter().filter(|node| used.contains(&node.tag)) {
+        let level = *plane.get_or_insert(z);
+        if (z - level).abs() > 1e-10 * (1.0 + x.abs() + y.abs()) {
             let reason =
-                format!("node {tag} at z = {z}, others at z = {plane}; a plane mesh in x and y is needed");
+                format!("node {tag} at z = {z}, others at z = {level}; a plane mesh in x and y is needed");
             return Err(error(path, line, reason));
         }
         number.insert(tag, mesh.nodes.len() as u32);

@@ -32,7 +32,7 @@ impl<'a> Lines<'a> {
     /// Reads the line `$End…` of a section.
     pub(super) fn end(&mut self, section: &str) -> Result<(), MeshError> {
         let end = format!("$End{section}");
-        let line = self.expect(&end)?;
+        let line = self.expect(&format!("`{end}`"))?;
         if line.text == end {
             Ok(())
         } else {
@@ -43,7 +43,7 @@ impl<'a> Lines<'a> {
     /// Skips to the line `$End…` of a section.
     pub(super) fn skip(&mut self, section: &str) -> Result<(), MeshError> {
         let end = format!("$End{section}");
-        while self.expect(&end)?.text != end {}
+        while self.expect(&format!("`{end}`"))?.text != end {}
         Ok(())
     }
 

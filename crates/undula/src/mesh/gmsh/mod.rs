@@ -39,3 +39,6 @@ pub fn parse(text: &str, path: &Path) -> Result<Mesh<2>, MeshError> {
     let raw = sections::parse(&mut lines::Lines::new(text, path))?;
     build::mesh(raw, path)
 }
+
+#[cfg(test)]
+mod tests;

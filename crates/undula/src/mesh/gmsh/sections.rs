@@ -9,10 +9,20 @@ use std::collections::HashMap;
 pub(super) struct Raw {
     /// Names of the physical groups by dimension and tag, in the order of the file.
     pub names: Vec<(usize, i64, String)>,
-    /// Tag and coordinates of each node.
-    pub nodes: Vec<(u64, [f64; 3])>,
+    /// The nodes.
+    pub nodes: Vec<Node>,
     /// Lines and quadrilaterals.
     pub elements: Vec<Element>,
+}
+
+/// A node.
+pub(super) struct Node {
+    /// Line number in the file.
+    pub line: usize,
+    /// Its tag.
+    pub tag: u64,
+    /// Its coordinates.
+    pub x: [f64; 3],
 }
 
 /// A line or a quadrilateral.
@@ -127,7 +137,7 @@ fn entities(lines: &mut Lines, groups: &mut Groups) -> Result<(), MeshError> {
 
 fn node(line: &mut Line, tag: u64, raw: &mut Raw) -> Result<(), MeshError> {
     let x = [line.coordinate("x")?, line.coordinate("y")?, line.coordinate("z")?];
-    raw.nodes.push((tag, x));
+    raw.nodes.push(Node { line: line.number, tag, x });
     Ok(())
 }
 

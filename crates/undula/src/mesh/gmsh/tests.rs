@@ -1,0 +1,201 @@
+//! Files as Gmsh writes them, and broken ones.
+
+use super::{parse, read, write};
+use crate::mesh::generate::{cylinder, schaefer_turek, turek_hron};
+use crate::mesh::{Mesh, MeshError};
+use std::path::Path;
+
+/// Two cells, the second numbered clockwise; node tags with gaps, a node without a cell, a point.
+const V2: &str = r#"$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$PhysicalNames
+4
+1 7 "walls"
+1 9 "interface"
+2 1 "fluid"
+2 4 "the solid"
+$EndPhysicalNames
+$Nodes
+8
+10 0 0 0
+20 1 0 0
+30 2 0 0
+40 0 1 0
+50 1 1 0
+60 2 1 0
+70 5 5 0
+80 1 2 0
+$EndNodes
+$Elements
+10
+1 15 2 0 1 10
+2 1 2 7 1 10 20
+3 1 2 7 2 20 30
+4 1 2 7 3 30 60
+5 1 2 7 4 50 60
+6 1 2 7 5 40 50
+7 1 2 7 6 40 10
+8 1 2 9 7 50 20
+9 3 2 4 2 20 50 60 30
+10 3 2 1 1 10 20 50 40
+$EndElements
+"#;
+
+/// One cell with nine nodes on the upper half of a ring.
+const V4: &str = r#"$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$PhysicalNames
+2
+1 2 "outside"
+2 1 "fluid"
+$EndPhysicalNames
+$Entities
+1 1 1 0
+1 0 0 0 0
+1 -1 0 0 1 1 0 1 -2 2 1 -2
+1 -1 0 0 1 1 0 1 1 1 1
+$EndEntities
+$Comments
+anything
+$EndComments
+$Nodes
+2 9 1 9
+1 1 0 4
+1
+2
+3
+4
+2 0 0
+-2 0 0
+-1 0 0
+1 0 0
+2 1 0 5
+5
+6
+7
+8
+9
+0 2 0
+-1.5 0 0
+0 1 0
+1.5 0 0
+0 1.5 0
+$EndNodes
+$Elements
+3 6 1 6
+0 1 15 1
+1 1
+1 1 8 4
+2 1 2 5
+3 2 3 6
+4 3 4 7
+5 4 1 8
+2 1 10 1
+6 1 2 3 4 5 6 7 8 9
+$EndElements
+"#;
+
+fn parsed(text: &str) -> Result<Mesh<2>, MeshError> {
+    parse(text, Path::new("own.msh"))
+}
+
+/// The message for `text` with `from` replaced.
+fn message(text: &str, from: &str, to: &str) -> String {
+    assert!(text.contains(from), "{from}");
+    parsed(&text.replacen(from, to, 1)).expect_err(to).to_string()
+}
+
+#[test]
+fn version_2_is_read() {
+    let mesh = parsed(V2).unwrap();
+    mesh.check_matching("fluid", "the solid", &[]).unwrap();
+    assert_eq!((mesh.degree, mesh.n_cells(), mesh.nodes.len(), mesh.facets.len()), (1, 2, 6, 7));
+    assert_eq!(mesh.regions, ["fluid", "the solid"]);
+    assert_eq!(mesh.boundaries, ["walls", "interface"]);
+    let interface = mesh.facets.iter().find(|f| f.boundary == 1).unwrap();
+    assert_eq!(mesh.cell_region[interface.cell as usize], 0, "seen from the region named first");
+    assert_eq!(mesh.quality().total_volume(), 2.0);
+}
+
+#[test]
+fn version_4_is_read() {
+    let mesh = parsed(V4).unwrap();
+    mesh.check().unwrap();
+    assert_eq!((mesh.degree, mesh.n_cells(), mesh.nodes.len(), mesh.facets.len()), (2, 1, 9, 4));
+    assert_eq!((mesh.regions, mesh.boundaries), (vec!["fluid".to_string()], vec!["outside".to_string()]));
+}
+
+#[test]
+fn meshes_survive_writing_and_reading() {
+    for mesh in [turek_hron(1, 2), schaefer_turek(0), parsed(V2).unwrap()] {
+        let again = parsed(&write(&mesh)).unwrap();
+        let sorted = |mesh: &Mesh<2>| {
+            let mut facets = mesh.facets.clone();
+            facets.sort_by_key(|f| f.side());
+            facets
+        };
+        assert_eq!(sorted(&again), sorted(&mesh));
+        assert_eq!((again.nodes, again.cell_nodes), (mesh.nodes, mesh.cell_nodes));
+        assert_eq!((again.regions, again.cell_region), (mesh.regions, mesh.cell_region));
+        assert_eq!(again.boundaries, mesh.boundaries);
+    }
+    parsed(&write(&turek_hron(0, 1))).unwrap().check_matching("fluid", "solid", &[cylinder()]).unwrap();
+}
+
+#[test]
+fn broken_files_are_refused_with_line_and_advice() {
+    for (from, to, expected) in [
+        ("2.2 0 8", "2.2 1 8", "own.msh:2: the file is binary, ASCII is needed: write it again with"),
+        ("2.2 0 8", "4.0 0 8", "own.msh:2: version 4 of the format, 2.2 or 4.1 is needed"),
+        ("$MeshFormat", "$Format", "own.msh:1: not a Gmsh mesh"),
+        ("20 1 0 0", "20 1 zero 0", "own.msh:14: expected y, found `zero`"),
+        ("20 1 0 0", "20 1", "own.msh:14: y is missing"),
+        ("20 1 0 0", "20 1 inf 0", "own.msh:14: y is inf, not a finite number"),
+        ("20 1 0 0", "20 1 0 0.5", "own.msh:14: node 20 at z = 0.5, others at z = 0"),
+        ("20 1 0 0", "10 1 0 0", "own.msh:14: node 10 is in line 13 already"),
+        ("20 1 0 0", "21 1 0 0", "node 20 is not in section `$Nodes`"),
+        ("$Nodes\n8", "$Nodes\n9", "own.msh:21: expected the tag of a node, found `$EndNodes`"),
+        ("$EndElements\n", "", "own.msh:33: the file ends where `$EndElements` should follow"),
+        ("$Elements\n10", "$Elements\n9", "own.msh:33: expected `$EndElements`, found `10 3 2 1 1"),
+        ("10 3 2 1 1 10 20 50 40", "10 2 2 1 1 10 20 50", "own.msh:33: triangles are not supported yet"),
+        ("10 3 2 1 1 10 20 50 40", "10 16 2 1 1 10 20 50 40 1 2 3 4", "Mesh.SecondOrderIncomplete = 0"),
+        ("10 3 2 1 1", "10 3 2 0 1", "own.msh:33: a cell in no physical group: give its surface a named one"),
+        ("10 3 2 1 1", "10 3 2 3 1", "own.msh:33: a cell in physical group 3, which has no name"),
+        ("2 1 2 7 1 10 20", "2 1 2 8 1 10 20", "Physical Curve(\"walls\")"),
+        ("2 1 2 7 1 10 20", "2 1 2 7 1 10 50", "own.msh:25: a line that is no edge of a cell"),
+        ("3 1 2 7 2 20 30", "3 1 2 9 2 10 20", "in another physical group in line 25"),
+        ("9 3 2 4 2", "9 3 2 1 2", "own.msh:31: a line inside of region `fluid`"),
+        ("1 7 \"walls\"", "1 7 walls", "own.msh:6: expected a name in double quotes"),
+        ("9 3 2 4 2 20 50 60 30", "9 10 2 4 2 20 50 60 30 10 10 10 10 10", "all must be alike"),
+    ] {
+        let found = message(V2, from, to);
+        assert!(found.contains(expected), "{to}: {found}");
+    }
+    assert!(message(V4, "1 1 1 1\n$End", "2 1 3 1 1\n$End").contains("is in physical groups [1, 3]"));
+    assert!(message(V4, "2 1 10 1", "2 1 99 1").contains("elements of type 99"));
+    assert!(parsed("").is_err() && parsed("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n").is_err());
+    assert!(matches!(read(Path::new("no such file.msh")), Err(MeshError::Unreadable { .. })));
+}
+
+/// No prefix of a file and no file with one line left out makes the reader panic.
+#[test]
+fn mutilated_files_do_not_panic() {
+    for text in [V2, V4] {
+        for end in 0..text.len() {
+            let _ = parsed(&text[..end]);
+        }
+        let lines: Vec<&str> = text.lines().collect();
+        for out in 0..lines.len() {
+            let _ = parsed(&[&lines[..out], &lines[out + 1..]].concat().join("\n"));
+        }
+        for word in ["-1", "0", "99999999999", "nan", "$", "\""] {
+            for at in 0..lines.len() {
+                let mut lines = lines.clone();
+                lines[at] = word;
+                let _ = parsed(&lines.join("\n"));
+            }
+        }
+    }
+}
