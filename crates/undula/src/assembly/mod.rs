@@ -103,7 +103,8 @@ impl<const D: usize> Assembler<D> {
         let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
         let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
         let mut outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
-        let mut kernels: Box<dyn Kernels<D>> = match options.lanes {
+        let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
+        let mut kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
             2 => Box::new(Pair::<D, 2>::new(&space, &physics, stiffness, options)),
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),

@@ -26,6 +26,18 @@ pub fn best_lanes() -> usize {
     2
 }
 
+/// Whether this processor can compute with `lanes` lanes.
+pub fn available(lanes: usize) -> bool {
+    match lanes {
+        1 | 2 => true,
+        #[cfg(target_arch = "x86_64")]
+        4 => has_avx2(),
+        #[cfg(target_arch = "x86_64")]
+        8 => has_avx512(),
+        _ => false,
+    }
+}
+
 #[cfg(target_arch = "x86_64")]
 fn has_avx512() -> bool {
     is_x86_feature_detected!("avx512f")

@@ -1,23 +1,68 @@
 //! Several elements side by side.
+//!
+//! Four and eight lanes are one vector register on processors that have AVX2 with FMA or AVX-512; any
+//! other number is computed lane by lane.
+#![allow(unsafe_code)]
 
 use super::Scalar;
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// `L` elements of a batch in one number, one lane each.
 ///
-/// A plain array: the compiler keeps it in vector registers when the code around it is compiled for a
-/// processor that has them, see [`crate::assembly::simd`]. Everything here must inline into such a
-/// function, because a call boundary would lose its target features.
+/// Operations must inline into a function compiled for the processor, see [`crate::assembly::simd`]: a
+/// call boundary would cost more than the operation. Arithmetic with 4 or 8 lanes on a processor
+/// without the instructions is not allowed; [`crate::assembly::simd::available`] tells.
 #[derive(Copy, Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);
 
+#[cfg(target_arch = "x86_64")]
+impl<const L: usize> Lanes<L> {
+    #[inline(always)]
+    fn v8(self) -> __m512d {
+        // SAFETY: only called for L = 8, where both types are 64 bytes.
+        unsafe { std::mem::transmute_copy(&self) }
+    }
+
+    #[inline(always)]
+    fn of_v8(x: __m512d) -> Self {
+        // SAFETY: only called for L = 8, where both types are 64 bytes.
+        unsafe { std::mem::transmute_copy(&x) }
+    }
+
+    #[inline(always)]
+    fn v4(self) -> __m256d {
+        // SAFETY: only called for L = 4; the first 32 bytes are the four lanes.
+        unsafe { std::mem::transmute_copy(&self) }
+    }
+
+    #[inline(always)]
+    fn of_v4(x: __m256d) -> Self {
+        let mut r = Lanes([0.0; L]);
+        // SAFETY: only called for L = 4, where the array has 32 bytes.
+        unsafe { _mm256_storeu_pd(r.0.as_mut_ptr(), x) };
+        r
+    }
+}
+
 macro_rules! lanes_operator {
-    ($trait:ident, $method:ident, $op:tt) => {
+    ($trait:ident, $method:ident, $op:tt, $v8:ident, $v4:ident) => {
         impl<const L: usize> $trait for Lanes<L> {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
+                // SAFETY: these widths are in use only where the processor has the instructions.
+                #[cfg(target_arch = "x86_64")]
+                unsafe {
+                    if L == 8 {
+                        return Self::of_v8($v8(self.v8(), other.v8()));
+                    }
+                    if L == 4 {
+                        return Self::of_v4($v4(self.v4(), other.v4()));
+                    }
+                }
                 let mut r = self;
                 for l in 0..L {
                     r.0[l] = self.0[l] $op other.0[l];
@@ -29,46 +74,78 @@ macro_rules! lanes_operator {
             type Output = Self;
             #[inline(always)]
             fn $method(self, other: f64) -> Self {
-                let mut r = self;
-                for l in 0..L {
-                    r.0[l] = self.0[l] $op other;
-                }
-                r
+                self $op Self::splat(other)
             }
         }
     };
 }
-lanes_operator!(Add, add, +);
-lanes_operator!(Sub, sub, -);
-lanes_operator!(Mul, mul, *);
-lanes_operator!(Div, div, /);
+lanes_operator!(Add, add, +, _mm512_add_pd, _mm256_add_pd);
+lanes_operator!(Sub, sub, -, _mm512_sub_pd, _mm256_sub_pd);
+lanes_operator!(Mul, mul, *, _mm512_mul_pd, _mm256_mul_pd);
+lanes_operator!(Div, div, /, _mm512_div_pd, _mm256_div_pd);
 
 impl<const L: usize> Neg for Lanes<L> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
-        let mut r = self;
-        for l in 0..L {
-            r.0[l] = -self.0[l];
-        }
-        r
+        Self::splat(-0.0) - self
     }
 }
 
 impl<const L: usize> AddAssign for Lanes<L> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
-        for l in 0..L {
-            self.0[l] += other.0[l];
-        }
+        *self = *self + other;
     }
 }
 
 impl<const L: usize> SubAssign for Lanes<L> {
     #[inline(always)]
     fn sub_assign(&mut self, other: Self) {
+        *self = *self - other;
+    }
+}
+
+impl<const L: usize> Lanes<L> {
+    /// The same number in all lanes.
+    #[inline(always)]
+    pub fn splat(x: f64) -> Self {
+        // SAFETY: these widths are in use only where the processor has the instructions.
+        #[cfg(target_arch = "x86_64")]
+        unsafe {
+            if L == 8 {
+                return Self::of_v8(_mm512_set1_pd(x));
+            }
+            if L == 4 {
+                return Self::of_v4(_mm256_set1_pd(x));
+            }
+        }
+        Lanes([x; L])
+    }
+
+    /// `self += a · x`, fused where the processor has the instruction (4 and 8 lanes).
+    #[inline(always)]
+    pub fn add_product(&mut self, a: f64, x: Self) {
+        self.add_product_lanes(Self::splat(a), x);
+    }
+
+    /// `self += a · x` lane by lane, fused likewise.
+    #[inline(always)]
+    pub fn add_product_lanes(&mut self, a: Self, x: Self) {
+        // SAFETY: these widths are in use only where the processor has the instructions.
+        #[cfg(target_arch = "x86_64")]
+        unsafe {
+            if L == 8 {
+                *self = Self::of_v8(_mm512_fmadd_pd(a.v8(), x.v8(), self.v8()));
+                return;
+            }
+            if L == 4 {
+                *self = Self::of_v4(_mm256_fmadd_pd(a.v4(), x.v4(), self.v4()));
+                return;
+            }
+        }
         for l in 0..L {
-            self.0[l] -= other.0[l];
+            self.0[l] += a.0[l] * x.0[l];
         }
     }
 }
@@ -78,7 +155,7 @@ impl<const L: usize> Scalar for Lanes<L> {
 
     #[inline(always)]
     fn constant(x: f64) -> Self {
-        Lanes([x; L])
+        Self::splat(x)
     }
 
     #[inline(always)]
@@ -89,23 +166,5 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[inline(always)]
     fn frozen(self) -> Self {
         self
-    }
-}
-
-impl<const L: usize> Lanes<L> {
-    /// `self += a · x`, fused where `L` stands for a processor that has the instruction (4 and 8 lanes).
-    #[inline(always)]
-    pub fn add_product(&mut self, a: f64, x: Self) {
-        for l in 0..L {
-            self.0[l] = if L >= 4 { a.mul_add(x.0[l], self.0[l]) } else { a * x.0[l] + self.0[l] };
-        }
-    }
-
-    /// `self += a · x` lane by lane, fused likewise.
-    #[inline(always)]
-    pub fn add_product_lanes(&mut self, a: Self, x: Self) {
-        for l in 0..L {
-            self.0[l] = if L >= 4 { a.0[l].mul_add(x.0[l], self.0[l]) } else { a.0[l] * x.0[l] + self.0[l] };
-        }
     }
 }
