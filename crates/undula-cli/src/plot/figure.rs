@@ -79,21 +79,10 @@ impl Figure {
 
     /// A text with its baseline at `at`.
     pub fn text(&mut self, at: (f64, f64), content: &str, size: u32, anchor: Anchor, ink: Rgb) {
-        self.label(at, content, size, anchor, ink, None);
-    }
-
-    fn label(
-        &mut self,
-        at: (f64, f64),
-        content: &str,
-        size: u32,
-        anchor: Anchor,
-        ink: Rgb,
-        rotate: Option<f64>,
-    ) {
         let (x, y, color) = (at.0, at.1, Some(color(ink)));
         let content = content.to_string();
-        self.scene.elements.push(Primitive::Text { x, y, content, size, anchor, rotate, bold: false, color });
+        let text = Primitive::Text { x, y, content, size, anchor, rotate: None, bold: false, color };
+        self.scene.elements.push(text);
     }
 
     /// Draws `inside` such that nothing leaves `panel`.
@@ -187,18 +176,18 @@ impl Panel {
 
     /// Ticks of the horizontal axis, as many as fit.
     fn x_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.x, (self.width / 90.0).max(2.0))
+        ticks(self.x, (self.width / 60.0).clamp(2.0, 12.0))
     }
 
     /// Ticks of the vertical axis, as many as fit.
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.y, (self.height / 32.0).max(2.0))
+        ticks(self.y, (self.height / 26.0).clamp(2.0, 9.0))
     }
 
-    /// Room needed on the left for tick labels and the axis label.
+    /// Room needed on the left for tick labels.
     pub fn margin(&self) -> f64 {
         let longest = self.y_ticks().iter().map(|(_, label)| label.chars().count()).max().unwrap_or(0);
-        36.0 + CHARACTER * f64::from(SMALL) * longest as f64
+        12.0 + CHARACTER * f64::from(SMALL) * longest as f64
     }
 
     /// Horizontal grid lines; drawn before the curves.
@@ -229,15 +218,29 @@ impl Panel {
             let at = (self.left + 0.5 * self.width, bottom + 38.0);
             figure.text(at, label, NORMAL, Anchor::Middle, INK);
         }
-        let at = (self.left - self.margin() + 14.0, self.top + 0.5 * self.height);
-        figure.label(at, y_label, NORMAL, Anchor::Middle, INK, Some(-90.0));
+        figure.text((self.left, self.top - 9.0), y_label, NORMAL, Anchor::Start, INK);
     }
 
-    /// A curve through values, cut at the frame; of very many points the extremes of every column remain.
-    pub fn plot(&self, figure: &mut Figure, x: &[f64], y: &[f64], ink: Rgb, width: f64) {
-        let points = x.iter().zip(y).filter(|(_, y)| y.is_finite()).map(|(&x, &y)| self.at(x, y)).collect();
-        let points = thin_out(points, 4 * self.width as usize);
+    /// A function of x, cut at the frame; of very many points the extremes of every column remain.
+    pub fn graph(&self, figure: &mut Figure, x: &[f64], y: &[f64], ink: Rgb, width: f64) {
+        let first = x.partition_point(|&x| x < self.x.0).saturating_sub(1);
+        let end = (x.partition_point(|&x| x <= self.x.1) + 1).min(x.len());
+        let points = thin_out(self.place(&x[first..end], &y[first..end]), 4 * self.width as usize);
         figure.clipped(self, |figure| figure.curve(points, ink, width));
+    }
+
+    /// A curve in the plane, cut at the frame.
+    pub fn path(&self, figure: &mut Figure, x: &[f64], y: &[f64], ink: Rgb, width: f64) {
+        let points = self.place(x, y);
+        figure.clipped(self, |figure| figure.curve(points, ink, width));
+    }
+
+    fn place(&self, x: &[f64], y: &[f64]) -> Vec<(f64, f64)> {
+        x.iter()
+            .zip(y)
+            .filter(|(x, y)| x.is_finite() && y.is_finite())
+            .map(|(&x, &y)| self.at(x, y))
+            .collect()
     }
 }
 

@@ -78,7 +78,8 @@ fn stacked(
     summary: &Summary,
 ) -> anyhow::Result<Figure> {
     const HEIGHT: f64 = 104.0;
-    const PITCH: f64 = 138.0;
+    const PITCH: f64 = 146.0;
+    const TOP: f64 = 60.0;
     let (first, last) = (times[0].min(0.0).max(times[0] - times[1].abs()), times[times.len() - 1]);
     let zoom = window.map(|w| ((last - PERIODS * w.period()).max(first), last)).filter(|z| z.0 > first);
     let ranges: Vec<(f64, f64)> = std::iter::once((first, last)).chain(zoom).collect();
@@ -88,7 +89,7 @@ fn stacked(
         .zip(widths)
         .map(|(&x, &width)| {
             let panel = |(n, s): (usize, &Signal)| {
-                let top = 52.0 + PITCH * n as f64;
+                let top = TOP + PITCH * n as f64;
                 Panel { left: 0.0, top, width, height: HEIGHT, x, y: span(s, x) }
             };
             signals.iter().enumerate().map(panel).collect()
@@ -96,9 +97,9 @@ fn stacked(
         .collect();
     let margins: Vec<f64> =
         panels.iter().map(|column| column.iter().map(Panel::margin).fold(0.0, f64::max)).collect();
-    let width = margins.iter().zip(widths).map(|(m, w)| 8.0 + m + w).sum::<f64>() + 16.0;
-    let mut figure = Figure::new(width, 52.0 + PITCH * signals.len() as f64 + 18.0);
-    let mut left = 8.0;
+    let width = margins.iter().zip(widths).map(|(m, w)| 12.0 + m + w).sum::<f64>() + 16.0;
+    let mut figure = Figure::new(width, TOP + PITCH * signals.len() as f64 + 18.0);
+    let mut left = 12.0;
     for (c, column) in panels.into_iter().enumerate() {
         left += margins[c];
         for (n, (mut panel, s)) in column.into_iter().zip(signals).enumerate() {
@@ -108,7 +109,7 @@ fn stacked(
                 figure.fill([from.0, from.1, left + panel.width - from.0, HEIGHT], BAND);
             }
             panel.grid(&mut figure);
-            panel.plot(
+            panel.graph(
                 &mut figure,
                 &s.times,
                 &s.values,
@@ -116,16 +117,16 @@ fn stacked(
                 if c == 0 { 1.2 } else { 1.6 },
             );
             let last = n + 1 == signals.len();
-            let label = labelled(&s.name, &s.unit);
+            let label = labelled(&s.name.replace("min_J", "min J"), &s.unit);
             panel.axes(&mut figure, last.then_some("t [s]"), if c == 0 { &label } else { "" });
             if c + 1 == ranges.len() {
-                let at = (left + panel.width, panel.top - 8.0);
+                let at = (left + panel.width, panel.top - 9.0);
                 figure.text(at, &in_words(s, window), 12, Anchor::End, GREY);
             }
         }
-        left += widths[c] + 8.0;
+        left += widths[c] + 12.0;
     }
-    figure.text((8.0 + margins[0], 24.0), &summary.case, 16, Anchor::Start, INK);
+    figure.text((12.0 + margins[0], 24.0), &summary.case, 16, Anchor::Start, INK);
     Ok(figure)
 }
 
@@ -151,12 +152,16 @@ fn span(signal: &Signal, x: (f64, f64)) -> (f64, f64) {
 /// `mean ± amplitude [frequency]`, or the last value.
 fn in_words(signal: &Signal, window: Option<Window>) -> String {
     let s = statistics(&signal.times, &signal.values, window);
+    if signal.name == "min_J" {
+        let min = signal.values.iter().copied().fold(f64::INFINITY, f64::min);
+        return format!("min {min:.4}").replace('-', "\u{2212}");
+    }
     let unit = if signal.unit.is_empty() { String::new() } else { format!(" {}", signal.unit) };
     match (s.mean, s.amplitude) {
-        (Some(mean), Some(amplitude)) if signal.name != "min_J" => {
+        (Some(mean), Some(amplitude)) => {
             // Four digits of the amplitude.
             let digits = (3.0 - amplitude.log10().floor()).clamp(0.0, 9.0) as usize;
-            let frequency = s.frequency.map_or(String::new(), |f| format!(", {f:.3} Hz"));
+            let frequency = s.frequency.map_or(String::new(), |f| format!(", {f:.4} Hz"));
             format!("{mean:.digits$} ± {amplitude:.digits$}{unit}{frequency}").replace('-', "\u{2212}")
         }
         _ => {
@@ -173,12 +178,12 @@ fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, summary: &S
     let first = x.times.partition_point(|&t| t < late);
     let range = (late, f64::INFINITY);
     let mut panel =
-        Panel { left: 0.0, top: 44.0, width: 420.0, height: 420.0, x: span(x, range), y: span(y, range) };
-    panel.left = 8.0 + panel.margin();
+        Panel { left: 0.0, top: 60.0, width: 420.0, height: 420.0, x: span(x, range), y: span(y, range) };
+    panel.left = 12.0 + panel.margin();
     let mut figure = Figure::new(panel.left + panel.width + 24.0, panel.top + panel.height + 54.0);
     panel.grid(&mut figure);
-    panel.plot(&mut figure, &x.values[..first], &y.values[..first], GRID.map(|c| c - 20), 0.8);
-    panel.plot(&mut figure, &x.values[first..], &y.values[first..], LINES[0], 1.5);
+    panel.path(&mut figure, &x.values[..first], &y.values[..first], GRID.map(|c| c - 20), 0.8);
+    panel.path(&mut figure, &x.values[first..], &y.values[first..], LINES[0], 1.5);
     let label = |name: &str, unit: &str| labelled(&format!("{name}({point})"), unit);
     panel.axes(&mut figure, Some(&label("ux", &x.unit)), &label("uy", &y.unit));
     let title = match window {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use undula::output::{FieldSnapshot, Summary};
 
 /// Samples per pixel and direction.
-const SAMPLES: usize = 3;
+const SAMPLES: usize = 2;
 /// Width of a picture without margins.
 const WIDTH: f64 = 1000.0;
 /// Mesh lines and outlines darken the colours beneath.
@@ -90,18 +90,18 @@ fn draw(
     let air = 0.01 * (whole.0.1 - whole.0.0).max(whole.1.1 - whole.1.0);
     views[0] = ((whole.0.0 - air, whole.0.1 + air), (whole.1.0 - air, whole.1.1 + air));
 
-    let mut top = 44.0;
+    let mut top = 60.0;
     let mut panels = Vec::new();
     for (x, y) in views {
         let scale = (WIDTH / (x.1 - x.0)).min(640.0 / (y.1 - y.0));
         let (width, height) = ((scale * (x.1 - x.0)).round(), (scale * (y.1 - y.0)).round());
         panels.push(Panel { left: 0.0, top, width, height, x, y });
-        top += height + 56.0;
+        top += height + 72.0;
     }
-    let margin = (8.0 + panels.iter().map(Panel::margin).fold(0.0, f64::max)).round();
+    let margin = (12.0 + panels.iter().map(Panel::margin).fold(0.0, f64::max)).round();
     panels.iter_mut().for_each(|panel| panel.left = margin);
     let widest = panels.iter().map(|panel| panel.width).fold(0.0, f64::max);
-    let mut figure = Figure::new(margin + widest + 110.0, top);
+    let mut figure = Figure::new(margin + widest + 110.0, top - 16.0);
     figure.text((margin, 26.0), title, 15, Anchor::Start, INK);
 
     let rasters: Vec<Raster> =
@@ -120,7 +120,7 @@ fn draw(
         figure.line((x, y), (x + 4.0, y), INK, 1.0);
         figure.text((x + 8.0, y + 4.0), &label, 12, Anchor::Start, INK);
     }
-    figure.text((bar.left, bar.top - 12.0), &content.label, 13, Anchor::Start, INK);
+    figure.text((bar.left, bar.top - 9.0), &content.label, 13, Anchor::Start, INK);
 
     let mut image = figure.raster()?;
     for (panel, raster) in panels.iter().zip(&rasters) {
