@@ -19,7 +19,10 @@ use undula::output::{Collection, History, RunDirectory, Summary, read_vtu};
 /// If `dir` is no run, or a file cannot be read or written.
 pub fn plot_directory(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let run = RunDirectory::open(dir)?;
-    let summary = Summary::read(run.summary()).unwrap_or_default();
+    let mut summary = Summary::read(run.summary()).unwrap_or_default();
+    if summary.case.is_empty() {
+        summary.case = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    }
     let mut written = Vec::new();
     if run.history().is_file() {
         let history = History::read(run.history())?;

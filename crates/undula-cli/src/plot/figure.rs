@@ -90,6 +90,9 @@ impl Figure {
         let Panel { left: x, top: y, width, height, .. } = *panel;
         self.clips += 1;
         let id = format!("panel{}", self.clips);
+        self.scene.defs.push(format!(
+            "<clipPath id=\"{id}\"><rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
+        ));
         self.scene.elements.push(Primitive::ClipStart { x, y, width, height, id });
         inside(self);
         self.scene.elements.push(Primitive::ClipEnd);

@@ -3,7 +3,7 @@
 use super::colors::{GREY, GRID, INK, LINES};
 use super::figure::{Anchor, Figure, Panel, labelled, readable};
 use std::path::{Path, PathBuf};
-use undula::functional::statistics::{Window, leading_window, statistics};
+use undula::functional::statistics::{Window, common_window, statistics};
 use undula::output::{History, Summary};
 
 /// Columns of a history that are no functionals.
@@ -29,7 +29,8 @@ pub fn plot(history: &History, summary: &Summary, into: &Path) -> anyhow::Result
     let Some(times) = history.column("time").filter(|t| t.len() > 1 && t[0] < t[t.len() - 1]) else {
         return Ok(Vec::new());
     };
-    let window = leading(&signals);
+    let functionals = signals.iter().filter(|s| s.name != "min_J");
+    let window = common_window(functionals.map(|s| (s.name.as_str(), &s.times[..], &s.values[..])));
     let mut written = stacked(&signals, &times, window, summary)?.save(&into.join("history"))?;
     for x in &signals {
         let Some(point) = x.name.strip_prefix("ux_") else { continue };
@@ -56,18 +57,6 @@ fn signals(history: &History, summary: &Summary) -> Vec<Signal> {
             Some(Signal { name: name.clone(), unit, times, values })
         })
         .collect()
-}
-
-/// Last period of the signal that oscillates most plainly: a deflection, else a lift, else any.
-fn leading(signals: &[Signal]) -> Option<Window> {
-    let rank = |s: &&Signal| match s.name.to_lowercase() {
-        name if name.starts_with("uy") => 0,
-        name if name.contains("lift") || name.starts_with("c_l") => 1,
-        _ => 2,
-    };
-    let mut ranked: Vec<&Signal> = signals.iter().filter(|s| s.name != "min_J").collect();
-    ranked.sort_by_key(rank);
-    ranked.into_iter().find_map(|s| leading_window(&s.times, &s.values))
 }
 
 /// All functionals over the run, and over the last periods.

@@ -94,7 +94,8 @@ fn draw(
     let mut panels = Vec::new();
     for (x, y) in views {
         let scale = (WIDTH / (x.1 - x.0)).min(640.0 / (y.1 - y.0));
-        let (width, height) = ((scale * (x.1 - x.0)).round(), (scale * (y.1 - y.0)).round());
+        let (width, height) =
+            ((scale * (x.1 - x.0)).round().max(4.0), (scale * (y.1 - y.0)).round().max(4.0));
         panels.push(Panel { left: 0.0, top, width, height, x, y });
         top += height + 72.0;
     }
@@ -308,6 +309,12 @@ impl Raster {
     }
 }
 
+/// An edge: its nodes, and which of the cells beside it are solid.
+struct Edge {
+    nodes: Vec<[f64; 2]>,
+    beside: Vec<bool>,
+}
+
 /// Edges of the cells as curves.
 struct Edges {
     /// Between cells of one kind.
@@ -323,7 +330,7 @@ impl Edges {
         let unit = 1e-8 * (x.1 - x.0).max(y.1 - y.0);
         let key = |p: [f64; 2]| p.map(|c| (c / unit).round() as i64);
         let k = snapshot.degree;
-        let mut cells_of: HashMap<([i64; 2], [i64; 2]), (Vec<bool>, Vec<[f64; 2]>)> = HashMap::new();
+        let mut found: HashMap<[[i64; 2]; 2], Edge> = HashMap::new();
         for (n, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
             for side in 0..4 {
                 let number = |i: usize| match side {
@@ -335,13 +342,13 @@ impl Edges {
                 let at = |i: usize| snapshot.points[cell[number(i)] as usize];
                 let nodes: Vec<[f64; 2]> = (0..=k).map(|i| [at(i)[0], at(i)[1]]).collect();
                 let (a, b) = (key(nodes[0]), key(nodes[k]));
-                let entry = cells_of.entry((a.min(b), a.max(b))).or_insert_with(|| (Vec::new(), nodes));
-                entry.0.push(solid[n]);
+                let edge = found.entry([a.min(b), a.max(b)]).or_insert(Edge { beside: Vec::new(), nodes });
+                edge.beside.push(solid[n]);
             }
         }
         let mut edges = Edges { inner: Vec::new(), outline: Vec::new() };
-        for (kinds, nodes) in cells_of.into_values() {
-            let inside = kinds.len() > 1 && kinds.iter().all(|&kind| kind == kinds[0]);
+        for Edge { beside, nodes } in found.into_values() {
+            let inside = beside.len() > 1 && beside.iter().all(|&kind| kind == beside[0]);
             (if inside { &mut edges.inner } else { &mut edges.outline }).push(curve(&nodes));
         }
         edges
