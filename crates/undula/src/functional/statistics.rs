@@ -73,6 +73,20 @@ pub fn leading_window(times: &[f64], values: &[f64]) -> Option<Window> {
     })
 }
 
+/// The last full period of the leading one among named signals `(name, times, values)`: a vertical deflection
+/// (`uy…`), else a lift (`lift…`, `c_L…`), else any that oscillates, in the order given.
+pub fn common_window<'a>(
+    signals: impl IntoIterator<Item = (&'a str, &'a [f64], &'a [f64])>,
+) -> Option<Window> {
+    let mut ranked: Vec<_> = signals.into_iter().collect();
+    ranked.sort_by_key(|(name, ..)| match name.to_lowercase() {
+        name if name.starts_with("uy") => 0,
+        name if name.contains("lift") || name.starts_with("c_l") => 1,
+        _ => 2,
+    });
+    ranked.into_iter().find_map(|(_, times, values)| leading_window(times, values))
+}
+
 /// Statistics of one signal over the window of the leading signal.
 ///
 /// The frequency is that of the signal itself: the drag on a body that moves up and down has twice the

@@ -1,6 +1,7 @@
 //! `summary.json`: what a run was and what came out of it.
 
-use super::{OutputError, write_atomic};
+use super::{History, OutputError, write_atomic};
+use crate::functional::statistics::{Statistics, common_window, statistics};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -159,6 +160,23 @@ impl Summary {
     }
 }
 
+/// Statistics of functionals `(name, unit)` over the last period of the leading one, see [`common_window`].
+///
+/// A functional that is no column of the history is left out.
+pub fn summarize(history: &History, functionals: &[(String, String)]) -> BTreeMap<String, FunctionalSummary> {
+    let times = history.column("time").unwrap_or_default();
+    let columns = functionals.iter().filter_map(|(name, unit)| Some((name, unit, history.column(name)?)));
+    let signals: Vec<_> = columns.collect();
+    let window =
+        common_window(signals.iter().map(|(name, _, values)| (name.as_str(), &times[..], &values[..])));
+    let summarized = |(name, unit, values): &(&String, &String, Vec<f64>)| {
+        let Statistics { mean, amplitude, frequency, .. } = statistics(&times, values, window);
+        let last = values.last().copied().unwrap_or(f64::NAN);
+        (name.to_string(), FunctionalSummary { last, mean, amplitude, frequency, unit: unit.to_string() })
+    };
+    signals.iter().map(summarized).collect()
+}
+
 /// Largest resident memory of this process \[B\]; known on Linux only.
 pub fn peak_memory() -> Option<u64> {
     let status = fs::read_to_string("/proc/self/status").ok()?;
@@ -235,6 +253,24 @@ mod tests {
             assert!(text.contains(expected), "{expected} in {text}");
         }
         assert!(!text.contains("NaN") && !text.contains("inf"));
+    }
+
+    #[test]
+    fn functionals_share_the_period_of_the_deflection() {
+        let columns = ["time", "drag", "lift", "uy_A"].map(String::from).to_vec();
+        let row = |n: i32| {
+            let (t, at) = (0.005 * f64::from(n), 0.03 * f64::from(n));
+            vec![t, 5.0 + (2.0 * at).cos(), 3.0, 0.1 * at.sin()]
+        };
+        let history = History { columns, rows: (0..2000).map(row).collect() };
+        let names = ["uy_A", "drag", "lift", "other"].map(|name| (name.to_string(), "N/m".to_string()));
+        let found = summarize(&history, &names);
+        assert_eq!(found.keys().collect::<Vec<_>>(), ["drag", "lift", "uy_A"]);
+        let close = |x: Option<f64>, y: f64| assert!((x.unwrap() / y - 1.0).abs() < 1e-4);
+        close(found["drag"].frequency, 2.0 * found["uy_A"].frequency.unwrap());
+        close(found["drag"].mean, 5.0);
+        close(found["uy_A"].amplitude, 0.1);
+        assert_eq!((found["lift"].last, found["lift"].mean), (3.0, None));
     }
 
     #[test]

@@ -1,0 +1,43 @@
+//! Pictures of a run: `undula plot DIR`, and the end of `undula run`.
+
+mod colors;
+mod figure;
+mod history;
+mod picture;
+
+use anyhow::Context;
+use std::path::{Path, PathBuf};
+use undula::output::{Collection, History, RunDirectory, Summary, read_vtu};
+
+/// Draws the run in `dir` into `dir/plots` and returns the files written.
+///
+/// Histories of all functionals with a zoom on the last periods, the path of a point where `ux_…` and
+/// `uy_…` are recorded (each as SVG and PNG), and the last field file as PNG: speed and pressure on the
+/// deformed mesh, or the deformation if there is no fluid. What a run does not have is not drawn.
+///
+/// # Errors
+/// If `dir` is no run, or a file cannot be read or written.
+pub fn plot_directory(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let run = RunDirectory::open(dir)?;
+    let mut summary = Summary::read(run.summary()).unwrap_or_default();
+    if summary.case.is_empty() {
+        summary.case = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    }
+    let mut written = Vec::new();
+    if run.history().is_file() {
+        let history = History::read(run.history())?;
+        written.extend(history::plot(&history, &summary, &run.plots()).context("plotting the history")?);
+    }
+    if run.collection().is_file() {
+        let collection = Collection::read(run.collection())?;
+        if let Some((time, file)) = collection.entries().last() {
+            let (snapshot, _) = read_vtu(collection.resolve(file))?;
+            let transient = collection.entries().len() > 1 || *time > 0.0;
+            let time = transient.then_some(*time);
+            written.extend(
+                picture::plot(&snapshot, time, &summary, &run.plots()).context("drawing the fields")?,
+            );
+        }
+    }
+    Ok(written)
+}
