@@ -108,8 +108,8 @@ pub struct CompareArgs {
 pub struct PlotArgs {
     /// Output directory of a run
     pub dir: PathBuf,
-    /// Where to write the pictures [default: the directory of the run]
-    #[arg(short, long, value_name = "FILE")]
+    /// Directory to write the pictures into [default: DIR/plots]
+    #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
 }
 

@@ -10,7 +10,13 @@ use undula::problem::error::LoadError;
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match load(&args.case)? {
         Ok(case) if args.toml => print(&case.to_toml()),
-        Ok(case) => print(&summary(&case, None)?),
+        Ok(case) => match case.sizes() {
+            Ok(sizes) => {
+                let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };
+                print(&summary(&case, Some(size))?)
+            }
+            Err(error) => bad_input(error),
+        },
         Err(code) => Ok(code),
     }
 }

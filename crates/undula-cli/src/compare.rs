@@ -40,6 +40,18 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
+/// Prints the run in `dir` beside the published results of its case, if there are any.
+///
+/// # Errors
+/// If the summary cannot be read.
+pub fn show(dir: &Path) -> anyhow::Result<()> {
+    let run = read(dir)?.map_err(anyhow::Error::msg)?;
+    if let Some(references) = References::builtin(&run.case) {
+        print(&compare(&run, &references).to_string())?;
+    }
+    Ok(())
+}
+
 /// The run in `dir`, or what is wrong with it.
 fn read(dir: &Path) -> anyhow::Result<Result<Run, String>> {
     let path = dir.join("summary.json");

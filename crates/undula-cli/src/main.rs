@@ -1,2 +1,29 @@
 //! The `undula` command.
-fn main() {}
+
+mod args;
+mod cases;
+mod check;
+mod compare;
+mod new;
+mod plot;
+mod progress;
+mod run;
+
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Run(args) => run::run(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Cases => cases::run(),
+        Command::New(args) => new::run(&args),
+        Command::Compare(args) => compare::run(&args),
+        Command::Plot(args) => plot::run(&args),
+    };
+    result.unwrap_or_else(|error| {
+        eprintln!("error: {error:#}");
+        ExitCode::FAILURE
+    })
+}

@@ -5,11 +5,22 @@ mod figure;
 mod history;
 mod picture;
 
+use crate::args::{PlotArgs, bad_input, print};
 use anyhow::Context;
 use std::path::{Path, PathBuf};
-use undula::output::{Collection, History, RunDirectory, Summary, read_vtu};
+use std::process::ExitCode;
+use undula::output::{Collection, History, OutputError, RunDirectory, Summary, read_vtu};
 
-/// Draws the run in `dir` into `dir/plots` and returns the files written.
+/// Draws the pictures and lists them.
+pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
+    if let Err(error @ OutputError::NoRun { .. }) = RunDirectory::open(&args.dir) {
+        return bad_input(error);
+    }
+    let written = plot_directory(&args.dir, args.output.as_deref())?;
+    print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())
+}
+
+/// Draws the run in `dir` into `into`, by default `dir/plots`, and returns the files written.
 ///
 /// Histories of all functionals with a zoom on the last periods, the path of a point where `ux_…` and
 /// `uy_…` are recorded (each as SVG and PNG), and the last field file as PNG: speed and pressure on the
@@ -17,8 +28,9 @@ use undula::output::{Collection, History, RunDirectory, Summary, read_vtu};
 ///
 /// # Errors
 /// If `dir` is no run, or a file cannot be read or written.
-pub fn plot_directory(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub fn plot_directory(dir: &Path, into: Option<&Path>) -> anyhow::Result<Vec<PathBuf>> {
     let run = RunDirectory::open(dir)?;
+    let plots = into.map_or_else(|| run.plots(), Path::to_path_buf);
     let mut summary = Summary::read(run.summary()).unwrap_or_default();
     if summary.case.is_empty() {
         summary.case = dir.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -26,7 +38,7 @@ pub fn plot_directory(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
     if run.history().is_file() {
         let history = History::read(run.history())?;
-        written.extend(history::plot(&history, &summary, &run.plots()).context("plotting the history")?);
+        written.extend(history::plot(&history, &summary, &plots).context("plotting the history")?);
     }
     if run.collection().is_file() {
         let collection = Collection::read(run.collection())?;
@@ -35,7 +47,7 @@ pub fn plot_directory(dir: &Path) -> anyhow::Result<Vec<PathBuf>> {
             let transient = collection.entries().len() > 1 || *time > 0.0;
             let time = transient.then_some(*time);
             written.extend(
-                picture::plot(&snapshot, time, &summary, &run.plots()).context("drawing the fields")?,
+                picture::plot(&snapshot, time, &summary, &plots).context("drawing the fields")?,
             );
         }
     }

@@ -89,6 +89,13 @@ impl Progress {
         }
     }
 
+    /// Ends the display without a word.
+    pub fn clear(self) {
+        if let Mode::Bar(bar) = self.mode {
+            bar.finish_and_clear();
+        }
+    }
+
     /// Ends the display with a last line, such as `completed`.
     pub fn finish(self, text: &str) {
         let line = format!("{text} after {}", duration(self.begun.elapsed().as_secs_f64()));

@@ -22,6 +22,9 @@ pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
     Output(#[from] OutputError),
+    /// The output directory cannot be used as asked.
+    #[error(transparent)]
+    Directory(OutputError),
     /// The linear solver could not be prepared.
     #[error(transparent)]
     Solver(#[from] SolverError),

@@ -103,7 +103,7 @@ struct Run {
 
 impl Run {
     fn create(simulation: Simulation, options: &RunOptions) -> Result<Run, Error> {
-        let directory = RunDirectory::create(&options.directory, options.force)?;
+        let directory = RunDirectory::create(&options.directory, options.force).map_err(Error::Directory)?;
         directory.write_case(&simulation.case.to_toml())?;
         let history = HistoryWriter::create(directory.history(), &columns(&simulation))?;
         let collection = Collection::create(directory.collection())?;
@@ -121,7 +121,7 @@ impl Run {
     }
 
     fn resume(mut simulation: Simulation, path: &Path) -> Result<Run, Error> {
-        let directory = RunDirectory::open_for_resume(path)?;
+        let directory = RunDirectory::open_for_resume(path).map_err(Error::Directory)?;
         let found = Checkpoint::load_latest(directory.checkpoints())?;
         let latest = found.ok_or_else(|| {
             Error::Resume(format!("{} holds none; start again with --force", path.display()))

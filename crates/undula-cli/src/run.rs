@@ -1,0 +1,168 @@
+//! `undula run`: compute a case and show how it goes.
+
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input};
+use crate::progress::{Progress, StepInfo};
+use crate::{check, compare, plot};
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use undula::error::Error;
+use undula::output::{Status, Summary};
+use undula::problem::case::Case;
+use undula::run::{Flow, Observer, RunOptions};
+use undula::simulation::{Row, Simulation};
+
+/// Runs the case; afterwards results stand beside published ones, and pictures are drawn.
+pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    let case = match check::load(&args.case)? {
+        Ok(case) => case,
+        Err(code) => return Ok(code),
+    };
+    let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join(&case.name));
+    let threads = match args.threads {
+        Some(n) => usize::from(n),
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    };
+    let options = RunOptions { directory: directory.clone(), threads, force: args.force, resume: args.resume };
+    if !args.quiet {
+        for note in case.notes() {
+            eprintln!("note: {note}");
+        }
+    }
+    let end = case.time.as_ref().map(|t| t.end);
+    let mut display =
+        Display { progress: Some(Progress::new(end, args.quiet)), quiet: args.quiet, stop: interrupt_flag()? };
+    let result = undula::run::run(case, &options, &mut display);
+    let progress = display.progress.take();
+    match result {
+        Ok(summary) => finish(progress, &summary, &directory, args.quiet),
+        Err(error) => {
+            if let Some(progress) = progress {
+                progress.clear();
+            }
+            failed(error)
+        }
+    }
+}
+
+/// Set by Ctrl-C and by a termination signal; the run then ends after its step. A second signal ends it now.
+fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = stop.clone();
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(INTERRUPTED));
+        }
+    })?;
+    Ok(stop)
+}
+
+/// Shows the steps of a run.
+struct Display {
+    progress: Option<Progress>,
+    quiet: bool,
+    stop: Arc<AtomicBool>,
+}
+
+impl Observer for Display {
+    fn start(&mut self, simulation: &Simulation) {
+        if !self.quiet {
+            let unknowns = simulation.unknowns();
+            let cells = simulation.stepper.assembler.space.mesh.n_cells();
+            let Case { name, title, .. } = &simulation.case;
+            let threads = simulation.threads();
+            let text = format!(
+                "{name}: {title}\n{cells} cells, {} unknowns (velocity {}, deformation {}, pressure {}), {threads} \
+                 thread{}",
+                unknowns.total,
+                unknowns.velocity,
+                unknowns.deformation,
+                unknowns.pressure,
+                if threads == 1 { "" } else { "s" },
+            );
+            if let Some(progress) = &self.progress {
+                progress.message(&text);
+            }
+        }
+    }
+
+    fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
+        let names = simulation.names();
+        let shown = simulation.leading().or(if names.is_empty() { None } else { Some(0) });
+        let leading = shown.map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
+        let info = StepInfo {
+            step: row.step,
+            time: row.time,
+            newton_steps: row.newton_steps,
+            jacobians: row.jacobians,
+            leading,
+            min_j: row.min_j,
+        };
+        if let Some(progress) = &mut self.progress {
+            progress.update(&info);
+        }
+        if self.stop.load(Ordering::Relaxed) { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// The end of a run that has a summary.
+fn finish(
+    progress: Option<Progress>,
+    summary: &Summary,
+    directory: &Path,
+    quiet: bool,
+) -> anyhow::Result<ExitCode> {
+    if let Some(progress) = progress {
+        progress.finish(&summary.status.to_string());
+    }
+    if let Some(breakdown) = &summary.breakdown {
+        eprintln!("breakdown: {}", breakdown.reason);
+        eprintln!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where);
+        eprintln!("what was computed so far is in {}", directory.display());
+    }
+    let code = match summary.status {
+        Status::Breakdown => ExitCode::from(BREAKDOWN),
+        Status::Interrupted => {
+            if !quiet {
+                eprintln!("go on with the same command and --resume");
+            }
+            return Ok(ExitCode::from(INTERRUPTED));
+        }
+        Status::Completed => ExitCode::SUCCESS,
+        _ => ExitCode::FAILURE,
+    };
+    if !quiet {
+        show_results(summary, directory);
+    }
+    Ok(code)
+}
+
+/// Computed beside published values, and where the pictures lie. Neither can spoil a finished run.
+fn show_results(summary: &Summary, directory: &Path) {
+    if summary.status == Status::Completed {
+        if let Err(error) = compare::show(directory) {
+            eprintln!("note: {error:#}");
+        }
+    }
+    match plot::plot_directory(directory, None) {
+        Ok(pictures) => {
+            let list: Vec<String> = pictures.iter().map(|p: &PathBuf| p.display().to_string()).collect();
+            println!("results   {}", directory.display());
+            println!("fields    {}", directory.join("fields.pvd").display());
+            for (n, picture) in list.iter().enumerate() {
+                println!("{}{picture}", if n == 0 { "pictures  " } else { "          " });
+            }
+        }
+        Err(error) => eprintln!("note: no pictures: {error:#}"),
+    }
+}
+
+/// An error: 2 where the input is to blame, else 1.
+fn failed(error: Error) -> anyhow::Result<ExitCode> {
+    match &error {
+        Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) => bad_input(error),
+        Error::Load(e) if e.is_bad_input() => bad_input(error),
+        _ => Err(error.into()),
+    }
+}
