@@ -46,9 +46,7 @@ pub fn plot_directory(dir: &Path, into: Option<&Path>) -> anyhow::Result<Vec<Pat
             let (snapshot, _) = read_vtu(collection.resolve(file))?;
             let transient = collection.entries().len() > 1 || *time > 0.0;
             let time = transient.then_some(*time);
-            written.extend(
-                picture::plot(&snapshot, time, &summary, &plots).context("drawing the fields")?,
-            );
+            written.extend(picture::plot(&snapshot, time, &summary, &plots).context("drawing the fields")?);
         }
     }
     Ok(written)

@@ -126,7 +126,8 @@ impl Progress {
 
 fn bar(end_time: Option<f64>) -> ProgressBar {
     let bar = ProgressBar::with_draw_target(Some(LENGTH), ProgressDrawTarget::stderr_with_hz(10));
-    let template = if end_time.is_some() { "{bar:24} {percent:>3}% {wide_msg}" } else { "{spinner} {wide_msg}" };
+    let template =
+        if end_time.is_some() { "{bar:24} {percent:>3}% {wide_msg}" } else { "{spinner} {wide_msg}" };
     let style = ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     bar.set_style(style.progress_chars("━╸─"));
     bar

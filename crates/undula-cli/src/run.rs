@@ -24,15 +24,19 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         Some(n) => usize::from(n),
         None => std::thread::available_parallelism().map_or(1, usize::from),
     };
-    let options = RunOptions { directory: directory.clone(), threads, force: args.force, resume: args.resume };
+    let options =
+        RunOptions { directory: directory.clone(), threads, force: args.force, resume: args.resume };
     if !args.quiet {
         for note in case.notes() {
             eprintln!("note: {note}");
         }
     }
     let end = case.time.as_ref().map(|t| t.end);
-    let mut display =
-        Display { progress: Some(Progress::new(end, args.quiet)), quiet: args.quiet, stop: interrupt_flag()? };
+    let mut display = Display {
+        progress: Some(Progress::new(end, args.quiet)),
+        quiet: args.quiet,
+        stop: interrupt_flag()?,
+    };
     let result = undula::run::run(case, &options, &mut display);
     let progress = display.progress.take();
     match result {

@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::output::{
-    Array, Breakdown, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases, Precision, RunDirectory,
-    Status, Summary, peak_memory, write_vtu,
+    Array, Breakdown, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases, Precision,
+    RunDirectory, Status, Summary, peak_memory, write_vtu,
 };
 use crate::physics::StepRule;
 use crate::physics::step::SECANT;
@@ -64,7 +64,9 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
     let (status, breakdown, error) = match result {
         Ok(Flow::Continue) => (Status::Completed, None, None),
         Ok(Flow::Stop) => (Status::Interrupted, None, None),
-        Err(Error::Breakdown(failure)) => (Status::Breakdown, Some(describe(&run.simulation, &failure)), None),
+        Err(Error::Breakdown(failure)) => {
+            (Status::Breakdown, Some(describe(&run.simulation, &failure)), None)
+        }
         Err(error) => (Status::Failed, None, Some(error)),
     };
     let closed = run.close(status, breakdown);
@@ -270,10 +272,12 @@ impl Run {
         let start = Instant::now();
         let transient = self.simulation.case.time.is_some();
         let fields = if self.simulation.history.is_empty() { Ok(()) } else { self.write_fields() };
-        let checkpoint = if transient && self.simulation.steps > 0 { self.write_checkpoint() } else { Ok(()) };
+        let checkpoint =
+            if transient && self.simulation.steps > 0 { self.write_checkpoint() } else { Ok(()) };
         self.output_seconds += start.elapsed().as_secs_f64();
         // The summary is written even where the disk refused the rest: it is small.
-        let summary = self.write_summary(if checkpoint.is_err() { Status::Failed } else { status }, breakdown)?;
+        let summary =
+            self.write_summary(if checkpoint.is_err() { Status::Failed } else { status }, breakdown)?;
         fields?;
         checkpoint?;
         Ok(summary)
@@ -323,7 +327,9 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
         for (field, n) in sizes {
             let key = format!("{name}_{field}");
             let array = checkpoint.f64s(&key).filter(|a| a.len() == n);
-            parts.push(array.ok_or_else(|| Error::Resume(format!("array {key} should have {n} numbers")))?.to_vec());
+            parts.push(
+                array.ok_or_else(|| Error::Resume(format!("array {key} should have {n} numbers")))?.to_vec(),
+            );
         }
         let p = parts.pop().unwrap_or_default();
         let u = parts.pop().unwrap_or_default();

@@ -214,8 +214,13 @@ impl Simulation {
         for (i, (name, f)) in self.functionals.iter().enumerate() {
             let s = statistics(times_of(i), &column(i), window);
             let unit = f.unit().to_string();
-            let summary =
-                FunctionalSummary { last: s.last, mean: s.mean, amplitude: s.amplitude, frequency: s.frequency, unit };
+            let summary = FunctionalSummary {
+                last: s.last,
+                mean: s.mean,
+                amplitude: s.amplitude,
+                frequency: s.frequency,
+                unit,
+            };
             summaries.insert(name.clone(), summary);
         }
         summaries

@@ -241,7 +241,10 @@ fn rigid_motion_gives_no_stress() {
     let (s, c) = (0.7f64.sin(), 0.7f64.cos());
     let mut fields = Fields::<f64, 2>::zero();
     fields.grad_u = Tensor([[c - 1.0, -s], [s, c - 1.0]]);
-    assert!(SOLID.material.stress(&fields.grad_u, &fields.grad_u).ddot(Tensor([[1.0, 1.0], [1.0, 1.0]])).abs() < 1e-8);
+    assert!(
+        SOLID.material.stress(&fields.grad_u, &fields.grad_u).ddot(Tensor([[1.0, 1.0], [1.0, 1.0]])).abs()
+            < 1e-8
+    );
     // v = ω × x at the current position x = F X: ∇v = Ω F.
     fields.grad_v = Tensor([[0.0, -2.0], [2.0, 0.0]]) * (Tensor::identity() + fields.grad_u);
     let mut r = Tested::zero();

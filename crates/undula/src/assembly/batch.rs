@@ -117,7 +117,8 @@ impl<const D: usize, const L: usize> Batches<D, L> {
                 point.weight.0[l] = if l < chunk.len() { rule.weights[q] * det } else { 0.0 };
                 point.stiffness.0[l] = stiffness(&x);
                 if self.n_pressure > 0 {
-                    for (b, value) in space.pressure.basis(&space.mesh, cells[l], &xi, &x).iter().enumerate() {
+                    for (b, value) in space.pressure.basis(&space.mesh, cells[l], &xi, &x).iter().enumerate()
+                    {
                         basis[b].0[l] = *value;
                     }
                 }

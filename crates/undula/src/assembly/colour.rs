@@ -41,12 +41,15 @@ mod tests {
         seen.sort_unstable();
         assert_eq!(seen, (0..50).collect::<Vec<_>>());
         for range in ranges {
-            let mut all: Vec<u32> = order[range].iter().flat_map(|&b| {
-                let mut own = items[b].clone();
-                own.sort_unstable();
-                own.dedup();
-                own
-            }).collect();
+            let mut all: Vec<u32> = order[range]
+                .iter()
+                .flat_map(|&b| {
+                    let mut own = items[b].clone();
+                    own.sort_unstable();
+                    own.dedup();
+                    own
+                })
+                .collect();
             let n = all.len();
             all.sort_unstable();
             all.dedup();

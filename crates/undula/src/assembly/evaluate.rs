@@ -7,7 +7,11 @@ use crate::physics::Tested;
 
 /// Coefficients of the nodes of `L` cells: `out[a][i]` from `x[node · D + i]`.
 #[inline(always)]
-pub fn gather<const D: usize, const L: usize>(nodes: &[[u32; L]], x: &[f64], out: &mut [Vector<Lanes<L>, D>]) {
+pub fn gather<const D: usize, const L: usize>(
+    nodes: &[[u32; L]],
+    x: &[f64],
+    out: &mut [Vector<Lanes<L>, D>],
+) {
     for (lanes, c) in nodes.iter().zip(out) {
         for l in 0..L {
             let at = lanes[l] as usize * D;

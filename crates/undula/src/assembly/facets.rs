@@ -60,7 +60,12 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
 }
 
 /// Fields v and u of `state` at a point of a cell with the given nodes; p stays zero.
-pub fn fields_at<const D: usize>(nodes: &[u32], value: &[f64], grad: &[[f64; D]], state: &State) -> Fields<f64, D> {
+pub fn fields_at<const D: usize>(
+    nodes: &[u32],
+    value: &[f64],
+    grad: &[[f64; D]],
+    state: &State,
+) -> Fields<f64, D> {
     let mut f = Fields::zero();
     for (a, &node) in nodes.iter().enumerate() {
         let at = node as usize * D;
@@ -90,8 +95,10 @@ pub struct OutflowFacets<const D: usize> {
 impl<const D: usize> OutflowFacets<D> {
     /// On the given facets, `n` Gauss points per direction.
     pub fn new(space: &FsiSpace<D>, form: Outflow, facets: &[Facet], n: usize) -> OutflowFacets<D> {
-        let facets =
-            facets.iter().map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n))).collect();
+        let facets = facets
+            .iter()
+            .map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n)))
+            .collect();
         OutflowFacets { form, facets, slots: vec![], deforms: space.deforms }
     }
 
@@ -146,8 +153,7 @@ impl<const D: usize> OutflowFacets<D> {
         let mut slots = self.slots.iter();
         for (nodes, points) in &self.facets {
             // Columns of the point tangents: value and gradient of each field and component.
-            let columns: Vec<Columns<D>> =
-                points.iter().map(|p| self.columns(step, how, p, nodes)).collect();
+            let columns: Vec<Columns<D>> = points.iter().map(|p| self.columns(step, how, p, nodes)).collect();
             for a in 0..nodes.len() {
                 for i in 0..D {
                     for b in 0..nodes.len() {

@@ -118,7 +118,8 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
     /// Call `visit(row, column)` for every entry the element matrices write, [`DROP`]ped ones included.
     pub fn entries(&self, constraints: &Constraints<D>, mut visit: impl FnMut(usize, usize, u32, u32)) {
         let (n, m) = (self.batches.n_basis, self.batches.n_pressure);
-        let column = |first: u32, i: usize, given: bool| if given || first == DROP { DROP } else { first + i as u32 };
+        let column =
+            |first: u32, i: usize, given: bool| if given || first == DROP { DROP } else { first + i as u32 };
         let n_v = constraints.v.len() * D;
         for batch in 0..self.batches.len() {
             for piece in &self.pieces {
@@ -129,8 +130,12 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
                         for l in 0..L {
                             let node = |x: usize| self.batches.nodes[batch * n + x][l] as usize;
                             let row = match piece.test {
-                                Test::Phi(i) => column(self.rows_phi[batch * n + a][l], i, constraints.v[node(a)]),
-                                Test::Psi(i) => column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)]),
+                                Test::Phi(i) => {
+                                    column(self.rows_phi[batch * n + a][l], i, constraints.v[node(a)])
+                                }
+                                Test::Psi(i) => {
+                                    column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)])
+                                }
                                 Test::Xi => self.rows_xi[batch * m + a][l],
                             };
                             let col = match piece.trial {
@@ -181,7 +186,14 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let slots = Shared::new(&mut min_j);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(ResidualTask { kernel: self, step, batch, scratch, out: &shared, min_j: &slots });
+                dispatch::<L>(ResidualTask {
+                    kernel: self,
+                    step,
+                    batch,
+                    scratch,
+                    out: &shared,
+                    min_j: &slots,
+                });
             });
         });
         let smallest = min_j.iter().copied().fold(f64::INFINITY, f64::min);

@@ -99,7 +99,8 @@ impl<const D: usize> Assembler<D> {
         options: &Options,
     ) -> Assembler<D> {
         let constraints = Constraints::new(&space, conditions);
-        let do_nothing = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
+        let do_nothing =
+            |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
         let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
         let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
         let mut outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
@@ -262,12 +263,12 @@ impl<const D: usize, const L: usize> Pair<D, L> {
             let with_pressure = region == Region::Fluid;
             Batches::new(space, &cells(region), with_pressure, options.quadrature, stiffness)
         };
-        let fluid = physics.fluid.map(|form| {
-            Kernel::new(form, space, Region::Fluid, batches(Region::Fluid), options.threads)
-        });
-        let solid = physics.solid.map(|form| {
-            Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads)
-        });
+        let fluid = physics
+            .fluid
+            .map(|form| Kernel::new(form, space, Region::Fluid, batches(Region::Fluid), options.threads));
+        let solid = physics
+            .solid
+            .map(|form| Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads));
         Pair { fluid, solid }
     }
 }

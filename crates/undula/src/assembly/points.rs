@@ -50,8 +50,7 @@ pub fn for_each_point<const D: usize>(
             }
             let mut fields = fields_at(space.nodes.cell(cell), table.value(q), &grad, state);
             let dofs = space.pressure.cell(cell);
-            let pressure =
-                if dofs.is_empty() { vec![] } else { space.pressure.basis(mesh, cell, &xi, &x) };
+            let pressure = if dofs.is_empty() { vec![] } else { space.pressure.basis(mesh, cell, &xi, &x) };
             fields.p = dofs.iter().zip(&pressure).map(|(&dof, b)| b * state.p[dof as usize]).sum();
             visit(&PointValues {
                 cell,

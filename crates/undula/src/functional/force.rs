@@ -77,13 +77,23 @@ impl<const D: usize> ForceBySurface<D> {
             names.iter().any(|name| space.mesh.boundary(name) == Some(f.boundary))
                 && space.regions[f.cell as usize] == Region::Fluid
         };
-        let facets =
-            space.mesh.facets.iter().filter(wanted).map(|f| (f.cell as usize, facet_points(space, f, n))).collect();
+        let facets = space
+            .mesh
+            .facets
+            .iter()
+            .filter(wanted)
+            .map(|f| (f.cell as usize, facet_points(space, f, n)))
+            .collect();
         ForceBySurface { facets, component, factor, unit }
     }
 
     /// Traction at a point, the pressure `p` acting on the geometry of `state`.
-    fn traction(at: &Snapshot<'_, D>, fields: &Fields<f64, D>, p: f64, normal: Vector<f64, D>) -> Vector<f64, D> {
+    fn traction(
+        at: &Snapshot<'_, D>,
+        fields: &Fields<f64, D>,
+        p: f64,
+        normal: Vector<f64, D>,
+    ) -> Vector<f64, D> {
         let viscosity = at.physics.fluid.map_or(0.0, |f| f.rho * f.nu);
         let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
         let grad_v = fields.grad_v * F_inv;

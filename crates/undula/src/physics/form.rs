@@ -86,5 +86,10 @@ pub trait WeakForm<const D: usize>: Sync {
 /// A term on a boundary facet, weighed by θ and 1 − θ like transport.
 pub trait FacetForm<const D: usize>: Sync {
     /// What stands before φ; `normal` is the outer unit normal n of the reference domain.
-    fn traction<T: Scalar>(&self, at: &Fields<T, D>, normal: &Vector<T::Value, D>, weight: f64) -> Vector<T, D>;
+    fn traction<T: Scalar>(
+        &self,
+        at: &Fields<T, D>,
+        normal: &Vector<T::Value, D>,
+        weight: f64,
+    ) -> Vector<T, D>;
 }

@@ -20,7 +20,11 @@ impl Material {
     ///
     /// Erratum: section 5.2.1 prints ½ ∇u^(l−1) ∇u^(l)ᵀ, whose limit is ½ (F Fᵀ − I), another equation.
     #[inline(always)]
-    pub fn stress<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>, lag: &Tensor<T, D>) -> Tensor<T, D> {
+    pub fn stress<T: Scalar, const D: usize>(
+        &self,
+        grad_u: &Tensor<T, D>,
+        lag: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
         match *self {
             Material::StVenantKirchhoff { mu, lambda } => {
                 let E = 0.5 * (*grad_u + grad_u.t() + lag.t() * *grad_u);

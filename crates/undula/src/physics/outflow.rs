@@ -16,7 +16,12 @@ pub struct Outflow {
 
 impl<const D: usize> FacetForm<D> for Outflow {
     #[inline(always)]
-    fn traction<T: Scalar>(&self, at: &Fields<T, D>, normal: &Vector<T::Value, D>, weight: f64) -> Vector<T, D> {
+    fn traction<T: Scalar>(
+        &self,
+        at: &Fields<T, D>,
+        normal: &Vector<T::Value, D>,
+        weight: f64,
+    ) -> Vector<T, D> {
         let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
         let F_inv_t = F_inv.t();
         let n = normal.map(T::lift);

@@ -40,14 +40,17 @@ impl Case {
                 (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
             }
             MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
-            MeshSource::Box { lower, upper, cells } => (generate::rectangle(*lower, *upper, *cells, refine)?, vec![]),
+            MeshSource::Box { lower, upper, cells } => {
+                (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
+            }
             MeshSource::File(path) => (gmsh::read(path)?.refined(refine, &[]), vec![]),
         };
         for (name, inside) in &spec.region {
             mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))?;
         }
         let (fluid, solid) = (self.fluid_region(), self.solid_region());
-        if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some() {
+        if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some()
+        {
             mesh.mark_interface(fluid, solid)?;
         }
         self.check_mesh(&MeshNames::of(&mesh))?;
@@ -93,7 +96,8 @@ impl Case {
             MotionModel::Harmonic => Extension::Harmonic,
             MotionModel::PseudoElastic => Extension::PseudoElastic { poisson: self.motion.poisson },
         };
-        let fluid = self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
+        let fluid =
+            self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
         let solid = self.solid.as_ref().map(|s| {
             let SolidLaw::StVenantKirchhoff = s.law;
             Solid { rho: s.density, material: Material::StVenantKirchhoff { mu: s.mu, lambda: s.lambda } }
@@ -302,4 +306,3 @@ impl Case {
         Ok(Sizes { cells: space.mesh.n_cells(), unknowns: [space.n_v(), space.n_u(), space.n_p()] })
     }
 }
-

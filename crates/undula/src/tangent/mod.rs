@@ -2,7 +2,9 @@
 #![allow(non_snake_case)]
 
 use crate::math::{Dual, Scalar, Vector};
-use crate::physics::{FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2};
+use crate::physics::{
+    FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
+};
 
 /// How derivatives are computed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -15,7 +17,10 @@ pub enum Tangent {
 
 /// `U + ε W` as dual numbers.
 #[inline(always)]
-pub fn seeded<S: Scalar<Value = S>, const D: usize>(at: &Fields<S, D>, W: &Fields<S, D>) -> Fields<Dual<S>, D> {
+pub fn seeded<S: Scalar<Value = S>, const D: usize>(
+    at: &Fields<S, D>,
+    W: &Fields<S, D>,
+) -> Fields<Dual<S>, D> {
     let mut dual = Fields::zero();
     let (mut re, mut eps) = (*at, *W);
     for n in 0..Fields::<S, D>::COMPONENTS {

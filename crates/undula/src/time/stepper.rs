@@ -3,6 +3,7 @@
 use super::scheme::Scheme;
 use super::system::{BlockNorms, Scales, StepSystem};
 use crate::assembly::{Assembler, End, StepView, Worst};
+use crate::nonlinear::newton::GROWTH;
 use crate::nonlinear::{Newton, NewtonError, NewtonReport};
 use crate::physics::StepRule;
 use crate::space::{Region, State};
@@ -239,7 +240,7 @@ impl<const D: usize> Stepper<D> {
             system.new.extrapolate(&self.older, &self.old, ratio);
             let assembler = &*system.assembler;
             assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
-            if self.newton.norm(&mut system).is_none_or(|norm| norm > reference) {
+            if self.newton.norm(&mut system).is_none_or(|norm| norm > GROWTH * reference) {
                 system.new.copy_from(&self.old);
                 let assembler = &*system.assembler;
                 assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
@@ -300,7 +301,8 @@ impl<const D: usize> Stepper<D> {
         }
         let (before_state, earlier_state) = (self.new.clone(), self.old.clone());
         if before > 0.0 {
-            let ratio = if before > earlier && earlier > 0.0 { (load - before) / (before - earlier) } else { 0.0 };
+            let ratio =
+                if before > earlier && earlier > 0.0 { (load - before) / (before - earlier) } else { 0.0 };
             self.new.extrapolate(&earlier_state, &before_state, ratio);
         }
         self.apply_boundary(t, load);
