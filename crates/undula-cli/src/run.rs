@@ -1,6 +1,6 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input};
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, with_causes};
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
 use std::path::{Path, PathBuf};
@@ -144,10 +144,10 @@ fn finish(
 
 /// Computed beside published values, and where the pictures lie. Neither can spoil a finished run.
 fn show_results(summary: &Summary, directory: &Path) {
-    if summary.status == Status::Completed {
-        if let Err(error) = compare::show(directory) {
-            eprintln!("note: {error:#}");
-        }
+    if summary.status == Status::Completed
+        && let Err(error) = compare::show(directory)
+    {
+        eprintln!("note: {}", with_causes(&error));
     }
     match plot::plot_directory(directory, None) {
         Ok(pictures) => {
@@ -158,7 +158,7 @@ fn show_results(summary: &Summary, directory: &Path) {
                 println!("{}{picture}", if n == 0 { "pictures  " } else { "          " });
             }
         }
-        Err(error) => eprintln!("note: no pictures: {error:#}"),
+        Err(error) => eprintln!("note: no pictures: {}", with_causes(&error)),
     }
 }
 
