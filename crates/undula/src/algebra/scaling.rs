@@ -2,9 +2,6 @@
 
 use super::{Csr, SolverError, Unknown};
 
-/// Sweeps over the matrix; each halves the orders of magnitude that are left.
-const SWEEPS: usize = 3;
-
 /// Row and column scales `R` and `C`, powers of two, such that the largest entry of every row and
 /// column of `R A C` is about one. `A x = b` is `(R A C) (C⁻¹ x) = R b`; scaling rounds nothing.
 #[derive(Debug, Clone, Default)]
@@ -18,8 +15,8 @@ pub struct Scaling {
 }
 
 impl Scaling {
-    /// Finds the scales of `a` (Ruiz: both sides by the square root of the largest entry, repeated);
-    /// reuses its memory.
+    /// Finds the scales of `a`: rows by their largest entry, then columns, then both by the root of what
+    /// is left (Ruiz). Reuses its memory.
     ///
     /// # Errors
     /// An entry that is not finite, a row or a column of zeros, each with its unknown.
@@ -29,14 +26,14 @@ impl Scaling {
             scale.clear();
             scale.resize(n, 1.0);
         }
-        for sweep in 0..SWEEPS {
-            self.maxima(a);
-            if sweep == 0 {
-                self.check(a, unknowns)?;
-            }
-            rescale(&mut self.row, &self.row_max);
-            rescale(&mut self.col, &self.col_max);
-        }
+        self.maxima(a);
+        self.check(a, unknowns)?;
+        rescale(&mut self.row, &self.row_max, inverse);
+        self.maxima(a);
+        rescale(&mut self.col, &self.col_max, inverse);
+        self.maxima(a);
+        rescale(&mut self.row, &self.row_max, inverse_root);
+        rescale(&mut self.col, &self.col_max, inverse_root);
         Ok(())
     }
 
@@ -86,19 +83,29 @@ impl Scaling {
     }
 }
 
-/// scale ← scale / √max, rounded to a power of two.
-fn rescale(scale: &mut [f64], max: &[f64]) {
+fn rescale(scale: &mut [f64], max: &[f64], factor: impl Fn(f64) -> f64) {
     for (s, m) in scale.iter_mut().zip(max) {
-        *s *= inverse_sqrt_power_of_two(*m);
+        *s *= factor(*m);
     }
 }
 
-/// 2^k next to 1/√m, from the exponent of m; 1 for m near one.
-fn inverse_sqrt_power_of_two(m: f64) -> f64 {
-    // Exponent of m, rounded down; subnormal maxima count as the smallest normal one.
-    let exponent = ((m.to_bits() >> 52) & 0x7ff).max(1) as i64 - 1023;
-    let half = (exponent + 1).div_euclid(2);
-    f64::from_bits(((1023 - half) as u64) << 52)
+/// Exponent of the power of two below m; subnormal numbers count as the smallest normal one.
+fn exponent(m: f64) -> i64 {
+    ((m.to_bits() >> 52) & 0x7ff).max(1) as i64 - 1023
+}
+
+fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent.clamp(-1022, 1023)) as u64) << 52)
+}
+
+/// 1/m to a power of two.
+fn inverse(m: f64) -> f64 {
+    power_of_two(-exponent(m))
+}
+
+/// 1/√m to a power of two.
+fn inverse_root(m: f64) -> f64 {
+    power_of_two(-(exponent(m) + 1).div_euclid(2))
 }
 
 #[cfg(test)]

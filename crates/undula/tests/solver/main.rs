@@ -4,10 +4,15 @@ mod matrices;
 
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;
-use undula::algebra::{Csr, FaerLu, Kind, LinearSolver, Options, Pattern, SolverError, Unknown, norm_inf};
+use undula::algebra::{
+    Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown, norm_inf,
+};
 
 fn solvers() -> Vec<Box<dyn LinearSolver>> {
-    vec![Box::new(FaerLu::faer(Options::default()))]
+    vec![
+        Box::new(FaerLu::faer(Options::default())),
+        Box::new(MultifrontalLu::multifrontal(Options::default())),
+    ]
 }
 
 fn systems() -> Vec<System> {
