@@ -1,7 +1,10 @@
-//! Medians of factorisation and solve on matrices of the coupled problem, in seconds.
+//! Medians of factorisation and solve on matrices of the coupled problem, in seconds: processor time
+//! of all threads where the system tells (so that other programs do not count), and wall time.
 //!
 //!     cargo bench --bench factor                        # generated matrices
-//!     cargo bench --bench factor -- FILE...             # stored systems
+//!     cargo bench --bench factor -- FILE.bin...         # stored systems
+//!     cargo bench --bench factor -- 88x44               # generated ones of this name
+//!     cargo bench --bench factor -- faer                # faer too
 //!     RAYON_NUM_THREADS=1 cargo bench --bench factor
 //!
 //! A stored system is, in little endian: u64 n, u64 nnz, row_ptr u64[n + 1], col u32[nnz],
@@ -12,22 +15,25 @@
 mod matrices;
 
 use matrices::{Pressure, Setup, System};
-use std::{sync::Arc, time::Instant};
+use std::{fs, sync::Arc, time::Instant};
 use undula::algebra::{Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, Unknown};
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
-    let (faer, files): (Vec<String>, Vec<String>) = arguments.into_iter().partition(|a| a == "faer");
+    let (files, words): (Vec<String>, Vec<String>) = arguments.into_iter().partition(|a| a.ends_with(".bin"));
+    let (faer, words): (Vec<String>, Vec<String>) = words.into_iter().partition(|a| a == "faer");
     let faer = !faer.is_empty();
     println!(
-        "{:<26} {:<13} {:>7} {:>9} | {:>8} {:>8} {:>8} | {:>9} {:>9} {:>7} {:>2} {:>8} {:>8}",
+        "{:<26} {:<13} {:>7} {:>9} | {:>8} {:>8} {:>8} {:>8} {:>8} | {:>9} {:>9} {:>7} {:>2} {:>8} {:>8}",
         "matrix",
         "solver",
         "n",
         "nnz",
         "analyse",
         "factor",
+        "wall",
         "solve",
+        "wall",
         "fill",
         "flops",
         "delayed",
@@ -49,10 +55,14 @@ fn main() {
         ];
         for (name, setup) in setups {
             let [x, y, z] = setup.cells;
+            let name = format!("{name} {x}x{y}x{z}");
+            if !words.is_empty() && !words.iter().any(|w| name.contains(w)) {
+                continue;
+            }
             let system = setup.system();
             let mut b = vec![0.0; system.a.pattern.n];
             system.a.mul(&vec![1.0; b.len()], &mut b);
-            run(&format!("{name} {x}x{y}x{z}"), &system, &b, faer);
+            run(&name, &system, &b, faer);
         }
     }
     for file in files {
@@ -81,15 +91,15 @@ fn measure(
     let mut x = vec![0.0; b.len()];
     let (mut factors, mut solves, mut reports) = (vec![], vec![], None);
     for _ in 0..times {
-        let start = Instant::now();
+        let start = Clock::now();
         let factor = match solver.factor(a) {
             Ok(report) => report,
             Err(e) => return println!("{name:<26} {:<13} {e}", solver.name()),
         };
-        factors.push(start.elapsed().as_secs_f64());
-        let start = Instant::now();
+        factors.push(start.elapsed());
+        let start = Clock::now();
         let solve = solver.solve(a, b, &mut x);
-        solves.push(start.elapsed().as_secs_f64());
+        solves.push(start.elapsed());
         reports = Some((factor, solve));
     }
     let Some((factor, solve)) = reports else { return };
@@ -97,13 +107,12 @@ fn measure(
         Ok(solve) => solve,
         Err(e) => return println!("{name:<26} {:<13} {e}", solver.name()),
     };
+    let ([factor_time, factor_wall], [solve_time, solve_wall]) = (median(&factors), median(&solves));
     println!(
-        "{name:<26} {:<13} {:>7} {:>9} | {analyse:8.4} {:8.4} {:8.4} | {:9.3e} {:9.3e} {:>7} {:>2} {:8.1e} {:8.1e}",
+        "{name:<26} {:<13} {:>7} {:>9} | {analyse:8.4} {factor_time:8.4} {factor_wall:8.4} {solve_time:8.4} {solve_wall:8.4} | {:9.3e} {:9.3e} {:>7} {:>2} {:8.1e} {:8.1e}",
         solver.name(),
         b.len(),
         a.pattern.nnz(),
-        median(factors),
-        median(solves),
         factor.cost.fill.unwrap_or(0) as f64,
         factor.cost.flops.unwrap_or(0.0),
         factor.cost.delayed,
@@ -113,13 +122,41 @@ fn measure(
     );
 }
 
-fn median(mut times: Vec<f64>) -> f64 {
-    times.sort_by(f64::total_cmp);
-    times[times.len() / 2]
+struct Clock {
+    wall: Instant,
+    processor: f64,
+}
+
+impl Clock {
+    fn now() -> Self {
+        Self { wall: Instant::now(), processor: processor_time() }
+    }
+
+    /// Processor time and wall time.
+    fn elapsed(&self) -> [f64; 2] {
+        [processor_time() - self.processor, self.wall.elapsed().as_secs_f64()]
+    }
+}
+
+/// Time that the threads of this process have run, from Linux's scheduler; 0 elsewhere.
+fn processor_time() -> f64 {
+    let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let ran = |path: std::path::PathBuf| -> Option<f64> {
+        fs::read_to_string(path.join("schedstat")).ok()?.split(' ').next()?.parse().ok()
+    };
+    1e-9 * tasks.filter_map(|task| ran(task.path())).sum::<f64>()
+}
+
+fn median(times: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|i| {
+        let mut times: Vec<f64> = times.iter().map(|t| t[i]).collect();
+        times.sort_by(f64::total_cmp);
+        times[times.len() / 2]
+    })
 }
 
 fn read(file: &str) -> (System, Vec<f64>) {
-    let bytes = std::fs::read(file).unwrap();
+    let bytes = fs::read(file).unwrap();
     let mut at = 0;
     let mut take = |n: usize| {
         at += n;
