@@ -12,6 +12,7 @@
 
 use super::kernels::{gemm_sub, gemv_sub, max_abs};
 use faer::linalg::matmul::matmul;
+use faer::reborrow::*;
 use faer::{Accum, MatMut, MatRef, Par};
 use pulp::Simd;
 
@@ -24,12 +25,65 @@ const KEEP_DIAGONAL: f64 = 0.1;
 /// Columns factored one after the other before the columns behind are updated.
 const PANEL: usize = 16;
 
+/// Columns between updates of all columns behind, in fronts of more than twice as many.
+const BLOCK: usize = 64;
+
 /// Smallest depth and number of rows for which faer's multiplication is faster than our own.
-const LARGE: (usize, usize) = (96, 256);
+const LARGE: (usize, usize) = (16, 96);
 
 /// Rounded up to whole vectors.
 pub(super) fn padded(n: usize) -> usize {
     n.next_multiple_of(8)
+}
+
+/// Numbers at an address that suits whole cache lines; resizing leaves them unspecified.
+#[derive(Debug, Default)]
+pub(super) struct Buffer {
+    memory: Vec<f64>,
+    len: usize,
+}
+
+impl Buffer {
+    const LINE: usize = 64;
+
+    /// An empty buffer with memory for `n` numbers.
+    pub fn with_capacity(n: usize) -> Self {
+        Self { memory: vec![0.0; n + Self::LINE / 8], len: 0 }
+    }
+
+    /// Numbers there is memory for.
+    pub fn capacity(&self) -> usize {
+        self.memory.len().saturating_sub(Self::LINE / 8)
+    }
+
+    /// Makes it `n` numbers, whatever they are.
+    pub fn resize(&mut self, n: usize) {
+        if self.capacity() < n {
+            *self = Self::with_capacity(n);
+        }
+        self.len = n;
+    }
+
+    fn start(&self) -> usize {
+        self.memory.as_ptr().align_offset(Self::LINE).min(Self::LINE / 8)
+    }
+}
+
+impl std::ops::Deref for Buffer {
+    type Target = [f64];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        if self.len == 0 { &[] } else { &self.memory[self.start()..][..self.len] }
+    }
+}
+
+impl std::ops::DerefMut for Buffer {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        let start = self.start();
+        if self.len == 0 { &mut [] } else { &mut self.memory[start..][..self.len] }
+    }
 }
 
 /// Numbers of one front; the memory stays from factorisation to factorisation.
@@ -42,11 +96,12 @@ pub(super) struct Front {
     /// Pivots eliminated; the others are delayed.
     pub e: usize,
     /// F11 over F21, leading dimension [`Front::ld`].
-    pub panel: Vec<f64>,
+    pub panel: Buffer,
     /// F12ᵀ, leading dimension `padded(r)`.
-    pub upper: Vec<f64>,
-    /// F22, leading dimension `padded(r)`; lent from the pool until the parent has added it.
-    pub rest: Vec<f64>,
+    pub upper: Buffer,
+    /// F22, leading dimension `padded(r)`; lent from the pool until the parent has added it. Children
+    /// are added last.
+    pub rest: Buffer,
     /// Which of the assembled rows (columns) is at each place among the pivots.
     pub row_from: Vec<u32>,
     /// The same for columns.
@@ -79,17 +134,17 @@ impl Front {
         self.k - self.e
     }
 
-    /// Sets all numbers to zero for `k` pivots and `r` rows; `rest` is given.
-    pub fn reset(&mut self, k: usize, r: usize, rest: Vec<f64>) {
+    /// Sets all numbers to zero for `k` pivots and `r` rows, but not those of the given `rest`.
+    pub fn reset(&mut self, k: usize, r: usize, rest: Buffer) {
         (self.k, self.r, self.e, self.rest) = (k, r, 0, rest);
-        let zeros = |v: &mut Vec<f64>, n: usize| {
-            v.clear();
-            v.resize(n, 0.0);
+        let zeros = |v: &mut Buffer, n: usize| {
+            v.resize(n);
+            v.fill(0.0);
         };
         let ld = self.ld();
         zeros(&mut self.panel, k * ld);
         zeros(&mut self.upper, k * padded(r));
-        zeros(&mut self.rest, r * padded(r));
+        self.rest.resize(r * padded(r));
         for from in [&mut self.row_from, &mut self.col_from] {
             from.clear();
             from.extend(0..k as u32);
@@ -101,10 +156,25 @@ impl Front {
     pub fn eliminate<S: Simd>(&mut self, simd: S, scratch: &mut Scratch) {
         // Columns from `end` on have been tried in vain, after `tried` pivots.
         let (mut end, mut tried) = (self.k, 0);
+        let block = if self.k >= 2 * BLOCK { BLOCK } else { PANEL };
         loop {
             let start = self.e;
-            self.factor_panel(simd, &mut end, &mut scratch.column);
-            self.update_behind(simd, start, &mut scratch.block);
+            let stop = (start + block).min(end);
+            let mut limit = stop;
+            while self.e < limit {
+                let start = self.e;
+                self.factor_panel(simd, &mut limit, &mut scratch.column);
+                self.update(simd, start, stop, &mut scratch.block);
+            }
+            if stop < self.k {
+                self.update_behind(simd, start, stop, &mut scratch.block);
+            }
+            for failed in self.e..stop {
+                end -= 1;
+                if failed < end {
+                    self.swap_columns(failed, end);
+                }
+            }
             if self.e == end {
                 if end == self.k || tried == self.e {
                     break;
@@ -113,15 +183,15 @@ impl Front {
             }
         }
         self.solve_upper(simd);
-        self.update_rest(simd);
+        self.multiply_rest(simd);
     }
 
     /// Factors the next columns. A column without an acceptable pivot changes places with the last one
-    /// before `end`.
+    /// before `limit`.
     #[inline(always)]
-    fn factor_panel<S: Simd>(&mut self, simd: S, end: &mut usize, column: &mut Vec<f64>) {
+    fn factor_panel<S: Simd>(&mut self, simd: S, limit: &mut usize, column: &mut Vec<f64>) {
         let (ld, start) = (self.ld(), self.e);
-        while self.e < (start + PANEL).min(*end) {
+        while self.e < (start + PANEL).min(*limit) {
             let (j, q) = (self.e, self.e - start);
             column.clear();
             column.extend_from_slice(&self.panel[j * ld + start..(j + 1) * ld]);
@@ -145,8 +215,8 @@ impl Front {
                 self.panel[j * ld + start..(j + 1) * ld].copy_from_slice(column);
                 self.e += 1;
             } else {
-                *end -= 1;
-                self.swap_columns(j, *end);
+                *limit -= 1;
+                self.swap_columns(j, *limit);
             }
         }
     }
@@ -183,27 +253,64 @@ impl Front {
         self.col_from.swap(a, b);
     }
 
-    /// Applies the pivots from `start` on to all columns of the panel that are left.
+    /// Applies the pivots from `start` on to the columns from the next one to `stop`.
     #[inline(always)]
-    fn update_behind<S: Simd>(&mut self, simd: S, start: usize, block: &mut Vec<f64>) {
-        let (ld, e, q, n) = (self.ld(), self.e, self.e - start, self.k - self.e);
-        if q == 0 || n == 0 {
+    fn update<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+        let (ld, e, q) = (self.ld(), self.e, self.e - start);
+        if q == 0 || e >= stop {
             return;
         }
+        let n = stop - e;
         let (done, left) = self.panel.split_at_mut(e * ld);
-        block.clear();
-        block.resize(q * n, 0.0);
-        for (c, column) in left.chunks_exact_mut(ld).enumerate() {
-            for p in 0..q {
-                let factor = column[start + p];
-                block[p * n + c] = factor;
-                let lower = &done[(start + p) * ld + start + p + 1..][..q - p - 1];
-                for (v, l) in column[start + p + 1..e].iter_mut().zip(lower) {
-                    *v -= l * factor;
-                }
-            }
+        let left = &mut left[..n * ld];
+        solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
+        gemm_sub::<S, false>(
+            simd,
+            [ld - e, n, q],
+            (&done[start * ld + e..], ld),
+            (block, n),
+            (&mut left[e..], ld),
+        );
+    }
+
+    /// Applies the pivots from `start` on to the columns from `stop` on.
+    #[inline(always)]
+    fn update_behind<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+        let (ld, e, q) = (self.ld(), self.e, self.e - start);
+        if q <= PANEL {
+            let n = self.k - stop;
+            let (done, left) = self.panel.split_at_mut(stop * ld);
+            solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
+            gemm_sub::<S, false>(
+                simd,
+                [ld - e, n, q],
+                (&done[start * ld + e..], ld),
+                (block, n),
+                (&mut left[e..], ld),
+            );
+            return;
         }
-        gemm_sub(simd, [ld - e, n, q], (&done[start * ld + e..], ld), (block, n), (&mut left[e..], ld));
+        let mut p = start;
+        while p < e {
+            let width = (e - p).min(PANEL);
+            let n = self.k - stop;
+            let (done, left) = self.panel.split_at_mut(stop * ld);
+            solve_lower(simd, (&done[p * ld + p..], ld), width, (&mut left[p..], ld), n, block);
+            let rows = e - p - width;
+            gemm_sub::<S, false>(
+                simd,
+                [rows, n, width],
+                (&done[p * ld + p + width..], ld),
+                (block, n),
+                (&mut left[p + width..], ld),
+            );
+            p += width;
+        }
+        let panel = MatMut::from_column_major_slice_with_stride_mut(&mut self.panel, ld, self.k, ld);
+        let (done, left) = panel.split_at_col_mut(stop);
+        let (upper, left) = left.split_at_row_mut(e);
+        let lower = done.submatrix(e, start, ld - e, q);
+        matmul(left, Accum::Add, lower, upper.rb().subrows(start, q), -1.0, Par::Seq);
     }
 
     /// U right of the pivots, from the assembled rows.
@@ -217,7 +324,7 @@ impl Front {
         while j < e {
             let width = (e - j).min(8);
             let (done, left) = self.upper.split_at_mut(j * ldu);
-            gemm_sub(simd, [ldu, width, j], (done, ldu), (&self.panel[j..], ld), (left, ldu));
+            gemm_sub::<S, false>(simd, [ldu, width, j], (done, ldu), (&self.panel[j..], ld), (left, ldu));
             for p in 1..width {
                 let (before, now) = left.split_at_mut(p * ldu);
                 let mut row = [0.0; 8];
@@ -229,24 +336,55 @@ impl Front {
             j += width;
         }
         let (done, delayed) = self.upper.split_at_mut(e * ldu);
-        gemm_sub(simd, [ldu, self.k - e, e], (done, ldu), (&self.panel[e..], ld), (delayed, ldu));
+        gemm_sub::<S, false>(simd, [ldu, self.k - e, e], (done, ldu), (&self.panel[e..], ld), (delayed, ldu));
     }
 
-    /// `rest ← rest − L21 U12`.
+    /// `rest ← −L21 U12`.
     #[inline(always)]
-    fn update_rest<S: Simd>(&mut self, simd: S) {
+    fn multiply_rest<S: Simd>(&mut self, simd: S) {
         let (ld, ldu, r, k, e) = (self.ld(), padded(self.r), self.r, self.k, self.e);
-        if r == 0 || e == 0 {
-            return;
-        }
-        if e >= LARGE.0 && r >= LARGE.1 {
+        if r > 0 && e >= LARGE.0 && r >= LARGE.1 {
             let below =
                 MatRef::from_column_major_slice_with_stride(&self.panel, ld, k, ld).submatrix(k, 0, r, e);
             let upper = MatRef::from_column_major_slice_with_stride(&self.upper, r, e, ldu);
             let rest = MatMut::from_column_major_slice_with_stride_mut(&mut self.rest, r, r, ldu);
-            matmul(rest, Accum::Add, below, upper.transpose(), -1.0, Par::Seq);
-        } else {
-            gemm_sub(simd, [ldu, r, e], (&self.panel[k..], ld), (&self.upper, ldu), (&mut self.rest, ldu));
+            matmul(rest, Accum::Replace, below, upper.transpose(), -1.0, Par::Seq);
+        } else if r > 0 {
+            let below = &self.panel[k.min(self.panel.len())..];
+            gemm_sub::<S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));
+        }
+    }
+}
+
+/// `X ← L⁻¹ X` with `L` unit lower triangular of `q ≤ PANEL` and `X` of `q × n`; also leaves X by rows in
+/// `block`.
+#[inline(always)]
+fn solve_lower<S: Simd>(
+    simd: S,
+    (lower, ldl): (&[f64], usize),
+    q: usize,
+    (x, ldx): (&mut [f64], usize),
+    n: usize,
+    block: &mut Vec<f64>,
+) {
+    block.clear();
+    block.resize(q * n, 0.0);
+    for c in 0..n {
+        for (p, v) in x[c * ldx..][..q].iter().enumerate() {
+            block[p * n + c] = *v;
+        }
+    }
+    for p in 1..q {
+        let (before, now) = block.split_at_mut(p * n);
+        let mut row = [0.0; PANEL];
+        for s in 0..p {
+            row[s] = lower[s * ldl + p];
+        }
+        gemv_sub(simd, (before, n), &row[..p], &mut now[..n]);
+    }
+    for c in 0..n {
+        for (p, v) in x[c * ldx..][..q].iter_mut().enumerate() {
+            *v = block[p * n + c];
         }
     }
 }

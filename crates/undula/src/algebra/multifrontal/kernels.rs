@@ -5,24 +5,24 @@
 
 use pulp::Simd;
 
-/// `C ← C − A B` with `A` of `rows × depth` and `C` of `rows × columns`; entry (p, j) of `B` is at
+/// `C ← C − A B`, or `C ← −A B` where `REPLACE`, with `A` of `rows × depth` and `C` of `rows × columns`; entry (p, j) of `B` is at
 /// `b[p * ldb + j]`, so that `B` is stored by rows.
 #[inline(always)]
-pub(super) fn gemm_sub<S: Simd>(
+pub(super) fn gemm_sub<S: Simd, const REPLACE: bool>(
     simd: S,
     [rows, columns, depth]: [usize; 3],
     (a, lda): (&[f64], usize),
     b: (&[f64], usize),
     (c, ldc): (&mut [f64], usize),
 ) {
-    if columns == 0 || depth == 0 {
+    if columns == 0 || depth == 0 && !REPLACE {
         return;
     }
     let mut i = 0;
     while i < rows {
         let size = (rows - i).min(3 * S::F64_LANES);
         let strip = Strip { simd, size, depth, a: (&a[i..], lda), b };
-        strip.multiply(columns, &mut c[i..], ldc);
+        strip.multiply::<REPLACE>(columns, &mut c[i..], ldc);
         i += size;
     }
 }
@@ -39,40 +39,50 @@ struct Strip<'a, S> {
 
 impl<S: Simd> Strip<'_, S> {
     #[inline(always)]
-    fn multiply(self, columns: usize, c: &mut [f64], ldc: usize) {
+    fn multiply<const R: bool>(self, columns: usize, c: &mut [f64], ldc: usize) {
         let vectors = self.size.div_ceil(S::F64_LANES);
         match (vectors, self.size == vectors * S::F64_LANES) {
-            (3, true) => self.columns::<3, true>(columns, c, ldc),
-            (3, false) => self.columns::<3, false>(columns, c, ldc),
-            (2, true) => self.columns::<2, true>(columns, c, ldc),
-            (2, false) => self.columns::<2, false>(columns, c, ldc),
-            (_, true) => self.columns::<1, true>(columns, c, ldc),
-            (_, false) => self.columns::<1, false>(columns, c, ldc),
+            (3, true) => self.columns::<3, true, R>(columns, c, ldc),
+            (3, false) => self.columns::<3, false, R>(columns, c, ldc),
+            (2, true) => self.columns::<2, true, R>(columns, c, ldc),
+            (2, false) => self.columns::<2, false, R>(columns, c, ldc),
+            (_, true) => self.columns::<1, true, R>(columns, c, ldc),
+            (_, false) => self.columns::<1, false, R>(columns, c, ldc),
         }
     }
 
     /// All columns of the strip, as many at a time as there are registers for.
     #[inline(always)]
-    fn columns<const V: usize, const WHOLE: bool>(self, columns: usize, c: &mut [f64], ldc: usize) {
+    fn columns<const V: usize, const WHOLE: bool, const R: bool>(
+        self,
+        columns: usize,
+        c: &mut [f64],
+        ldc: usize,
+    ) {
         let mut j = 0;
         if S::F64_LANES >= 8 {
             while j + 8 <= columns {
-                self.block::<V, 8, WHOLE>(j, &mut c[j * ldc..], ldc);
+                self.block::<V, 8, WHOLE, R>(j, &mut c[j * ldc..], ldc);
                 j += 8;
             }
         }
         while j + 4 <= columns {
-            self.block::<V, 4, WHOLE>(j, &mut c[j * ldc..], ldc);
+            self.block::<V, 4, WHOLE, R>(j, &mut c[j * ldc..], ldc);
             j += 4;
         }
         while j < columns {
-            self.block::<V, 1, WHOLE>(j, &mut c[j * ldc..], ldc);
+            self.block::<V, 1, WHOLE, R>(j, &mut c[j * ldc..], ldc);
             j += 1;
         }
     }
 
     #[inline(always)]
-    fn block<const V: usize, const N: usize, const WHOLE: bool>(self, j: usize, c: &mut [f64], ldc: usize) {
+    fn block<const V: usize, const N: usize, const WHOLE: bool, const R: bool>(
+        self,
+        j: usize,
+        c: &mut [f64],
+        ldc: usize,
+    ) {
         let Self { simd, size, depth, a: (a, lda), b: (b, ldb) } = self;
         let mut sum = [[simd.splat_f64s(0.0); V]; N];
         for p in 0..depth {
@@ -87,7 +97,7 @@ impl<S: Simd> Strip<'_, S> {
         }
         for n in 0..N {
             let column = &mut c[n * ldc..][..size];
-            let mut value = load::<S, V, WHOLE>(simd, column);
+            let mut value = if R { [simd.splat_f64s(0.0); V] } else { load::<S, V, WHOLE>(simd, column) };
             for v in 0..V {
                 value[v] = simd.sub_f64s(value[v], sum[n][v]);
             }
@@ -214,4 +224,85 @@ pub(super) fn max_abs<S: Simd>(simd: S, x: &[f64]) -> f64 {
     }
     let max = simd.max_f64s(simd.abs_f64s(simd.partial_load_f64s(rest)), max);
     simd.reduce_max_f64s(max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::vector::pseudo_random_sign;
+    use pulp::{Arch, Scalar, WithSimd};
+
+    /// All kernels against plain loops, for sizes around the lengths of vectors.
+    struct Check;
+
+    impl WithSimd for Check {
+        type Output = ();
+
+        fn with_simd<S: Simd>(self, simd: S) {
+            let x: Vec<f64> = (0..4000).map(|i| pseudo_random_sign(i) * (1.0 + i as f64 / 4000.0)).collect();
+            for rows in (0..34).chain([48, 57]) {
+                check_vectors(simd, &x, rows);
+                for (columns, depth) in [(0, 3), (1, 1), (3, 7), (4, 16), (7, 0), (13, 5), (19, 20)] {
+                    check_product::<S, false>(simd, &x, [rows, columns, depth]);
+                    check_product::<S, true>(simd, &x, [rows, columns, depth]);
+                }
+            }
+        }
+    }
+
+    fn check_product<S: Simd, const REPLACE: bool>(simd: S, x: &[f64], [rows, columns, depth]: [usize; 3]) {
+        let (lda, ldb, ldc) = (rows + 2, columns + 1, rows + 3);
+        let mut c = x[..ldc * (columns + 1)].to_vec();
+        let b = &x[500..];
+        gemm_sub::<S, REPLACE>(simd, [rows, columns, depth], (x, lda), (b, ldb), (&mut c, ldc));
+        for (at, (c, before)) in c.iter().zip(x).enumerate() {
+            let (i, j) = (at % ldc, at / ldc);
+            let product: f64 = (0..depth).map(|p| x[p * lda + i] * b[p * ldb + j.min(columns)]).sum();
+            let inside = i < rows && j < columns;
+            let expected = match (inside, REPLACE) {
+                (false, _) => *before,
+                (true, true) => -product,
+                (true, false) => before - product,
+            };
+            assert!((c - expected).abs() < 1e-12, "{rows} {columns} {depth}: {c} {expected}");
+        }
+    }
+
+    fn check_vectors<S: Simd>(simd: S, x: &[f64], rows: usize) {
+        assert_eq!(max_abs(simd, &x[..rows]), x[..rows].iter().fold(0.0, |m: f64, v| m.max(v.abs())));
+        for columns in [0, 1, 4, 7] {
+            let a = |i: usize, p: usize| x[p * (rows + 1) + i];
+            let (v, start) = (&x[700..], &x[900..]);
+            let mut y = start[..rows].to_vec();
+            gemv_sub(simd, (x, rows + 1), &v[..columns], &mut y);
+            for i in 0..rows {
+                let product: f64 = (0..columns).map(|p| a(i, p) * v[p]).sum();
+                assert!((y[i] - (start[i] - product)).abs() < 1e-12);
+            }
+            let mut y = start[..columns].to_vec();
+            gemv_transposed_sub(simd, (x, rows + 1), &v[..rows], &mut y);
+            for p in 0..columns {
+                let product: f64 = (0..rows).map(|i| a(i, p) * v[i]).sum();
+                assert!((y[p] - (start[p] - product)).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn kernels_are_plain_loops_on_this_machine() {
+        Arch::new().dispatch(Check);
+    }
+
+    #[test]
+    fn kernels_are_plain_loops_without_vectors() {
+        Scalar.vectorize(Check);
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[test]
+    fn kernels_are_plain_loops_with_short_vectors() {
+        if let Some(simd) = pulp::x86::V3::try_new() {
+            Simd::vectorize(simd, Check);
+        }
+    }
 }

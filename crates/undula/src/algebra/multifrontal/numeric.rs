@@ -1,8 +1,8 @@
 //! Assembly and elimination over the tree of fronts.
 
 use super::super::{Csr, Scaling};
-use super::front::{Front, Scratch, padded};
-use super::symbolic::{Run, Shape, Symbolic};
+use super::front::{Buffer, Front, Scratch, padded};
+use super::symbolic::{Entry, Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};
 
@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub(super) struct Pool {
     /// By size: class `c` holds vectors of capacity `class_size(c)` at least.
-    rest: Vec<Mutex<Vec<Vec<f64>>>>,
+    rest: Vec<Mutex<Vec<Buffer>>>,
     scratch: Mutex<Vec<Scratch>>,
 }
 
@@ -38,15 +38,15 @@ impl Pool {
         Self { rest: (0..256).map(|_| Mutex::default()).collect(), scratch: Mutex::default() }
     }
 
-    fn lend(&self, n: usize) -> Vec<f64> {
+    fn lend(&self, n: usize) -> Buffer {
         if n == 0 {
-            return Vec::new();
+            return Buffer::default();
         }
         let class = class_of(n);
-        pop(&self.rest[class]).unwrap_or_else(|| Vec::with_capacity(class_size(class)))
+        pop(&self.rest[class]).unwrap_or_else(|| Buffer::with_capacity(class_size(class)))
     }
 
-    fn give_back(&self, v: Vec<f64>) {
+    fn give_back(&self, v: Buffer) {
         if v.capacity() > 0 {
             // Rounded down: the capacity may be larger than asked for.
             let mut class = class_of(v.capacity());
@@ -140,11 +140,16 @@ impl WithSimd for FrontStep<'_, '_> {
         front.reset(shape.k + delayed, r, pool.lend(r * padded(r)));
         add_entries(shape, front, delayed, symbolic, a, scaling, scratch);
         for &c in &shape.children {
-            let child = &mut below[c as usize - offset];
-            add_child(shape, front, delayed, &symbolic.fronts[c as usize].runs, child);
-            pool.give_back(std::mem::take(&mut child.rest));
+            let child = &below[c as usize - offset];
+            add_to_pivots(shape, front, delayed, &symbolic.fronts[c as usize].runs, child);
         }
         front.eliminate(simd, scratch);
+        // The rest starts as the product of the factors; so it need not be zero before.
+        for &c in &shape.children {
+            let child = &mut below[c as usize - offset];
+            add_to_rest(shape, front, &symbolic.fronts[c as usize].runs, child);
+            pool.give_back(std::mem::take(&mut child.rest));
+        }
     }
 }
 
@@ -168,24 +173,25 @@ fn add_entries(
         row_scale.push(scaling.row[old]);
         col_scale.push(scaling.col[old]);
     }
-    for entry in &shape.entries {
+    let value = |entry: &Entry| {
         let (i, j) = (usize::from(entry.row), usize::from(entry.col));
-        let value = a.values[entry.source as usize] * row_scale[i] * col_scale[j];
-        if j < k {
-            let i = if i < k { i } else { i + delayed };
-            front.panel[j * ld + i] += value;
-        } else {
-            front.upper[i * ldu + j - k] += value;
-        }
+        (i, j, a.values[entry.source as usize] * row_scale[i] * col_scale[j])
+    };
+    let panel = &mut front.panel[..];
+    for (i, j, value) in shape.left.iter().map(value) {
+        panel[j * ld + i + if i < k { 0 } else { delayed }] += value;
+    }
+    let upper = &mut front.upper[..];
+    for (i, j, value) in shape.right.iter().map(value) {
+        upper[i * ldu + j - k] += value;
     }
 }
 
-/// Adds the contribution of a child.
+/// Adds the contribution of a child to rows and columns of pivots.
 #[inline(always)]
-fn add_child(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
+fn add_to_pivots(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
     let (k, ld, ldu, ldc) = (shape.k, front.ld(), padded(front.r), padded(child.r));
-    let summed = runs.partition_point(|run| (run.to as usize) < k);
-    let (pivot_runs, rest_runs) = runs.split_at(summed);
+    let (pivot_runs, rest_runs) = split_runs(runs, k);
     for columns in pivot_runs {
         for j in 0..columns.len as usize {
             let from = &child.rest[(columns.from as usize + j) * ldc..][..ldc];
@@ -194,25 +200,43 @@ fn add_child(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], chi
             add_runs(rest_runs, delayed, from, to);
         }
     }
-    for columns in rest_runs {
-        for j in 0..columns.len as usize {
-            let (source, place) = ((columns.from as usize + j) * ldc, columns.to as usize + j - k);
-            let from = &child.rest[source..][..ldc];
-            for run in pivot_runs {
-                for i in 0..run.len as usize {
-                    front.upper[(run.to as usize + i) * ldu + place] += from[run.from as usize + i];
-                }
-            }
-            let to = &mut front.rest[place * ldu..][..ldu];
-            for run in rest_runs {
-                let len = run.len as usize;
-                add(&from[run.from as usize..][..len], &mut to[run.to as usize - k..][..len]);
+    for rows in pivot_runs {
+        for i in 0..rows.len as usize {
+            let to = &mut front.upper[(rows.to as usize + i) * ldu..][..ldu];
+            let from = &child.rest[rows.from as usize + i..];
+            for columns in rest_runs {
+                let to = &mut to[columns.to as usize - k..][..columns.len as usize];
+                let from = from[columns.from as usize * ldc..].iter().step_by(ldc);
+                to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
             }
         }
     }
     if child.delayed() > 0 {
         add_delayed(shape, front, delayed, runs, child);
     }
+}
+
+/// Adds the contribution of a child to what is left behind the pivots.
+#[inline(always)]
+fn add_to_rest(shape: &Shape, front: &mut Front, runs: &[Run], child: &Front) {
+    let (k, ldu, ldc) = (shape.k, padded(front.r), padded(child.r));
+    let (_, rest_runs) = split_runs(runs, k);
+    for columns in rest_runs {
+        for j in 0..columns.len as usize {
+            let from = &child.rest[(columns.from as usize + j) * ldc..][..ldc];
+            let to = &mut front.rest[(columns.to as usize + j - k) * ldu..][..ldu];
+            for run in rest_runs {
+                let len = run.len as usize;
+                add(&from[run.from as usize..][..len], &mut to[run.to as usize - k..][..len]);
+            }
+        }
+    }
+}
+
+/// Runs among the pivots of the parent, and behind them.
+#[inline(always)]
+fn split_runs(runs: &[Run], k: usize) -> (&[Run], &[Run]) {
+    runs.split_at(runs.partition_point(|run| (run.to as usize) < k))
 }
 
 #[inline(always)]

@@ -6,7 +6,7 @@ use super::ordering::nested_dissection;
 use super::tree::{Group, NONE, Price, flops, grow};
 
 /// Time of a front against its operations; see [`Price`].
-const PRICE: Price = Price { front: 4000.0, entry: 8.0 };
+const PRICE: Price = Price { front: 8000.0, entry: 12.0 };
 
 /// Share of all operations below which a subtree is one task. A constant: the partition must not
 /// depend on the number of threads.
@@ -47,8 +47,10 @@ pub(super) struct Shape {
     pub children: Vec<u32>,
     /// Where the rows are in the parent.
     pub runs: Vec<Run>,
-    /// Entries of the matrix that start in this front.
-    pub entries: Vec<Entry>,
+    /// Entries of the matrix in the columns of pivots.
+    pub left: Vec<Entry>,
+    /// Entries of the matrix right of the pivots.
+    pub right: Vec<Entry>,
     /// First front and first pivot of the subtree that ends here.
     pub subtree: (usize, usize),
     /// Front that this one contributes to; [`NONE`] for a root.
@@ -204,7 +206,8 @@ impl Symbolic {
                 row: local[row as usize],
                 col: local[col as usize],
             };
-            shape.entries = all.into_iter().map(entry).collect();
+            (shape.left, shape.right) =
+                all.into_iter().map(entry).partition(|entry| usize::from(entry.col) < shape.k);
         }
         Ok(())
     }
