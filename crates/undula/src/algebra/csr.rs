@@ -98,6 +98,31 @@ impl Csr {
         self.for_rows(x, r, |r, sum| *r -= sum);
     }
 
+    /// Product `y = A x` and the largest sum `scale[i] Σ |A[i, j] x[j]|` of its absolute terms.
+    ///
+    /// # Panics
+    /// If `x`, `y` or `scale` has not `n` entries.
+    pub fn mul_with_norm(&self, scale: &[f64], x: &[f64], y: &mut [f64]) -> f64 {
+        let Pattern { n, row_ptr, col } = &*self.pattern;
+        assert_eq!((x.len(), y.len(), scale.len()), (*n, *n, *n), "vectors do not fit the matrix");
+        let rows = y.par_chunks_mut(ROWS_PER_TASK).zip(scale.par_chunks(ROWS_PER_TASK)).enumerate();
+        let of_task = |(task, (y, scale)): (usize, (&mut [f64], &[f64]))| {
+            let mut max = 0.0_f64;
+            for ((y, scale), at) in y.iter_mut().zip(scale).zip(row_ptr[task * ROWS_PER_TASK..].windows(2)) {
+                let (mut sum, mut size) = (0.0, 0.0);
+                for (&j, v) in col[at[0]..at[1]].iter().zip(&self.values[at[0]..at[1]]) {
+                    let term = v * x[j as usize];
+                    sum += term;
+                    size += term.abs();
+                }
+                *y = sum;
+                max = max.max(scale * size);
+            }
+            max
+        };
+        rows.map(of_task).reduce(|| 0.0, f64::max)
+    }
+
     fn for_rows(&self, x: &[f64], y: &mut [f64], put: impl Fn(&mut f64, f64) + Sync) {
         let Pattern { n, row_ptr, col } = &*self.pattern;
         assert_eq!((x.len(), y.len()), (*n, *n), "vectors do not fit the matrix");
@@ -130,5 +155,7 @@ mod tests {
         a.mul(&[1.0, -1.0], &mut y);
         a.residual(&[1.0, 1.0], &[1.0, -1.0], &mut r);
         assert_eq!((y, r), ([-1.0, -1.0], [2.0, 2.0]));
+        let norm = a.mul_with_norm(&[1.0, 0.5], &[1.0, -1.0], &mut y);
+        assert_eq!((y, norm), ([-1.0, -1.0], 3.5));
     }
 }

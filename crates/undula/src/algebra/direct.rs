@@ -1,6 +1,6 @@
 //! The shell around every direct solver: scaling, probing, refining.
 
-use super::vector::pseudo_random;
+use super::vector::pseudo_random_sign;
 use super::{
     Cost, Csr, FactorReport, LinearSolver, Pattern, Scaling, SolveReport, SolverError, Unknown, dot, norm_inf,
 };
@@ -28,7 +28,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { refinement: 3, target: 1e-14, allowed: 1e-9 }
+        Self { refinement: 3, target: 1e-12, allowed: 1e-9 }
     }
 }
 
@@ -160,31 +160,26 @@ impl<B: Backend> Direct<B> {
         }
     }
 
-    /// Solves for a known solution and judges what comes back.
-    fn probe(&mut self, a: &Csr, norm: f64, cost: Cost) -> Result<FactorReport, SolverError> {
-        let n = a.pattern.n;
-        // b = A C x*, in `residual`; x* in scaled variables has entries in ±[0.5, 1].
-        let mut b = std::mem::take(&mut self.residual);
-        let mut x = std::mem::take(&mut self.known);
-        for (i, (x, c)) in x.iter_mut().zip(&self.scaling.col).enumerate() {
-            *x = pseudo_random(i) * c;
+    /// Solves for a known solution and judges what comes back; also returns ‖R A C‖∞.
+    fn probe(&mut self, a: &Csr, cost: Cost) -> Result<(FactorReport, f64), SolverError> {
+        // x* is ±1 in scaled variables, so that the terms of A C x* add up to the norm of the row.
+        for (i, (x, c)) in self.known.iter_mut().zip(&self.scaling.col).enumerate() {
+            *x = pseudo_random_sign(i) * c;
         }
-        a.mul(&x, &mut b);
-        for ((s, b), r) in self.step.iter_mut().zip(&b).zip(&self.scaling.row) {
+        let norm = a.mul_with_norm(&self.scaling.row, &self.known, &mut self.residual);
+        for ((s, b), r) in self.step.iter_mut().zip(&self.residual).zip(&self.scaling.row) {
             *s = b * r;
         }
-        self.residual = b;
-        self.known = x;
         self.backend.solve(&mut self.step);
         for (i, s) in self.step.iter_mut().enumerate() {
-            *s -= pseudo_random(i);
+            *s -= pseudo_random_sign(i);
         }
         let probe_error = norm_inf(&self.step);
         if !probe_error.is_finite() {
             return Err(self.singular(f64::INFINITY));
         }
         let mut report = FactorReport { cost, probe_error, condition: None };
-        if n > 0 && probe_error > SUSPICIOUS {
+        if probe_error > SUSPICIOUS {
             let condition = self.condition(norm);
             if condition.is_nan() || condition > MAX_CONDITION {
                 return Err(self.singular(condition));
@@ -192,7 +187,7 @@ impl<B: Backend> Direct<B> {
             report.condition = Some(condition);
             self.check_refinement(a, norm)?;
         }
-        Ok(report)
+        Ok((report, norm))
     }
 
     /// One step of inverse iteration from the error of the probe in `step`: ‖A‖ ‖A⁻¹ e‖ / ‖e‖.
@@ -259,14 +254,13 @@ impl<B: Backend> LinearSolver for Direct<B> {
         self.check_pattern(a)?;
         self.norm = None;
         self.scaling.update(a, &self.unknowns)?;
-        let norm = self.scaling.norm_inf(a);
         let cost = self.backend.factor(a, &self.scaling).map_err(|failure| match failure {
             Failure::Memory(what) => SolverError::Memory(what),
             Failure::ZeroPivot(index) => {
                 SolverError::Singular { condition: f64::INFINITY, index, unknown: self.unknowns[index] }
             }
         })?;
-        let report = self.probe(a, norm, cost)?;
+        let (report, norm) = self.probe(a, cost)?;
         self.norm = Some(norm);
         Ok(report)
     }

@@ -9,6 +9,7 @@
 mod csr;
 mod direct;
 mod faer;
+mod multifrontal;
 mod scaling;
 mod solver;
 mod vector;
@@ -16,6 +17,7 @@ mod vector;
 pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
+pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};

@@ -1,104 +1,96 @@
 //! Equilibration: rows in Pa, m/s and penalties brought to one size.
 
 use super::{Csr, SolverError, Unknown};
+use rayon::prelude::*;
 
-/// Sweeps over the matrix; each halves the orders of magnitude that are left.
-const SWEEPS: usize = 3;
+/// Pieces of the matrix whose largest entries are found at the same time.
+const PIECES: usize = 8;
 
-/// Row and column scales `R` and `C`, powers of two, such that the largest entry of every row and
-/// column of `R A C` is about one. `A x = b` is `(R A C) (C⁻¹ x) = R b`; scaling rounds nothing.
+/// Row and column scales `R` and `C`, powers of two, such that the absolute sum of every row of
+/// `R A` and the largest entry of every column of `R A C` are about one. `A x = b` is `(R A C) (C⁻¹ x) = R b`; scaling rounds nothing.
 #[derive(Debug, Clone, Default)]
 pub struct Scaling {
     /// Diagonal of `R`.
     pub row: Vec<f64>,
     /// Diagonal of `C`.
     pub col: Vec<f64>,
-    row_max: Vec<f64>,
-    col_max: Vec<f64>,
+    /// Largest entries of the columns in each piece.
+    maxima: Vec<Vec<f64>>,
 }
 
 impl Scaling {
-    /// Finds the scales of `a` (Ruiz: both sides by the square root of the largest entry, repeated);
-    /// reuses its memory.
+    /// Finds the scales of `a`; reuses its memory.
     ///
     /// # Errors
     /// An entry that is not finite, a row or a column of zeros, each with its unknown.
     pub fn update(&mut self, a: &Csr, unknowns: &[Unknown]) -> Result<(), SolverError> {
         let n = a.pattern.n;
-        for scale in [&mut self.row, &mut self.col] {
-            scale.clear();
-            scale.resize(n, 1.0);
+        self.row.resize(n, 0.0);
+        let row_sums = self.row.par_iter_mut().enumerate().with_min_len(1024);
+        row_sums.for_each(|(i, sum)| *sum = absolute_sum(&a.values[a.pattern.row(i)]));
+        if let Some(row) = self.row.iter().position(|sum| !sum.is_finite()) {
+            let at = a.pattern.row(row);
+            let k = a.values[at.clone()].iter().position(|v| !v.is_finite()).unwrap_or(0);
+            let col = a.pattern.col[at.start + k] as usize;
+            return Err(SolverError::NotFinite { row, col, unknown: unknowns[row] });
         }
-        for sweep in 0..SWEEPS {
-            self.maxima(a);
-            if sweep == 0 {
-                self.check(a, unknowns)?;
-            }
-            rescale(&mut self.row, &self.row_max);
-            rescale(&mut self.col, &self.col_max);
-        }
-        Ok(())
-    }
-
-    /// ‖R A C‖∞, the largest row sum.
-    pub fn norm_inf(&self, a: &Csr) -> f64 {
-        let p = &a.pattern;
-        let row_sum = |i: usize| -> f64 {
-            let at = p.row(i);
-            let terms = p.col[at.clone()].iter().zip(&a.values[at]);
-            self.row[i] * terms.map(|(&j, v)| v.abs() * self.col[j as usize]).sum::<f64>()
-        };
-        (0..p.n).map(row_sum).fold(0.0, f64::max)
-    }
-
-    /// Largest scaled entry of each row and of each column.
-    fn maxima(&mut self, a: &Csr) {
-        let n = a.pattern.n;
-        self.row_max.clear();
-        self.col_max.clear();
-        self.col_max.resize(n, 0.0);
-        for i in 0..n {
-            let at = a.pattern.row(i);
-            let mut max = 0.0_f64;
-            for (&j, v) in a.pattern.col[at.clone()].iter().zip(&a.values[at]) {
-                let j = j as usize;
-                let v = v.abs() * self.row[i];
-                max = max.max(v * self.col[j]);
-                self.col_max[j] = self.col_max[j].max(v * self.col[j]);
-            }
-            self.row_max.push(max);
-        }
-    }
-
-    fn check(&self, a: &Csr, unknowns: &[Unknown]) -> Result<(), SolverError> {
-        let p = &a.pattern;
-        if let Some(k) = a.values.iter().position(|v| !v.is_finite()) {
-            let row = p.row_ptr.partition_point(|&start| start <= k) - 1;
-            return Err(SolverError::NotFinite { row, col: p.col[k] as usize, unknown: unknowns[row] });
-        }
-        if let Some(row) = self.row_max.iter().position(|&m| m == 0.0) {
+        if let Some(row) = self.row.iter().position(|&sum| sum == 0.0) {
             return Err(SolverError::ZeroRow { row, unknown: unknowns[row] });
         }
-        if let Some(col) = self.col_max.iter().position(|&m| m == 0.0) {
+        self.row.iter_mut().for_each(|sum| *sum = inverse(*sum));
+        self.column_maxima(a);
+        if let Some(col) = self.col.iter().position(|&m| m == 0.0) {
             return Err(SolverError::ZeroColumn { col, unknown: unknowns[col] });
         }
+        self.col.iter_mut().for_each(|m| *m = inverse(*m));
         Ok(())
     }
-}
 
-/// scale ← scale / √max, rounded to a power of two.
-fn rescale(scale: &mut [f64], max: &[f64]) {
-    for (s, m) in scale.iter_mut().zip(max) {
-        *s *= inverse_sqrt_power_of_two(*m);
+    /// `col` ← largest entry of each column of `R A`.
+    fn column_maxima(&mut self, a: &Csr) {
+        let n = a.pattern.n;
+        let Self { row, col, maxima } = self;
+        maxima.resize(PIECES, Vec::new());
+        maxima.par_iter_mut().enumerate().for_each(|(piece, max)| {
+            max.clear();
+            max.resize(n, 0.0);
+            for i in piece * n / PIECES..(piece + 1) * n / PIECES {
+                let at = a.pattern.row(i);
+                for (&j, v) in a.pattern.col[at.clone()].iter().zip(&a.values[at]) {
+                    let max = &mut max[j as usize];
+                    *max = max.max(v.abs() * row[i]);
+                }
+            }
+        });
+        col.clear();
+        col.resize(n, 0.0);
+        for piece in maxima {
+            col.iter_mut().zip(piece).for_each(|(max, m)| *max = max.max(*m));
+        }
     }
 }
 
-/// 2^k next to 1/√m, from the exponent of m; 1 for m near one.
-fn inverse_sqrt_power_of_two(m: f64) -> f64 {
-    // Exponent of m, rounded down; subnormal maxima count as the smallest normal one.
-    let exponent = ((m.to_bits() >> 52) & 0x7ff).max(1) as i64 - 1023;
-    let half = (exponent + 1).div_euclid(2);
-    f64::from_bits(((1023 - half) as u64) << 52)
+/// Σ |v|; not finite where an entry is not.
+fn absolute_sum(values: &[f64]) -> f64 {
+    let mut lanes = [0.0; 8];
+    let chunks = values.chunks_exact(8);
+    let rest: f64 = chunks.remainder().iter().map(|v| v.abs()).sum();
+    for chunk in chunks {
+        for l in 0..8 {
+            lanes[l] += chunk[l].abs();
+        }
+    }
+    rest + lanes.iter().sum::<f64>()
+}
+
+/// Exponent of the power of two below m; subnormal numbers count as the smallest normal one.
+fn exponent(m: f64) -> i64 {
+    ((m.to_bits() >> 52) & 0x7ff).max(1) as i64 - 1023
+}
+
+/// 1/m to a power of two.
+fn inverse(m: f64) -> f64 {
+    f64::from_bits(((1023 - exponent(m)).clamp(1, 2046) as u64) << 52)
 }
 
 #[cfg(test)]
@@ -117,8 +109,12 @@ mod tests {
         let a = Csr { pattern, values: vec![1e-8, 2e3, 3e10, 4.0] };
         let mut s = Scaling::default();
         s.update(&a, &unknowns(2)).unwrap();
-        s.maxima(&a);
-        assert!(s.row_max.iter().chain(&s.col_max).all(|m| (0.25..=4.0).contains(m)), "{s:?}");
+        let scaled = |i: usize, j: usize| a.values[2 * i + j].abs() * s.row[i] * s.col[j];
+        let row_max = |i: usize| scaled(i, 0).max(scaled(i, 1));
+        let col_max = |j: usize| scaled(0, j).max(scaled(1, j));
+        for i in 0..2 {
+            assert!((0.5..4.0).contains(&row_max(i)) && (1.0..2.0).contains(&col_max(i)), "{s:?}");
+        }
         assert!(s.row.iter().chain(&s.col).all(|v| v.to_bits() << 12 == 0), "not powers of two");
     }
 

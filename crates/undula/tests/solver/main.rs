@@ -4,10 +4,17 @@ mod matrices;
 
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;
-use undula::algebra::{Csr, FaerLu, Kind, LinearSolver, Options, Pattern, SolverError, Unknown, norm_inf};
+use undula::algebra::{
+    Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown, norm_inf,
+};
+
+/// Refinement as far as it goes: errors are compared with 1e-10.
+fn options() -> Options {
+    Options { target: 1e-16, ..Options::default() }
+}
 
 fn solvers() -> Vec<Box<dyn LinearSolver>> {
-    vec![Box::new(FaerLu::faer(Options::default()))]
+    vec![Box::new(FaerLu::faer(options())), Box::new(MultifrontalLu::multifrontal(options()))]
 }
 
 fn systems() -> Vec<System> {
@@ -178,6 +185,117 @@ fn scales_do_not_matter() {
             system.a.values[k] *= exponents(i);
         }
     }
+    for mut solver in solvers() {
+        solver.analyse(&pattern, &system.unknowns).unwrap();
+        let error = solve_known(&mut *solver, &system);
+        assert!(error < 1e-10, "{}: error {error:e}", solver.name());
+    }
+}
+
+/// Unknowns that can only be eliminated together with others far away in the tree. Without delayed
+/// pivots this matrix cannot be factored in the order of its graph: half of the diagonal is zero.
+#[test]
+fn pivots_without_a_diagonal_are_delayed() {
+    // A saddle point matrix of two chains: x[i] has no diagonal, and the entries that make it regular
+    // link it to y[i], which is eliminated elsewhere.
+    let n = 400;
+    let mut rows = vec![Vec::new(); 2 * n as usize];
+    for i in 0..n {
+        for j in [i.max(1) - 1, i, (i + 1).min(n - 1)] {
+            rows[i as usize].push(j);
+            rows[(n + i) as usize].push(n + j);
+        }
+        let partner = n + (i * 7 + 3) % n;
+        rows[i as usize].push(partner);
+        rows[partner as usize].push(i);
+    }
+    let pattern = Arc::new(Pattern::from_rows(&rows));
+    let mut a = Csr::zeros(&pattern);
+    for i in 0..pattern.n {
+        for k in pattern.row(i) {
+            let j = pattern.col[k] as usize;
+            let linked = (i < n as usize) != (j < n as usize);
+            a.values[k] = if linked {
+                1.0
+            } else if i >= n as usize {
+                1e-3 * (1.0 + (i + j) as f64).sin()
+            } else {
+                0.0
+            };
+        }
+    }
+    let at = |i: usize| [(i % n as usize) as f64, (i / n as usize) as f64, 0.0];
+    let unknown = |i: usize| Unknown { node: i as u32, kind: Kind::Velocity, at: at(i) };
+    let system = System { unknowns: (0..pattern.n).map(unknown).collect(), a };
+    let mut solver = MultifrontalLu::multifrontal(options());
+    solver.analyse(&pattern, &system.unknowns).unwrap();
+    let report = solver.factor(&system.a).unwrap();
+    assert!(report.cost.delayed > 100, "{report:?}");
+    let error = solve_known(&mut solver, &system);
+    assert!(error < 1e-10, "error {error:e}");
+}
+
+/// Cell pressures have no pivots before their velocities, and one per subdomain none before its border.
+#[test]
+fn cell_pressures_are_delayed() {
+    let system = Setup::fsi(20, 12, Pressure::P1dc).system();
+    let mut solver = MultifrontalLu::multifrontal(options());
+    solver.analyse(&system.a.pattern, &system.unknowns).unwrap();
+    let report = solver.factor(&system.a).unwrap();
+    assert!(report.cost.delayed > 20, "{report:?}");
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    for setup in [Setup::fsi(40, 24, Pressure::P1dc), Setup::flow(50, 30, Pressure::Q1)] {
+        let system = setup.system();
+        let known = known_solution(&system.unknowns);
+        let mut b = vec![0.0; known.len()];
+        system.a.mul(&known, &mut b);
+        let solve = |threads: usize| -> Vec<(Vec<u64>, String)> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let run = |mut solver: Box<dyn LinearSolver>| {
+                let mut x = vec![0.0; b.len()];
+                solver.analyse(&system.a.pattern, &system.unknowns).unwrap();
+                // Twice: the second time in memory that has been used.
+                let mut reports = String::new();
+                for _ in 0..2 {
+                    let factor = solver.factor(&system.a).unwrap();
+                    let solve = solver.solve(&system.a, &b, &mut x).unwrap();
+                    reports += &format!("{factor:?} {solve:?}");
+                }
+                (x.iter().map(|v| v.to_bits()).collect(), reports)
+            };
+            pool.install(|| solvers().into_iter().map(run).collect())
+        };
+        let one = solve(1);
+        for threads in [2, 3, 8] {
+            assert!(solve(threads) == one, "{threads} threads");
+        }
+    }
+}
+
+/// Any matrix, not only those of finite elements: no symmetry, several components, no positions.
+#[test]
+fn unsymmetric_matrices_without_geometry() {
+    let n = 700;
+    let mut rows = vec![Vec::new(); n];
+    for i in 0..n {
+        rows[i] = vec![i as u32, ((i * i + 7) % n) as u32, ((3 * i + 1) % n) as u32];
+    }
+    for i in n - 100..n {
+        rows[i] = vec![i as u32];
+    }
+    let pattern = Arc::new(Pattern::from_rows(&rows));
+    let mut a = Csr::zeros(&pattern);
+    for i in 0..n {
+        for k in pattern.row(i) {
+            let diagonal = if pattern.col[k] as usize == i { 3.0 } else { 0.0 };
+            a.values[k] = diagonal + (k as f64 * 2.3).sin();
+        }
+    }
+    let unknown = |i: usize| Unknown { node: (i / 2) as u32 * 17, kind: Kind::Velocity, at: [0.0; 3] };
+    let system = System { unknowns: (0..n).map(unknown).collect(), a };
     for mut solver in solvers() {
         solver.analyse(&pattern, &system.unknowns).unwrap();
         let error = solve_known(&mut *solver, &system);

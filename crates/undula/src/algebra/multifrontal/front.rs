@@ -1,0 +1,398 @@
+//! Elimination inside one front.
+//!
+//! A front is a dense matrix of `k` pivots (its own and those delayed by its children) and `r` rows
+//! behind them,
+//! ```text
+//!     [ F11 F12 ]      panel = [ F11 ]  m × k      upper = F12ᵀ  r × k      rest = F22  r × r
+//!     [ F21 F22 ]              [ F21 ]
+//! ```
+//! all by columns. After elimination, `panel` holds L and the part of U that belongs to pivots,
+//! `upper` the rest of U, `rest` the contribution to the parent. Pivots that are too small are left:
+//! the last `k − e` columns of `panel` and `upper` then belong to the contribution too.
+
+use super::kernels::{gemm_sub, gemv_sub, max_abs};
+use faer::linalg::matmul::matmul;
+use faer::reborrow::*;
+use faer::{Accum, MatMut, MatRef, Par};
+use pulp::Simd;
+
+/// A pivot must be at least this share of the largest entry of its column.
+const THRESHOLD: f64 = 0.01;
+
+/// The diagonal is taken, and rows are not exchanged, if it is this share of the best pivot.
+const KEEP_DIAGONAL: f64 = 0.1;
+
+/// Columns factored one after the other before the columns behind are updated.
+const PANEL: usize = 16;
+
+/// Columns between updates of all columns behind, in fronts of more than twice as many.
+const BLOCK: usize = 64;
+
+/// Smallest depth and number of rows for which faer's multiplication is faster than our own.
+const LARGE: (usize, usize) = (16, 96);
+
+/// Rounded up to whole vectors.
+pub(super) fn padded(n: usize) -> usize {
+    n.next_multiple_of(8)
+}
+
+/// Numbers at an address that suits whole cache lines; resizing leaves them unspecified.
+#[derive(Debug, Default)]
+pub(super) struct Buffer {
+    memory: Vec<f64>,
+    len: usize,
+}
+
+impl Buffer {
+    const LINE: usize = 64;
+
+    /// An empty buffer with memory for `n` numbers.
+    pub fn with_capacity(n: usize) -> Self {
+        Self { memory: vec![0.0; n + Self::LINE / 8], len: 0 }
+    }
+
+    /// Numbers there is memory for.
+    pub fn capacity(&self) -> usize {
+        self.memory.len().saturating_sub(Self::LINE / 8)
+    }
+
+    /// Makes it `n` numbers, whatever they are.
+    pub fn resize(&mut self, n: usize) {
+        if self.capacity() < n {
+            *self = Self::with_capacity(n);
+        }
+        self.len = n;
+    }
+
+    fn start(&self) -> usize {
+        self.memory.as_ptr().align_offset(Self::LINE).min(Self::LINE / 8)
+    }
+}
+
+impl std::ops::Deref for Buffer {
+    type Target = [f64];
+
+    #[inline(always)]
+    fn deref(&self) -> &[f64] {
+        if self.len == 0 { &[] } else { &self.memory[self.start()..][..self.len] }
+    }
+}
+
+impl std::ops::DerefMut for Buffer {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [f64] {
+        let start = self.start();
+        if self.len == 0 { &mut [] } else { &mut self.memory[start..][..self.len] }
+    }
+}
+
+/// Numbers of one front; the memory stays from factorisation to factorisation.
+#[derive(Debug, Default)]
+pub(super) struct Front {
+    /// Pivots to try: own and delayed by children.
+    pub k: usize,
+    /// Rows behind the pivots.
+    pub r: usize,
+    /// Pivots eliminated; the others are delayed.
+    pub e: usize,
+    /// F11 over F21, leading dimension [`Front::ld`].
+    pub panel: Buffer,
+    /// F12ᵀ, leading dimension `padded(r)`.
+    pub upper: Buffer,
+    /// F22, leading dimension `padded(r)`; lent from the pool until the parent has added it. Children
+    /// are added last.
+    pub rest: Buffer,
+    /// Which of the assembled rows (columns) is at each place among the pivots.
+    pub row_from: Vec<u32>,
+    /// The same for columns.
+    pub col_from: Vec<u32>,
+    /// Place of the first delayed pivot among the pivots of the parent.
+    pub delayed_to: usize,
+    /// Vector of the triangular solves, one number per row.
+    pub work: Vec<f64>,
+    /// Memory to permute it.
+    pub spare: Vec<f64>,
+}
+
+/// Memory shared by the fronts of one thread.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    pub column: Vec<f64>,
+    pub block: Vec<f64>,
+    pub row_scale: Vec<f64>,
+    pub col_scale: Vec<f64>,
+}
+
+impl Front {
+    /// Leading dimension of `panel`.
+    pub fn ld(&self) -> usize {
+        self.k + padded(self.r)
+    }
+
+    /// Pivots handed to the parent.
+    pub fn delayed(&self) -> usize {
+        self.k - self.e
+    }
+
+    /// Sets all numbers to zero for `k` pivots and `r` rows, but not those of the given `rest`.
+    pub fn reset(&mut self, k: usize, r: usize, rest: Buffer) {
+        (self.k, self.r, self.e, self.rest) = (k, r, 0, rest);
+        let zeros = |v: &mut Buffer, n: usize| {
+            v.resize(n);
+            v.fill(0.0);
+        };
+        let ld = self.ld();
+        zeros(&mut self.panel, k * ld);
+        zeros(&mut self.upper, k * padded(r));
+        self.rest.resize(r * padded(r));
+        for from in [&mut self.row_from, &mut self.col_from] {
+            from.clear();
+            from.extend(0..k as u32);
+        }
+    }
+
+    /// Eliminates what can be eliminated.
+    #[inline(always)]
+    pub fn eliminate<S: Simd>(&mut self, simd: S, scratch: &mut Scratch) {
+        // Columns from `end` on have been tried in vain, after `tried` pivots.
+        let (mut end, mut tried) = (self.k, 0);
+        let block = if self.k >= 2 * BLOCK { BLOCK } else { PANEL };
+        loop {
+            let start = self.e;
+            let stop = (start + block).min(end);
+            let mut limit = stop;
+            while self.e < limit {
+                let start = self.e;
+                self.factor_panel(simd, &mut limit, &mut scratch.column);
+                self.update(simd, start, stop, &mut scratch.block);
+            }
+            if stop < self.k {
+                self.update_behind(simd, start, stop, &mut scratch.block);
+            }
+            for failed in self.e..stop {
+                end -= 1;
+                if failed < end {
+                    self.swap_columns(failed, end);
+                }
+            }
+            if self.e == end {
+                if end == self.k || tried == self.e {
+                    break;
+                }
+                (end, tried) = (self.k, self.e);
+            }
+        }
+        self.solve_upper(simd);
+        self.multiply_rest(simd);
+    }
+
+    /// Factors the next columns. A column without an acceptable pivot changes places with the last one
+    /// before `limit`.
+    #[inline(always)]
+    fn factor_panel<S: Simd>(&mut self, simd: S, limit: &mut usize, column: &mut Vec<f64>) {
+        let (ld, start) = (self.ld(), self.e);
+        while self.e < (start + PANEL).min(*limit) {
+            let (j, q) = (self.e, self.e - start);
+            column.clear();
+            column.extend_from_slice(&self.panel[j * ld + start..(j + 1) * ld]);
+            self.apply_pivots(simd, start, q, column);
+            let (pivots, below) = column[q..].split_at(self.k - j);
+            let best = max_abs(simd, pivots);
+            if best > 0.0 && best >= THRESHOLD * max_abs(simd, below) {
+                let row = if pivots[0].abs() >= KEEP_DIAGONAL * best {
+                    0
+                } else {
+                    pivots.iter().position(|v| v.abs() == best).unwrap_or(0)
+                };
+                column.swap(q, q + row);
+                let inverse = 1.0 / column[q];
+                for v in &mut column[q + 1..] {
+                    *v *= inverse;
+                }
+                if row > 0 {
+                    self.swap_rows(j, j + row);
+                }
+                self.panel[j * ld + start..(j + 1) * ld].copy_from_slice(column);
+                self.e += 1;
+            } else {
+                *limit -= 1;
+                self.swap_columns(j, *limit);
+            }
+        }
+    }
+
+    /// Applies the `q` pivots of a panel that starts at `start` to a column below `start`.
+    #[inline(always)]
+    fn apply_pivots<S: Simd>(&self, simd: S, start: usize, q: usize, column: &mut [f64]) {
+        let ld = self.ld();
+        for p in 0..q {
+            let lower = &self.panel[(start + p) * ld + start + p + 1..][..q - p - 1];
+            let factor = column[p];
+            for (v, l) in column[p + 1..q].iter_mut().zip(lower) {
+                *v -= l * factor;
+            }
+        }
+        let (done, below) = column.split_at_mut(q);
+        if q > 0 {
+            gemv_sub(simd, (&self.panel[start * ld + start + q..], ld), done, below);
+        }
+    }
+
+    fn swap_rows(&mut self, a: usize, b: usize) {
+        let (ld, ldu) = (self.ld(), padded(self.r));
+        for column in self.panel.chunks_exact_mut(ld) {
+            column.swap(a, b);
+        }
+        swap_chunks(&mut self.upper, ldu, a, b);
+        self.row_from.swap(a, b);
+    }
+
+    fn swap_columns(&mut self, a: usize, b: usize) {
+        let ld = self.ld();
+        swap_chunks(&mut self.panel, ld, a, b);
+        self.col_from.swap(a, b);
+    }
+
+    /// Applies the pivots from `start` on to the columns from the next one to `stop`.
+    #[inline(always)]
+    fn update<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+        let (ld, e, q) = (self.ld(), self.e, self.e - start);
+        if q == 0 || e >= stop {
+            return;
+        }
+        let n = stop - e;
+        let (done, left) = self.panel.split_at_mut(e * ld);
+        let left = &mut left[..n * ld];
+        solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
+        gemm_sub::<S, false>(
+            simd,
+            [ld - e, n, q],
+            (&done[start * ld + e..], ld),
+            (block, n),
+            (&mut left[e..], ld),
+        );
+    }
+
+    /// Applies the pivots from `start` on to the columns from `stop` on.
+    #[inline(always)]
+    fn update_behind<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+        let (ld, e, q) = (self.ld(), self.e, self.e - start);
+        if q <= PANEL {
+            let n = self.k - stop;
+            let (done, left) = self.panel.split_at_mut(stop * ld);
+            solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
+            gemm_sub::<S, false>(
+                simd,
+                [ld - e, n, q],
+                (&done[start * ld + e..], ld),
+                (block, n),
+                (&mut left[e..], ld),
+            );
+            return;
+        }
+        let mut p = start;
+        while p < e {
+            let width = (e - p).min(PANEL);
+            let n = self.k - stop;
+            let (done, left) = self.panel.split_at_mut(stop * ld);
+            solve_lower(simd, (&done[p * ld + p..], ld), width, (&mut left[p..], ld), n, block);
+            let rows = e - p - width;
+            gemm_sub::<S, false>(
+                simd,
+                [rows, n, width],
+                (&done[p * ld + p + width..], ld),
+                (block, n),
+                (&mut left[p + width..], ld),
+            );
+            p += width;
+        }
+        let panel = MatMut::from_column_major_slice_with_stride_mut(&mut self.panel, ld, self.k, ld);
+        let (done, left) = panel.split_at_col_mut(stop);
+        let (upper, left) = left.split_at_row_mut(e);
+        let lower = done.submatrix(e, start, ld - e, q);
+        matmul(left, Accum::Add, lower, upper.rb().subrows(start, q), -1.0, Par::Seq);
+    }
+
+    /// U right of the pivots, from the assembled rows.
+    #[inline(always)]
+    fn solve_upper<S: Simd>(&mut self, simd: S) {
+        let (ld, ldu, e) = (self.ld(), padded(self.r), self.e);
+        if self.r == 0 {
+            return;
+        }
+        let mut j = 0;
+        while j < e {
+            let width = (e - j).min(8);
+            let (done, left) = self.upper.split_at_mut(j * ldu);
+            gemm_sub::<S, false>(simd, [ldu, width, j], (done, ldu), (&self.panel[j..], ld), (left, ldu));
+            for p in 1..width {
+                let (before, now) = left.split_at_mut(p * ldu);
+                let mut row = [0.0; 8];
+                for q in 0..p {
+                    row[q] = self.panel[(j + q) * ld + j + p];
+                }
+                gemv_sub(simd, (before, ldu), &row[..p], &mut now[..ldu]);
+            }
+            j += width;
+        }
+        let (done, delayed) = self.upper.split_at_mut(e * ldu);
+        gemm_sub::<S, false>(simd, [ldu, self.k - e, e], (done, ldu), (&self.panel[e..], ld), (delayed, ldu));
+    }
+
+    /// `rest ← −L21 U12`.
+    #[inline(always)]
+    fn multiply_rest<S: Simd>(&mut self, simd: S) {
+        let (ld, ldu, r, k, e) = (self.ld(), padded(self.r), self.r, self.k, self.e);
+        if r > 0 && e >= LARGE.0 && r >= LARGE.1 {
+            let below =
+                MatRef::from_column_major_slice_with_stride(&self.panel, ld, k, ld).submatrix(k, 0, r, e);
+            let upper = MatRef::from_column_major_slice_with_stride(&self.upper, r, e, ldu);
+            let rest = MatMut::from_column_major_slice_with_stride_mut(&mut self.rest, r, r, ldu);
+            matmul(rest, Accum::Replace, below, upper.transpose(), -1.0, Par::Seq);
+        } else if r > 0 {
+            let below = &self.panel[k.min(self.panel.len())..];
+            gemm_sub::<S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));
+        }
+    }
+}
+
+/// `X ← L⁻¹ X` with `L` unit lower triangular of `q ≤ PANEL` and `X` of `q × n`; also leaves X by rows in
+/// `block`.
+#[inline(always)]
+fn solve_lower<S: Simd>(
+    simd: S,
+    (lower, ldl): (&[f64], usize),
+    q: usize,
+    (x, ldx): (&mut [f64], usize),
+    n: usize,
+    block: &mut Vec<f64>,
+) {
+    block.clear();
+    block.resize(q * n, 0.0);
+    for c in 0..n {
+        for (p, v) in x[c * ldx..][..q].iter().enumerate() {
+            block[p * n + c] = *v;
+        }
+    }
+    for p in 1..q {
+        let (before, now) = block.split_at_mut(p * n);
+        let mut row = [0.0; PANEL];
+        for s in 0..p {
+            row[s] = lower[s * ldl + p];
+        }
+        gemv_sub(simd, (before, n), &row[..p], &mut now[..n]);
+    }
+    for c in 0..n {
+        for (p, v) in x[c * ldx..][..q].iter_mut().enumerate() {
+            *v = block[p * n + c];
+        }
+    }
+}
+
+/// Exchanges two chunks of equal size.
+fn swap_chunks(v: &mut [f64], size: usize, a: usize, b: usize) {
+    if a != b {
+        let (low, high) = v.split_at_mut(a.max(b) * size);
+        low[a.min(b) * size..][..size].swap_with_slice(&mut high[..size]);
+    }
+}

@@ -1,0 +1,106 @@
+//! Multifrontal LU, made for unknowns on mesh nodes.
+//!
+//! Nested dissection of the mesh nodes gives a tree of dense fronts; each adds the contributions of
+//! its children, eliminates its own unknowns, and leaves a contribution to its parent (Duff and Reid
+//! 1983). Pivots are chosen among the rows of the front and must not be small against the rest of
+//! their column; where there is none, as for pressures before the velocities they push, the unknown is
+//! delayed to the parent.
+
+mod front;
+mod graph;
+mod kernels;
+mod numeric;
+mod ordering;
+mod separator;
+mod solve;
+mod symbolic;
+mod tree;
+
+use super::direct::Failure;
+use super::{Backend, Cost, Csr, Direct, Options, Pattern, Scaling, SolverError, Unknown};
+use front::Front;
+use numeric::{Numeric, Pool};
+use pulp::Arch;
+use solve::{Parent, Solve};
+use std::sync::Arc;
+use symbolic::Symbolic;
+
+/// Multifrontal LU of our own; subtrees run in parallel.
+pub type MultifrontalLu = Direct<MultifrontalBackend>;
+
+impl MultifrontalLu {
+    /// A solver that knows no matrix yet.
+    pub fn multifrontal(options: Options) -> Self {
+        Self::new(MultifrontalBackend::default(), options)
+    }
+}
+
+/// Backend of [`MultifrontalLu`].
+#[derive(Debug, Default)]
+pub struct MultifrontalBackend {
+    symbolic: Symbolic,
+    fronts: Vec<Front>,
+    pool: Pool,
+    arch: Arch,
+    permuted: Vec<f64>,
+}
+
+impl MultifrontalBackend {
+    /// Entries of the factors and operations, as analysed: without delayed pivots.
+    pub fn predicted(&self) -> Cost {
+        Cost { fill: Some(self.symbolic.fill), flops: Some(self.symbolic.flops), delayed: 0 }
+    }
+
+    /// What the last factorisation has cost.
+    fn cost(&self) -> Cost {
+        let sizes = || self.fronts.iter().map(|f| (f.e, f.k + f.r - f.e, f.delayed()));
+        Cost {
+            fill: Some(sizes().map(|(k, r, _)| k * (k + 2 * r)).sum()),
+            flops: Some(sizes().map(|(k, r, _)| tree::flops(k, r)).sum()),
+            delayed: sizes().map(|(_, _, delayed)| delayed).sum(),
+        }
+    }
+}
+
+impl Backend for MultifrontalBackend {
+    fn name(&self) -> &'static str {
+        "multifrontal"
+    }
+
+    fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
+        self.symbolic = Symbolic::new(pattern, unknowns)?;
+        self.fronts.clear();
+        self.fronts.resize_with(self.symbolic.fronts.len(), Front::default);
+        self.pool = Pool::new();
+        self.permuted = vec![0.0; pattern.n];
+        Ok(())
+    }
+
+    fn factor(&mut self, a: &Csr, scaling: &Scaling) -> Result<Cost, Failure> {
+        let Self { symbolic, fronts, pool, arch, .. } = self;
+        let numeric = Numeric { symbolic, a, scaling, pool, arch: *arch };
+        numeric.subtrees(&symbolic.roots, fronts);
+        for &root in &symbolic.roots {
+            let (front, shape) = (&self.fronts[root as usize], &symbolic.fronts[root as usize]);
+            if front.delayed() > 0 {
+                let place = front.col_from[front.e..].iter().find(|&&c| (c as usize) < shape.k);
+                let new = shape.first + place.map_or(0, |&c| c as usize);
+                return Err(Failure::ZeroPivot(symbolic.old[new] as usize));
+            }
+        }
+        Ok(self.cost())
+    }
+
+    fn solve(&mut self, y: &mut [f64]) {
+        let Self { symbolic, fronts, arch, permuted, .. } = self;
+        for (p, &old) in permuted.iter_mut().zip(&symbolic.old) {
+            *p = y[old as usize];
+        }
+        let solve = Solve { symbolic, arch: *arch };
+        solve.forward(&symbolic.roots, fronts, permuted);
+        solve.backward(&symbolic.roots, fronts, permuted, Parent { known: &[], k: 0, shift: 0 });
+        for (p, &old) in permuted.iter().zip(&symbolic.old) {
+            y[old as usize] = *p;
+        }
+    }
+}

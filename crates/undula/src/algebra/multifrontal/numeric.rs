@@ -1,0 +1,284 @@
+//! Assembly and elimination over the tree of fronts.
+
+use super::super::{Csr, Scaling};
+use super::front::{Buffer, Front, Scratch, padded};
+use super::symbolic::{Entry, Run, Shape, Symbolic};
+use pulp::{Arch, Simd, WithSimd};
+use std::sync::{Mutex, PoisonError};
+
+/// Memory for contributions and scratch, returned after use.
+#[derive(Debug, Default)]
+pub(super) struct Pool {
+    /// By size: class `c` holds vectors of capacity `class_size(c)` at least.
+    rest: Vec<Mutex<Vec<Buffer>>>,
+    scratch: Mutex<Vec<Scratch>>,
+}
+
+/// Sizes grow by quarters of powers of two.
+fn class_of(n: usize) -> usize {
+    let n = n.max(8);
+    let power = n.ilog2() as usize;
+    4 * power + ((n - (1 << power)) * 4).div_ceil(1 << power)
+}
+
+fn class_size(class: usize) -> usize {
+    (1 << (class / 4)) + (class % 4) * (1 << (class / 4)) / 4
+}
+
+fn pop<T>(stack: &Mutex<Vec<T>>) -> Option<T> {
+    stack.lock().unwrap_or_else(PoisonError::into_inner).pop()
+}
+
+fn push<T>(stack: &Mutex<Vec<T>>, value: T) {
+    stack.lock().unwrap_or_else(PoisonError::into_inner).push(value);
+}
+
+impl Pool {
+    pub fn new() -> Self {
+        Self { rest: (0..256).map(|_| Mutex::default()).collect(), scratch: Mutex::default() }
+    }
+
+    fn lend(&self, n: usize) -> Buffer {
+        if n == 0 {
+            return Buffer::default();
+        }
+        let class = class_of(n);
+        pop(&self.rest[class]).unwrap_or_else(|| Buffer::with_capacity(class_size(class)))
+    }
+
+    fn give_back(&self, v: Buffer) {
+        if v.capacity() > 0 {
+            // Rounded down: the capacity may be larger than asked for.
+            let mut class = class_of(v.capacity());
+            if class_size(class) > v.capacity() {
+                class -= 1;
+            }
+            push(&self.rest[class], v);
+        }
+    }
+}
+
+/// One factorisation.
+pub(super) struct Numeric<'a> {
+    pub symbolic: &'a Symbolic,
+    pub a: &'a Csr,
+    /// Scales of rows and columns.
+    pub scaling: &'a Scaling,
+    pub pool: &'a Pool,
+    pub arch: Arch,
+}
+
+impl Numeric<'_> {
+    /// Factors the subtree that ends with front `f`; `fronts` are its fronts.
+    ///
+    /// Subtrees run in any order on any thread; but every front adds its children in their order, so
+    /// that all numbers are the same.
+    pub fn subtree(&self, f: usize, fronts: &mut [Front]) {
+        let shape = &self.symbolic.fronts[f];
+        let start = shape.subtree.0;
+        if shape.is_task {
+            let mut scratch = pop(&self.pool.scratch).unwrap_or_default();
+            for g in start..=f {
+                self.front(g, &mut fronts[..=g - start], &mut scratch);
+            }
+            push(&self.pool.scratch, scratch);
+        } else {
+            let below = fronts.len() - 1;
+            self.subtrees(&shape.children, &mut fronts[..below]);
+            let mut scratch = pop(&self.pool.scratch).unwrap_or_default();
+            self.front(f, fronts, &mut scratch);
+            push(&self.pool.scratch, scratch);
+        }
+    }
+
+    /// Factors neighbouring subtrees, given by their last fronts.
+    pub fn subtrees(&self, ends: &[u32], fronts: &mut [Front]) {
+        match ends {
+            [] => {}
+            [f] => self.subtree(*f as usize, fronts),
+            _ => {
+                let (left, right) = ends.split_at(ends.len() / 2);
+                let size = |f: &u32| *f as usize + 1 - self.symbolic.fronts[*f as usize].subtree.0;
+                let (fronts_left, fronts_right) = fronts.split_at_mut(left.iter().map(size).sum());
+                rayon::join(|| self.subtrees(left, fronts_left), || self.subtrees(right, fronts_right));
+            }
+        }
+    }
+
+    /// Assembles and eliminates front `f`, the last of `fronts`; the others include its children.
+    fn front(&self, f: usize, fronts: &mut [Front], scratch: &mut Scratch) {
+        if let Some((front, below)) = fronts.split_last_mut() {
+            self.arch.dispatch(FrontStep { numeric: self, f, front, below, scratch });
+        }
+    }
+}
+
+struct FrontStep<'a, 'b> {
+    numeric: &'a Numeric<'b>,
+    f: usize,
+    front: &'a mut Front,
+    below: &'a mut [Front],
+    scratch: &'a mut Scratch,
+}
+
+impl WithSimd for FrontStep<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { numeric, f, front, below, scratch } = self;
+        let Numeric { symbolic, a, scaling, pool, .. } = *numeric;
+        let shape = &symbolic.fronts[f];
+        let offset = f - below.len();
+        let mut delayed = 0;
+        for &c in &shape.children {
+            let child = &mut below[c as usize - offset];
+            child.delayed_to = shape.k + delayed;
+            delayed += child.delayed();
+        }
+        let r = shape.rows.len();
+        front.reset(shape.k + delayed, r, pool.lend(r * padded(r)));
+        add_entries(shape, front, delayed, symbolic, a, scaling, scratch);
+        for &c in &shape.children {
+            let child = &below[c as usize - offset];
+            add_to_pivots(shape, front, delayed, &symbolic.fronts[c as usize].runs, child);
+        }
+        front.eliminate(simd, scratch);
+        // The rest starts as the product of the factors; so it need not be zero before.
+        for &c in &shape.children {
+            let child = &mut below[c as usize - offset];
+            add_to_rest(shape, front, &symbolic.fronts[c as usize].runs, child);
+            pool.give_back(std::mem::take(&mut child.rest));
+        }
+    }
+}
+
+/// Adds the scaled entries of the matrix that belong to a front.
+#[inline(always)]
+fn add_entries(
+    shape: &Shape,
+    front: &mut Front,
+    delayed: usize,
+    symbolic: &Symbolic,
+    a: &Csr,
+    scaling: &Scaling,
+    scratch: &mut Scratch,
+) {
+    let (k, ld, ldu) = (shape.k, front.ld(), padded(front.r));
+    let Scratch { row_scale, col_scale, .. } = scratch;
+    row_scale.clear();
+    col_scale.clear();
+    for i in (shape.first..shape.first + k).chain(shape.rows.iter().map(|&i| i as usize)) {
+        let old = symbolic.old[i] as usize;
+        row_scale.push(scaling.row[old]);
+        col_scale.push(scaling.col[old]);
+    }
+    let value = |entry: &Entry| {
+        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
+        (i, j, a.values[entry.source as usize] * row_scale[i] * col_scale[j])
+    };
+    let panel = &mut front.panel[..];
+    for (i, j, value) in shape.left.iter().map(value) {
+        panel[j * ld + i + if i < k { 0 } else { delayed }] += value;
+    }
+    let upper = &mut front.upper[..];
+    for (i, j, value) in shape.right.iter().map(value) {
+        upper[i * ldu + j - k] += value;
+    }
+}
+
+/// Adds the contribution of a child to rows and columns of pivots.
+#[inline(always)]
+fn add_to_pivots(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
+    let (k, ld, ldu, ldc) = (shape.k, front.ld(), padded(front.r), padded(child.r));
+    let (pivot_runs, rest_runs) = split_runs(runs, k);
+    for columns in pivot_runs {
+        for j in 0..columns.len as usize {
+            let from = &child.rest[(columns.from as usize + j) * ldc..][..ldc];
+            let to = &mut front.panel[(columns.to as usize + j) * ld..][..ld];
+            add_runs(pivot_runs, 0, from, to);
+            add_runs(rest_runs, delayed, from, to);
+        }
+    }
+    for rows in pivot_runs {
+        for i in 0..rows.len as usize {
+            let to = &mut front.upper[(rows.to as usize + i) * ldu..][..ldu];
+            let from = &child.rest[rows.from as usize + i..];
+            for columns in rest_runs {
+                let to = &mut to[columns.to as usize - k..][..columns.len as usize];
+                let from = from[columns.from as usize * ldc..].iter().step_by(ldc);
+                to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
+            }
+        }
+    }
+    if child.delayed() > 0 {
+        add_delayed(shape, front, delayed, runs, child);
+    }
+}
+
+/// Adds the contribution of a child to what is left behind the pivots.
+#[inline(always)]
+fn add_to_rest(shape: &Shape, front: &mut Front, runs: &[Run], child: &Front) {
+    let (k, ldu, ldc) = (shape.k, padded(front.r), padded(child.r));
+    let (_, rest_runs) = split_runs(runs, k);
+    for columns in rest_runs {
+        for j in 0..columns.len as usize {
+            let from = &child.rest[(columns.from as usize + j) * ldc..][..ldc];
+            let to = &mut front.rest[(columns.to as usize + j - k) * ldu..][..ldu];
+            for run in rest_runs {
+                let len = run.len as usize;
+                add(&from[run.from as usize..][..len], &mut to[run.to as usize - k..][..len]);
+            }
+        }
+    }
+}
+
+/// Runs among the pivots of the parent, and behind them.
+#[inline(always)]
+fn split_runs(runs: &[Run], k: usize) -> (&[Run], &[Run]) {
+    runs.split_at(runs.partition_point(|run| (run.to as usize) < k))
+}
+
+#[inline(always)]
+fn add_runs(runs: &[Run], shift: usize, from: &[f64], to: &mut [f64]) {
+    for run in runs {
+        let len = run.len as usize;
+        add(&from[run.from as usize..][..len], &mut to[run.to as usize + shift..][..len]);
+    }
+}
+
+#[inline(always)]
+fn add(from: &[f64], to: &mut [f64]) {
+    for (t, f) in to.iter_mut().zip(from) {
+        *t += f;
+    }
+}
+
+/// Adds the rows and columns of the pivots that a child has delayed.
+#[cold]
+fn add_delayed(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
+    let (k, ld, ldu) = (shape.k, front.ld(), padded(front.r));
+    let (ld_child, ldu_child) = (child.ld(), padded(child.r));
+    for d in 0..child.delayed() {
+        let place = child.delayed_to + d;
+        let from = &child.panel[(child.e + d) * ld_child..][..ld_child];
+        let to = &mut front.panel[place * ld..][..ld];
+        add(&from[child.e..child.k], &mut to[child.delayed_to..][..child.delayed()]);
+        let row = &child.upper[(child.e + d) * ldu_child..][..ldu_child];
+        for run in runs {
+            let shift = if (run.to as usize) < k { 0 } else { delayed };
+            let len = run.len as usize;
+            add(&from[child.k + run.from as usize..][..len], &mut to[run.to as usize + shift..][..len]);
+        }
+        for run in runs {
+            for (i, value) in row[run.from as usize..][..run.len as usize].iter().enumerate() {
+                let j = run.to as usize + i;
+                if j < k {
+                    front.panel[j * ld + place] += value;
+                } else {
+                    front.upper[place * ldu + j - k] += value;
+                }
+            }
+        }
+    }
+}

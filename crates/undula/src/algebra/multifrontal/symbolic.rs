@@ -1,0 +1,248 @@
+//! What every factorisation of a pattern has in common: fronts, their rows, where entries go.
+
+use super::super::{Kind, Pattern, SolverError, Unknown};
+use super::graph::{Graph, Members, lump};
+use super::ordering::nested_dissection;
+use super::tree::{Group, NONE, Price, flops, grow};
+
+/// Time of a front against its operations; see [`Price`].
+const PRICE: Price = Price { front: 8000.0, entry: 12.0 };
+
+/// Share of all operations below which a subtree is one task. A constant: the partition must not
+/// depend on the number of threads.
+const TASK: f64 = 1.0 / 64.0;
+
+/// Consecutive rows of a child that are consecutive in its parent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Run {
+    /// First of the child's rows below the pivots.
+    pub from: u32,
+    /// Its place among pivots and rows of the parent.
+    pub to: u32,
+    /// Number of rows.
+    pub len: u32,
+}
+
+/// An entry of the matrix and its place in a front.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    /// Position in the values of the matrix.
+    pub source: u32,
+    /// Place of the row among pivots and rows of the front.
+    pub row: u16,
+    /// Place of the column.
+    pub col: u16,
+}
+
+/// A front as known before any numbers.
+#[derive(Debug, Default)]
+pub(super) struct Shape {
+    /// New number of the first pivot; the others follow.
+    pub first: usize,
+    /// Number of pivots.
+    pub k: usize,
+    /// New numbers of the rows (and columns) behind the pivots, increasing.
+    pub rows: Vec<u32>,
+    /// Fronts that contribute.
+    pub children: Vec<u32>,
+    /// Where the rows are in the parent.
+    pub runs: Vec<Run>,
+    /// Entries of the matrix in the columns of pivots.
+    pub left: Vec<Entry>,
+    /// Entries of the matrix right of the pivots.
+    pub right: Vec<Entry>,
+    /// First front and first pivot of the subtree that ends here.
+    pub subtree: (usize, usize),
+    /// Front that this one contributes to; [`NONE`] for a root.
+    pub parent: u32,
+    /// Whether the subtree is worked on by one thread.
+    pub is_task: bool,
+}
+
+/// Result of the analysis.
+#[derive(Debug, Default)]
+pub(super) struct Symbolic {
+    /// Fronts, children before parents, each subtree in one piece.
+    pub fronts: Vec<Shape>,
+    /// Fronts without a parent.
+    pub roots: Vec<u32>,
+    /// Old number of each new unknown.
+    pub old: Vec<u32>,
+    /// Entries of the factors, if no pivot is delayed.
+    pub fill: usize,
+    /// Operations of a factorisation, if no pivot is delayed.
+    pub flops: f64,
+}
+
+impl Symbolic {
+    /// Analyses a pattern.
+    pub fn new(pattern: &Pattern, unknowns: &[Unknown]) -> Result<Self, SolverError> {
+        if u32::try_from(pattern.nnz()).is_err() {
+            return Err(SolverError::Memory(format!("{} entries are too many", pattern.nnz())));
+        }
+        let (graph, members) = lump(pattern, unknowns);
+        let order = nested_dissection(&graph);
+        let groups = grow(&graph, &order, PRICE);
+        let mut symbolic = Self::number(&groups, &members, unknowns);
+        symbolic.find_rows(&groups, &graph, &members);
+        symbolic.find_runs();
+        symbolic.find_entries(pattern)?;
+        symbolic.find_tasks();
+        Ok(symbolic)
+    }
+
+    /// Numbers the unknowns front by front; within a front pressures come last.
+    fn number(groups: &[Group], members: &Members, unknowns: &[Unknown]) -> Self {
+        let mut symbolic = Self::default();
+        for (f, group) in groups.iter().enumerate() {
+            let first = symbolic.old.len();
+            for pressure in [false, true] {
+                let all = group.vertices.iter().flat_map(|&v| members.of(v as usize));
+                let is = |i: u32| unknowns[i as usize].kind == Kind::Pressure;
+                symbolic.old.extend(all.filter(|&&i| is(i) == pressure));
+            }
+            let start = group.children.iter().map(|&c| symbolic.fronts[c as usize].subtree).min();
+            symbolic.fronts.push(Shape {
+                first,
+                k: group.k,
+                children: group.children.clone(),
+                subtree: start.unwrap_or((f, first)),
+                parent: NONE,
+                ..Shape::default()
+            });
+        }
+        for (f, group) in groups.iter().enumerate() {
+            group.children.iter().for_each(|&c| symbolic.fronts[c as usize].parent = f as u32);
+        }
+        let is_root = |f: &u32| symbolic.fronts[*f as usize].parent == NONE;
+        symbolic.roots = (0..groups.len() as u32).filter(is_root).collect();
+        symbolic
+    }
+
+    /// New number of each old unknown.
+    fn new_numbers(&self) -> Vec<u32> {
+        let mut new = vec![0; self.old.len()];
+        for (i, &old) in self.old.iter().enumerate() {
+            new[old as usize] = i as u32;
+        }
+        new
+    }
+
+    /// Rows of each front: neighbours eliminated later, and what the children leave behind.
+    fn find_rows(&mut self, groups: &[Group], graph: &Graph, members: &Members) {
+        let new = self.new_numbers();
+        let mut seen = vec![usize::MAX; self.old.len()];
+        for (f, group) in groups.iter().enumerate() {
+            let end = self.fronts[f].first + self.fronts[f].k;
+            let mut rows = Vec::with_capacity(group.r);
+            let mut put = |i: u32| {
+                if i as usize >= end && seen[i as usize] != f {
+                    seen[i as usize] = f;
+                    rows.push(i);
+                }
+            };
+            for &v in &group.vertices {
+                for &w in graph.neighbours(v as usize) {
+                    members.of(w as usize).iter().for_each(|&old| put(new[old as usize]));
+                }
+            }
+            for &c in &group.children {
+                self.fronts[c as usize].rows.iter().for_each(|&i| put(i));
+            }
+            rows.sort_unstable();
+            debug_assert_eq!(rows.len(), group.r);
+            self.fill += group.k * (group.k + 2 * rows.len());
+            self.flops += flops(group.k, rows.len());
+            self.fronts[f].rows = rows;
+        }
+    }
+
+    /// Where the rows of each front are in its parent.
+    fn find_runs(&mut self) {
+        for f in 0..self.fronts.len() {
+            for c in self.fronts[f].children.clone() {
+                let (parent, child) = (&self.fronts[f], &self.fronts[c as usize]);
+                let mut runs: Vec<Run> = Vec::new();
+                let mut place = Places::of(parent);
+                for (from, &i) in child.rows.iter().enumerate() {
+                    let to = place.next(i) as u32;
+                    match runs.last_mut() {
+                        // Runs end at the parent's last pivot.
+                        Some(run) if run.to + run.len == to && to as usize != parent.k => run.len += 1,
+                        _ => runs.push(Run { from: from as u32, to, len: 1 }),
+                    }
+                }
+                self.fronts[c as usize].runs = runs;
+            }
+        }
+    }
+
+    /// Sends every entry of the matrix to the front of its first-eliminated index.
+    fn find_entries(&mut self, pattern: &Pattern) -> Result<(), SolverError> {
+        let new = self.new_numbers();
+        let mut front_of = vec![0_u32; self.old.len()];
+        for (f, shape) in self.fronts.iter().enumerate() {
+            front_of[shape.first..shape.first + shape.k].fill(f as u32);
+            let m = shape.k + shape.rows.len();
+            if m > usize::from(u16::MAX) {
+                return Err(SolverError::Memory(format!("a front of {m} rows")));
+            }
+        }
+        let mut all: Vec<Vec<(u32, u32, u32)>> = vec![Vec::new(); self.fronts.len()];
+        for i in 0..pattern.n {
+            for source in pattern.row(i) {
+                let (row, col) = (new[i], new[pattern.col[source] as usize]);
+                all[front_of[row.min(col) as usize] as usize].push((source as u32, row, col));
+            }
+        }
+        let mut local = vec![0_u16; self.old.len()];
+        for (shape, all) in self.fronts.iter_mut().zip(all) {
+            let pivots = shape.first as u32..(shape.first + shape.k) as u32;
+            for (at, i) in pivots.chain(shape.rows.iter().copied()).enumerate() {
+                local[i as usize] = at as u16;
+            }
+            let entry = |(source, row, col): (u32, u32, u32)| Entry {
+                source,
+                row: local[row as usize],
+                col: local[col as usize],
+            };
+            (shape.left, shape.right) =
+                all.into_iter().map(entry).partition(|entry| usize::from(entry.col) < shape.k);
+        }
+        Ok(())
+    }
+
+    /// Marks subtrees that are small enough for one thread.
+    fn find_tasks(&mut self) {
+        let mut work: Vec<f64> = Vec::with_capacity(self.fronts.len());
+        for f in 0..self.fronts.len() {
+            let Shape { k, rows, children, .. } = &self.fronts[f];
+            let below: f64 = children.iter().map(|&c| work[c as usize]).sum();
+            work.push(below + flops(*k, rows.len()));
+            self.fronts[f].is_task = work[f] <= TASK * self.flops;
+        }
+    }
+}
+
+/// Places of increasing numbers in a front.
+struct Places<'a> {
+    shape: &'a Shape,
+    at: usize,
+}
+
+impl<'a> Places<'a> {
+    fn of(shape: &'a Shape) -> Self {
+        Self { shape, at: 0 }
+    }
+
+    fn next(&mut self, i: u32) -> usize {
+        let Shape { first, k, rows, .. } = self.shape;
+        if (i as usize) < first + k {
+            return i as usize - first;
+        }
+        while rows[self.at] != i {
+            self.at += 1;
+        }
+        k + self.at
+    }
+}
