@@ -7,7 +7,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
-use crate::algebra::{Csr, FaerLu, LinearSolver};
+use crate::algebra::{self, Csr, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::{self, Assembler, Physics};
 use crate::error::Error;
 use crate::functional::Functional;
@@ -132,11 +132,10 @@ impl Case {
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
         let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let mut solver: Box<dyn LinearSolver> = match self.linear.solver {
-            LinearSolverKind::Faer => Box::new(FaerLu::faer(crate::algebra::Options {
-                refinement: self.linear.refinement,
-                ..crate::algebra::Options::default()
-            })),
+            LinearSolverKind::Multifrontal => Box::new(MultifrontalLu::multifrontal(linear)),
+            LinearSolverKind::Faer => Box::new(FaerLu::faer(linear)),
         };
         solver.analyse(&assembler.pattern, &assembler.unknowns())?;
         let newton = Newton::new(self.newton_settings(), solver, Csr::zeros(&assembler.pattern));

@@ -301,6 +301,8 @@ pub struct LinearSpec {
 /// Linear solver by name.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum LinearSolverKind {
+    /// Multifrontal LU of our own: nested dissection on mesh nodes, threshold pivoting, delayed pivots.
+    Multifrontal,
     /// Sparse LU of the crate faer.
     Faer,
 }

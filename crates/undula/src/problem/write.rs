@@ -215,6 +215,7 @@ impl Case {
         out.word(
             "solver",
             match self.linear.solver {
+                LinearSolverKind::Multifrontal => "multifrontal",
                 LinearSolverKind::Faer => "faer",
             },
         );

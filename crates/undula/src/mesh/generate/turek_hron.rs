@@ -63,7 +63,7 @@ fn ring(blocks: &mut Blocks) -> Vec<Point> {
         Sector::fluid(4, Path::Arc([x + 0.2, y])),
         Sector::fluid(4, Path::Arc([x + 0.02, y + 0.15])),
     ];
-    blocks.ring(&inner, &outer, &growing(3, 1.45), &sectors);
+    blocks.ring(&inner, &outer, &growing(3, 1.8), &sectors);
     let walls = [0.0, HEIGHT].map(|height| blocks.point(x + 0.13, height));
     blocks.before_ring([outer[0], outer[5], outer[6], outer[7]], walls, 4, 4);
     [&walls[..1], &outer[..6], &walls[1..]].concat()

@@ -147,10 +147,11 @@ pub(super) fn newton(mut s: Section<'_, '_>) -> NewtonSpec {
 }
 
 pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
-    let solver = s.choice("solver", &[("faer", LinearSolverKind::Faer)], &["gmres", "umfpack", "mumps"]);
+    let known = [("multifrontal", LinearSolverKind::Multifrontal), ("faer", LinearSolverKind::Faer)];
+    let solver = s.choice("solver", &known, &["gmres", "umfpack", "mumps"]);
     let refinement = s.integer("refinement", 2, 0..=20);
     s.finish();
-    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Faer), refinement }
+    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement }
 }
 
 /// `names` are all functionals of the file, `present` those that are evaluated.
