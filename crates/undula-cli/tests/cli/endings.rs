@@ -100,15 +100,14 @@ fn stopped_runs_go_on_with_the_same_bits() {
 #[test]
 fn only_one_program_writes_into_a_directory() {
     let here = Place::new("busy");
-    let mut child =
-        here.start("run fsi3 -o results --threads 1", &[&LONG[..], &["time.end=60"]].concat(), "results", 1);
+    let endless = [&LONG[..], &["time.end=60", "output.checkpoint-every=0"]].concat();
+    let mut child = here.start("run fsi3 -o results --threads 1", &endless, "results", 1);
     for flag in ["--force", "--resume"] {
         here.run(&format!("run fsi3 -o results {flag}"), &LONG).expect(2, &["another run is writing"]);
     }
     child.kill().unwrap();
     child.wait().unwrap();
-    here.run("run fsi3 -o results --resume", &[&LONG[..], &["output.checkpoint-every=0"]].concat())
-        .expect(2, &["--force"]);
+    here.run("run fsi3 -o results --resume", &endless).expect(2, &["--force"]);
     here.run("run fsi3 -o results --force --quiet", &SMALL).expect(0, &[]);
     assert_eq!(here.read("results/history.csv").lines().count(), 6);
 }
