@@ -38,7 +38,7 @@ pub struct Physics {
 /// How the loops run; none of it changes the problem solved.
 #[derive(Copy, Clone, Debug)]
 pub struct Options {
-    /// Cells per batch: 1, 2, 4 or 8.
+    /// Cells per batch: 1, 4 or 8; what this processor does not have is replaced by its best.
     pub lanes: usize,
     /// Threads; with more than one, calls must come from within a rayon pool of that size.
     pub threads: usize,
@@ -107,7 +107,6 @@ impl<const D: usize> Assembler<D> {
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let mut kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-            2 => Box::new(Pair::<D, 2>::new(&space, &physics, stiffness, options)),
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
             _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
         };

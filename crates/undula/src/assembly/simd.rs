@@ -12,26 +12,19 @@ pub trait Task {
     fn run(self);
 }
 
-/// Lanes that suit this processor: 8 (AVX-512), 4 (AVX2 with FMA) or 2.
+/// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1.
 pub fn best_lanes() -> usize {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if has_avx512() {
-            return 8;
-        }
-        if has_avx2() {
-            return 4;
-        }
-    }
-    2
+    [8, 4].into_iter().find(|&lanes| available(lanes)).unwrap_or(1)
 }
 
 /// Whether this processor can compute with `lanes` lanes.
 pub fn available(lanes: usize) -> bool {
     match lanes {
-        1 | 2 => true,
+        1 => true,
         #[cfg(target_arch = "x86_64")]
         4 => has_avx2(),
+        #[cfg(not(target_arch = "x86_64"))]
+        4 => true,
         #[cfg(target_arch = "x86_64")]
         8 => has_avx512(),
         _ => false,
