@@ -4,7 +4,7 @@ use super::batch::Batches;
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar, pull_back, scatter, test};
 use super::scatter::{DROP, PerThread, Shared};
-use super::simd::{Task, dispatch};
+use super::simd::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, Place, StepRule, Tested};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
@@ -63,7 +63,10 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     threads: usize,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
     /// Prepare the loops of `region` for `threads` threads.
     pub fn new(
         form: F,
@@ -187,7 +190,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let slots = Shared::new(&mut min_j);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(ResidualTask {
+                Lanes::<L>::dispatch(ResidualTask {
                     kernel: self,
                     step,
                     batch,
@@ -207,7 +210,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let shared = Shared::new(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
+                Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
             });
         });
     }
@@ -288,7 +291,10 @@ struct ResidualTask<'a, F, const D: usize, const L: usize> {
     min_j: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
@@ -339,7 +345,10 @@ struct ExplicitTask<'a, F, const D: usize, const L: usize> {
     out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
@@ -375,14 +384,17 @@ struct JacobianTask<'a, F, const D: usize, const L: usize> {
     out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
     /// Tangents at the points, then one block of the matrix after the other. Each is an entry of its own
     /// for the processor: one function of everything would take minutes to compile.
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         match self.tangent {
             Tangent::Automatic => {
-                dispatch::<L>(TangentTask::<F, Automatic, D, L> {
+                Lanes::<L>::dispatch(TangentTask::<F, Automatic, D, L> {
                     kernel: k,
                     step: self.step,
                     batch,
@@ -391,7 +403,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L> {
                 });
             }
             Tangent::Analytic => {
-                dispatch::<L>(TangentTask::<F, Analytic, D, L> {
+                Lanes::<L>::dispatch(TangentTask::<F, Analytic, D, L> {
                     kernel: k,
                     step: self.step,
                     batch,
@@ -412,7 +424,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L> {
             n_points: b.n_points,
         };
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
-        dispatch::<L>(ContractTask {
+        Lanes::<L>::dispatch(ContractTask {
             tangents,
             pieces: &k.pieces,
             slots,
@@ -474,7 +486,10 @@ struct TangentTask<'a, F, H, const D: usize, const L: usize> {
     how: PhantomData<H>,
 }
 
-impl<F: ByHand<D>, H: How<F, D>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L> {
+impl<F: ByHand<D>, H: How<F, D>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);

@@ -24,6 +24,7 @@ use facets::OutflowFacets;
 use kernel::Kernel;
 pub use kernel::StepView;
 use scatter::DROP;
+use simd::Width;
 use std::sync::Arc;
 
 /// The equations of the regions; an absent one is `None`.
@@ -248,7 +249,10 @@ struct Pair<const D: usize, const L: usize> {
     solid: Option<Kernel<Solid, D, L>>,
 }
 
-impl<const D: usize, const L: usize> Pair<D, L> {
+impl<const D: usize, const L: usize> Pair<D, L>
+where
+    Lanes<L>: Width,
+{
     fn new(
         space: &FsiSpace<D>,
         physics: &Physics,
@@ -272,7 +276,10 @@ impl<const D: usize, const L: usize> Pair<D, L> {
     }
 }
 
-impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L> {
+impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L>
+where
+    Lanes<L>: Width,
+{
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32)) {
         let mut visit = |_: usize, _: usize, row: u32, col: u32| {
             if row != DROP {
@@ -345,7 +352,9 @@ fn fill_force<F: crate::tangent::ByHand<D>, const D: usize, const L: usize>(
     kernel: &mut Kernel<F, D, L>,
     end: End,
     force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>,
-) {
+) where
+    Lanes<L>: Width,
+{
     let field = match end {
         End::Old => &mut kernel.force_old,
         End::New => &mut kernel.force,

@@ -6,6 +6,8 @@
 //! differ in rounding, since fused multiply-add is used where it exists.
 #![allow(unsafe_code)]
 
+use crate::math::Lanes;
+
 /// Work on one batch; `run` must be `#[inline(always)]`.
 pub trait Task {
     /// Do it.
@@ -44,21 +46,46 @@ fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
-/// Run `task`, whose numbers have `L` lanes, compiled for the processor that `L` stands for.
-#[inline(always)]
-pub fn dispatch<const L: usize>(task: impl Task) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if L == 8 && has_avx512() {
-            // SAFETY: the features were just detected.
-            return unsafe { run_avx512(task) };
-        }
-        if L == 4 && has_avx2() {
-            // SAFETY: the features were just detected.
-            return unsafe { run_avx2(task) };
-        }
+/// A number of lanes with its entry. One entry each: a way round for processors without the
+/// instructions would be compiled for minutes and never run.
+pub trait Width {
+    /// Run `task`, compiled for the processor that the width stands for; it must be [`available`].
+    fn dispatch(task: impl Task);
+}
+
+impl Width for Lanes<1> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        run_baseline(task);
     }
-    run_baseline(task)
+}
+
+impl Width for Lanes<4> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        debug_assert!(available(4));
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: assembly is set up with an available width only.
+        unsafe {
+            run_avx2(task);
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        run_baseline(task);
+    }
+}
+
+impl Width for Lanes<8> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        debug_assert!(available(8));
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: assembly is set up with an available width only.
+        unsafe {
+            run_avx512(task);
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        run_baseline(task);
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
