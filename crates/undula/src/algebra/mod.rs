@@ -3,7 +3,8 @@
 //! [`Csr`] is the matrix, [`LinearSolver`] what can be done with it: analyse its pattern once, factor
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
 //! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
-//! iterative refinement with a residual check. Every result is the same, bit for bit, for any number
+//! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
+//! compare it with. Every result is the same, bit for bit, for any number
 //! of threads.
 
 mod csr;
@@ -21,3 +22,15 @@ pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
+
+/// Names of the solvers in case files, the usual one first.
+pub const SOLVERS: [&str; 2] = ["multifrontal", "faer"];
+
+/// The solver of a name; `None` if it is not one of [`SOLVERS`].
+pub fn solver(name: &str, options: Options) -> Option<Box<dyn LinearSolver>> {
+    match name {
+        "multifrontal" => Some(Box::new(MultifrontalLu::multifrontal(options))),
+        "faer" => Some(Box::new(FaerLu::faer(options))),
+        _ => None,
+    }
+}

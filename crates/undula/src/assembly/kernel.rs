@@ -4,12 +4,13 @@ use super::batch::Batches;
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar, pull_back, scatter, test};
 use super::scatter::{DROP, PerThread, Shared};
-use super::simd::{Task, dispatch};
+use super::simd::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, Place, StepRule, Tested};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
 use crate::tangent::{ByHand, Tangent, automatic};
 use rayon::prelude::*;
+use std::marker::PhantomData;
 
 /// One step as assembly sees it.
 #[derive(Copy, Clone)]
@@ -62,7 +63,10 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     threads: usize,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
     /// Prepare the loops of `region` for `threads` threads.
     pub fn new(
         form: F,
@@ -186,7 +190,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let slots = Shared::new(&mut min_j);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(ResidualTask {
+                Lanes::<L>::dispatch(ResidualTask {
                     kernel: self,
                     step,
                     batch,
@@ -206,7 +210,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let shared = Shared::new(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
+                Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
             });
         });
     }
@@ -216,7 +220,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L> {
         let shared = Shared::new(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                dispatch::<L>(JacobianTask { kernel: self, step, tangent, batch, scratch, out: &shared });
+                JacobianTask { kernel: self, step, tangent, batch, scratch, out: &shared }.run();
             });
         });
     }
@@ -293,7 +297,10 @@ struct ResidualTask<'a, F, const D: usize, const L: usize> {
     min_j: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
@@ -346,7 +353,10 @@ struct ExplicitTask<'a, F, const D: usize, const L: usize> {
     out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
@@ -382,7 +392,112 @@ struct JacobianTask<'a, F, const D: usize, const L: usize> {
     out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for JacobianTask<'_, F, D, L> {
+impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Tangents at the points, then one block of the matrix after the other. Each is an entry of its own
+    /// for the processor: one function of everything would take minutes to compile.
+    fn run(self) {
+        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
+        match self.tangent {
+            Tangent::Automatic => {
+                Lanes::<L>::dispatch(TangentTask::<F, Automatic, D, L> {
+                    kernel: k,
+                    step: self.step,
+                    batch,
+                    scratch: s,
+                    how: PhantomData,
+                });
+            }
+            Tangent::Analytic => {
+                Lanes::<L>::dispatch(TangentTask::<F, Analytic, D, L> {
+                    kernel: k,
+                    step: self.step,
+                    batch,
+                    scratch: s,
+                    how: PhantomData,
+                });
+            }
+        }
+        let b = &k.batches;
+        let m = b.n_pressure;
+        let from = batch * b.n_points * m;
+        let tangents = Tangents::<D, L> {
+            tangent: &s.tangent,
+            basis: &b.basis,
+            pressure: &b.pressure_basis[from..from + b.n_points * m],
+            n_basis: b.n_basis,
+            n_pressure: m,
+            n_points: b.n_points,
+        };
+        let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
+        Lanes::<L>::dispatch(ContractTask {
+            tangents,
+            pieces: &k.pieces,
+            slots,
+            piece: &mut s.piece,
+            out: self.out,
+        });
+    }
+}
+
+/// How a tangent is computed, as a type: each way is compiled on its own.
+trait How<F, const D: usize> {
+    fn tangent<S: Scalar<Value = S>>(
+        form: &F,
+        rule: &StepRule,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        direction: &Fields<S, D>,
+    ) -> Tested<S, D>;
+}
+
+struct Automatic;
+struct Analytic;
+
+impl<F: ByHand<D>, const D: usize> How<F, D> for Automatic {
+    #[inline(always)]
+    fn tangent<S: Scalar<Value = S>>(
+        form: &F,
+        rule: &StepRule,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        direction: &Fields<S, D>,
+    ) -> Tested<S, D> {
+        automatic(form, rule, place, new, old, direction)
+    }
+}
+
+impl<F: ByHand<D>, const D: usize> How<F, D> for Analytic {
+    #[inline(always)]
+    fn tangent<S: Scalar<Value = S>>(
+        form: &F,
+        rule: &StepRule,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        direction: &Fields<S, D>,
+    ) -> Tested<S, D> {
+        form.by_hand(rule, place, new, old, direction)
+    }
+}
+
+/// The tangent at all points of a batch.
+struct TangentTask<'a, F, H, const D: usize, const L: usize> {
+    kernel: &'a Kernel<F, D, L>,
+    step: &'a StepView<'a>,
+    batch: usize,
+    scratch: &'a mut Scratch<D, L>,
+    how: PhantomData<H>,
+}
+
+impl<F: ByHand<D>, H: How<F, D>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
@@ -399,30 +514,32 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Task for JacobianTask<'_, F, 
                     continue;
                 }
                 let direction = reference_direction::<D, L>(n, &point.inverse);
-                let rule = &self.step.rule;
-                let t = match self.tangent {
-                    Tangent::Automatic => automatic(&k.form, rule, &place, &new, &old, &direction),
-                    Tangent::Analytic => k.form.by_hand(rule, &place, &new, &old, &direction),
-                };
+                let t = H::tangent(&k.form, &self.step.rule, &place, &new, &old, &direction);
                 store(&pull_back(&t, point), column);
             }
         }
-        let m = b.n_pressure;
-        let from = batch * b.n_points * m;
-        let tangents = Tangents::<D, L> {
-            tangent: &s.tangent,
-            basis: &b.basis,
-            pressure: &b.pressure_basis[from..from + b.n_points * m],
-            n_basis: b.n_basis,
-            n_pressure: m,
-            n_points: b.n_points,
-        };
-        let mut slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
-        for piece in &k.pieces {
-            let rows = if piece.test == Test::Xi { m } else { b.n_basis };
-            let size = rows * if piece.trial == Trial::P { m } else { b.n_basis };
-            let block = &mut s.piece[..size];
-            tangents.contract(piece, block);
+    }
+}
+
+/// BᵀDB block by block, added to the matrix.
+struct ContractTask<'a, const D: usize, const L: usize> {
+    tangents: Tangents<'a, D, L>,
+    pieces: &'a [Piece],
+    slots: &'a [[u32; L]],
+    piece: &'a mut [Lanes<L>],
+    out: &'a Shared<'a>,
+}
+
+impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L> {
+    #[inline(always)]
+    fn run(self) {
+        let (n, m) = (self.tangents.n_basis, self.tangents.n_pressure);
+        let mut slots = self.slots;
+        for piece in self.pieces {
+            let rows = if piece.test == Test::Xi { m } else { n };
+            let size = rows * if piece.trial == Trial::P { m } else { n };
+            let block = &mut self.piece[..size];
+            self.tangents.contract(piece, block);
             let (here, rest) = slots.split_at(size);
             slots = rest;
             for (slot, value) in here.iter().zip(block.iter()) {

@@ -24,6 +24,7 @@ use facets::OutflowFacets;
 use kernel::Kernel;
 pub use kernel::StepView;
 use scatter::DROP;
+use simd::Width;
 use std::sync::Arc;
 
 /// The equations of the regions; an absent one is `None`.
@@ -41,7 +42,7 @@ pub type ForceAt<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
 /// How the loops run; none of it changes the problem solved.
 #[derive(Copy, Clone, Debug)]
 pub struct Options {
-    /// Cells per batch: 1, 2, 4 or 8.
+    /// Cells per batch: 1, 4 or 8; what this processor does not have is replaced by its best.
     pub lanes: usize,
     /// Threads; with more than one, calls must come from within a rayon pool of that size.
     pub threads: usize,
@@ -110,7 +111,6 @@ impl<const D: usize> Assembler<D> {
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let mut kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-            2 => Box::new(Pair::<D, 2>::new(&space, &physics, stiffness, options)),
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
             _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
         };
@@ -252,7 +252,10 @@ struct Pair<const D: usize, const L: usize> {
     solid: Option<Kernel<Solid, D, L>>,
 }
 
-impl<const D: usize, const L: usize> Pair<D, L> {
+impl<const D: usize, const L: usize> Pair<D, L>
+where
+    Lanes<L>: Width,
+{
     fn new(
         space: &FsiSpace<D>,
         physics: &Physics,
@@ -276,7 +279,10 @@ impl<const D: usize, const L: usize> Pair<D, L> {
     }
 }
 
-impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L> {
+impl<const D: usize, const L: usize> Kernels<D> for Pair<D, L>
+where
+    Lanes<L>: Width,
+{
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32)) {
         let mut visit = |_: usize, _: usize, row: u32, col: u32| {
             if row != DROP {
@@ -349,7 +355,9 @@ fn fill_force<F: crate::tangent::ByHand<D>, const D: usize, const L: usize>(
     kernel: &mut Kernel<F, D, L>,
     end: End,
     force: Option<ForceAt<D>>,
-) {
+) where
+    Lanes<L>: Width,
+{
     let field = match end {
         End::Old => &mut kernel.force_old,
         End::New => &mut kernel.force,

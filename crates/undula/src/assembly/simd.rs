@@ -6,32 +6,27 @@
 //! differ in rounding, since fused multiply-add is used where it exists.
 #![allow(unsafe_code)]
 
+use crate::math::Lanes;
+
 /// Work on one batch; `run` must be `#[inline(always)]`.
 pub trait Task {
     /// Do it.
     fn run(self);
 }
 
-/// Lanes that suit this processor: 8 (AVX-512), 4 (AVX2 with FMA) or 2.
+/// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1.
 pub fn best_lanes() -> usize {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if has_avx512() {
-            return 8;
-        }
-        if has_avx2() {
-            return 4;
-        }
-    }
-    2
+    [8, 4].into_iter().find(|&lanes| available(lanes)).unwrap_or(1)
 }
 
 /// Whether this processor can compute with `lanes` lanes.
 pub fn available(lanes: usize) -> bool {
     match lanes {
-        1 | 2 => true,
+        1 => true,
         #[cfg(target_arch = "x86_64")]
         4 => has_avx2(),
+        #[cfg(not(target_arch = "x86_64"))]
+        4 => true,
         #[cfg(target_arch = "x86_64")]
         8 => has_avx512(),
         _ => false,
@@ -51,21 +46,46 @@ fn has_avx2() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
 }
 
-/// Run `task`, whose numbers have `L` lanes, compiled for the processor that `L` stands for.
-#[inline(always)]
-pub fn dispatch<const L: usize>(task: impl Task) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        if L == 8 && has_avx512() {
-            // SAFETY: the features were just detected.
-            return unsafe { run_avx512(task) };
-        }
-        if L == 4 && has_avx2() {
-            // SAFETY: the features were just detected.
-            return unsafe { run_avx2(task) };
-        }
+/// A number of lanes with its entry. One entry each: a way round for processors without the
+/// instructions would be compiled for minutes and never run.
+pub trait Width {
+    /// Run `task`, compiled for the processor that the width stands for; it must be [`available`].
+    fn dispatch(task: impl Task);
+}
+
+impl Width for Lanes<1> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        run_baseline(task);
     }
-    run_baseline(task)
+}
+
+impl Width for Lanes<4> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        debug_assert!(available(4));
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: assembly is set up with an available width only.
+        unsafe {
+            run_avx2(task);
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        run_baseline(task);
+    }
+}
+
+impl Width for Lanes<8> {
+    #[inline(always)]
+    fn dispatch(task: impl Task) {
+        debug_assert!(available(8));
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: assembly is set up with an available width only.
+        unsafe {
+            run_avx512(task);
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        run_baseline(task);
+    }
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -4,7 +4,11 @@ use super::{FacetForm, Fields, Kinematics};
 use crate::math::{Scalar, Vector};
 
 /// Correction that turns the symmetric stress into the do-nothing condition `ρν ∇v n − p n = 0`:
-/// −⟨ρ ν J F⁻ᵀ ∇vᵀ F⁻ᵀ n, φ⟩ on the outflow boundary.
+/// −⟨ρ ν J (F⁻ᵀ ∇vᵀ − tr(∇v F⁻¹) I) F⁻ᵀ n, φ⟩ on the outflow boundary.
+///
+/// The trace is zero for the solution. With it only derivatives along the boundary are left, which can be
+/// integrated by parts; without it the adjoint problem is another one, pressure and normal forces shift by
+/// O(h²) instead of O(h⁴), and a coupled solution loses an order (`tests/convergence_space.rs`).
 ///
 /// Without it the same boundary is traction-free. Its derivatives with respect to v and u are needed
 /// too, or Newton turns linear.
@@ -24,7 +28,8 @@ impl<const D: usize> FacetForm<D> for Outflow {
     ) -> Vector<T, D> {
         let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
         let F_inv_t = F_inv.t();
-        let n = normal.map(T::lift);
-        -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * (F_inv_t * n))) * J
+        let n = F_inv_t * normal.map(T::lift);
+        let trace = F_inv_t.ddot(at.grad_v);
+        -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * n) - n * trace) * J
     }
 }

@@ -132,7 +132,8 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     }
 }
 
-/// Derivative of the do-nothing correction −⟨ρν J F⁻ᵀ∇vᵀF⁻ᵀ n, φ⟩, absent from the printed theorem.
+/// Derivative of the do-nothing correction −⟨ρν J (F⁻ᵀ∇vᵀ − tr(∇v F⁻¹) I) F⁻ᵀ n, φ⟩, absent from the printed
+/// theorem.
 #[inline(always)]
 pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     form: &Outflow,
@@ -148,5 +149,9 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     let dn = -(F_inv_t * (W.grad_u.t() * n));
     let t = F_inv_t * (at.grad_v.t() * n);
     let dt = F_inv_t * (W.grad_v.t() * n + at.grad_v.t() * dn) - F_inv_t * (W.grad_u.t() * t);
-    -theta * form.viscosity * (t * tr + dt) * J
+    let (grad_v, grad_z) = (at.grad_v * F_inv, W.grad_v * F_inv);
+    let trace = grad_v.trace();
+    let dtrace = grad_z.trace() - (grad_v * (W.grad_u * F_inv)).trace();
+    let (q, dq) = (t - n * trace, dt - n * dtrace - dn * trace);
+    -theta * form.viscosity * (q * tr + dq) * J
 }

@@ -3,7 +3,7 @@
 //! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
-//! tables that set results side by side.
+//! tables that set results side by side. `manufactured` makes problems whose solution is known.
 
 pub mod build;
 pub mod builtin;
@@ -13,6 +13,7 @@ pub mod compare;
 pub mod error;
 pub mod expression;
 pub mod fit;
+pub mod manufactured;
 mod raw;
 mod read;
 pub mod reference;

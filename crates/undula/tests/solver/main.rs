@@ -5,7 +5,8 @@ mod matrices;
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;
 use undula::algebra::{
-    Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown, norm_inf,
+    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SOLVERS, SolverError, Unknown, norm_inf,
+    solver,
 };
 
 /// Refinement as far as it goes: errors are compared with 1e-10.
@@ -14,7 +15,7 @@ fn options() -> Options {
 }
 
 fn solvers() -> Vec<Box<dyn LinearSolver>> {
-    vec![Box::new(FaerLu::faer(options())), Box::new(MultifrontalLu::multifrontal(options()))]
+    SOLVERS.iter().map(|name| solver(name, options()).unwrap()).collect()
 }
 
 fn systems() -> Vec<System> {
@@ -71,6 +72,14 @@ fn known_solutions_come_back() {
             assert!(error < 1e-10, "{} n = {}: error {error:e}", solver.name(), system.a.pattern.n);
         }
     }
+}
+
+#[test]
+fn names_are_those_of_the_list() {
+    for (name, solver) in SOLVERS.iter().zip(solvers()) {
+        assert_eq!(*name, solver.name());
+    }
+    assert!(solver("pardiso", options()).is_none());
 }
 
 #[test]
@@ -245,33 +254,48 @@ fn cell_pressures_are_delayed() {
     assert!(report.cost.delayed > 20, "{report:?}");
 }
 
+/// Bits of the solution and reports, the second time in memory that has been used.
+fn bits(
+    mut solver: Box<dyn LinearSolver>,
+    System { a, unknowns }: &System,
+    threads: usize,
+) -> (Vec<u64>, String) {
+    let known = known_solution(unknowns);
+    let (mut b, mut x, mut reports) = (vec![0.0; known.len()], vec![0.0; known.len()], String::new());
+    a.mul(&known, &mut b);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        solver.analyse(&a.pattern, unknowns).unwrap();
+        for _ in 0..2 {
+            let factor = solver.factor(a).unwrap();
+            let solve = solver.solve(a, &b, &mut x).unwrap();
+            reports += &format!("{factor:?} {solve:?}");
+        }
+    });
+    (x.iter().map(|v| v.to_bits()).collect(), reports)
+}
+
 #[test]
 fn threads_do_not_change_a_bit() {
     for setup in [Setup::fsi(40, 24, Pressure::P1dc), Setup::flow(50, 30, Pressure::Q1)] {
         let system = setup.system();
-        let known = known_solution(&system.unknowns);
-        let mut b = vec![0.0; known.len()];
-        system.a.mul(&known, &mut b);
-        let solve = |threads: usize| -> Vec<(Vec<u64>, String)> {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let run = |mut solver: Box<dyn LinearSolver>| {
-                let mut x = vec![0.0; b.len()];
-                solver.analyse(&system.a.pattern, &system.unknowns).unwrap();
-                // Twice: the second time in memory that has been used.
-                let mut reports = String::new();
-                for _ in 0..2 {
-                    let factor = solver.factor(&system.a).unwrap();
-                    let solve = solver.solve(&system.a, &b, &mut x).unwrap();
-                    reports += &format!("{factor:?} {solve:?}");
-                }
-                (x.iter().map(|v| v.to_bits()).collect(), reports)
-            };
-            pool.install(|| solvers().into_iter().map(run).collect())
-        };
-        let one = solve(1);
-        for threads in [2, 3, 8] {
-            assert!(solve(threads) == one, "{threads} threads");
+        for name in SOLVERS {
+            let one = bits(solver(name, options()).unwrap(), &system, 1);
+            for threads in [2, 3, 8] {
+                assert!(bits(solver(name, options()).unwrap(), &system, threads) == one, "{threads} threads");
+            }
         }
+    }
+}
+
+/// Fronts that are worked on in tiles.
+#[test]
+fn threads_do_not_change_a_bit_of_large_fronts() {
+    let system = Setup { cells: [8, 7, 7], ..Setup::flow(0, 0, Pressure::P1dc) }.system();
+    let new = || Box::new(MultifrontalLu::multifrontal(options()));
+    let one = bits(new(), &system, 1);
+    for threads in [2, 5] {
+        assert!(bits(new(), &system, threads) == one, "{threads} threads");
     }
 }
 

@@ -10,10 +10,10 @@
 //! `upper` the rest of U, `rest` the contribution to the parent. Pivots that are too small are left:
 //! the last `k − e` columns of `panel` and `upper` then belong to the contribution too.
 
+use super::buffer::Buffer;
 use super::kernels::{gemm_sub, gemv_sub, max_abs};
-use faer::linalg::matmul::matmul;
-use faer::reborrow::*;
-use faer::{Accum, MatMut, MatRef, Par};
+use super::large;
+use faer::{MatMut, MatRef};
 use pulp::Simd;
 
 /// A pivot must be at least this share of the largest entry of its column.
@@ -28,62 +28,9 @@ const PANEL: usize = 16;
 /// Columns between updates of all columns behind, in fronts of more than twice as many.
 const BLOCK: usize = 64;
 
-/// Smallest depth and number of rows for which faer's multiplication is faster than our own.
-const LARGE: (usize, usize) = (16, 96);
-
 /// Rounded up to whole vectors.
 pub(super) fn padded(n: usize) -> usize {
     n.next_multiple_of(8)
-}
-
-/// Numbers at an address that suits whole cache lines; resizing leaves them unspecified.
-#[derive(Debug, Default)]
-pub(super) struct Buffer {
-    memory: Vec<f64>,
-    len: usize,
-}
-
-impl Buffer {
-    const LINE: usize = 64;
-
-    /// An empty buffer with memory for `n` numbers.
-    pub fn with_capacity(n: usize) -> Self {
-        Self { memory: vec![0.0; n + Self::LINE / 8], len: 0 }
-    }
-
-    /// Numbers there is memory for.
-    pub fn capacity(&self) -> usize {
-        self.memory.len().saturating_sub(Self::LINE / 8)
-    }
-
-    /// Makes it `n` numbers, whatever they are.
-    pub fn resize(&mut self, n: usize) {
-        if self.capacity() < n {
-            *self = Self::with_capacity(n);
-        }
-        self.len = n;
-    }
-
-    fn start(&self) -> usize {
-        self.memory.as_ptr().align_offset(Self::LINE).min(Self::LINE / 8)
-    }
-}
-
-impl std::ops::Deref for Buffer {
-    type Target = [f64];
-
-    #[inline(always)]
-    fn deref(&self) -> &[f64] {
-        if self.len == 0 { &[] } else { &self.memory[self.start()..][..self.len] }
-    }
-}
-
-impl std::ops::DerefMut for Buffer {
-    #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [f64] {
-        let start = self.start();
-        if self.len == 0 { &mut [] } else { &mut self.memory[start..][..self.len] }
-    }
 }
 
 /// Numbers of one front; the memory stays from factorisation to factorisation.
@@ -309,8 +256,8 @@ impl Front {
         let panel = MatMut::from_column_major_slice_with_stride_mut(&mut self.panel, ld, self.k, ld);
         let (done, left) = panel.split_at_col_mut(stop);
         let (upper, left) = left.split_at_row_mut(e);
-        let lower = done.submatrix(e, start, ld - e, q);
-        matmul(left, Accum::Add, lower, upper.rb().subrows(start, q), -1.0, Par::Seq);
+        let lower = done.as_ref().submatrix(e, start, ld - e, q);
+        large::subtract(left, lower, upper.as_ref().subrows(start, q));
     }
 
     /// U right of the pivots, from the assembled rows.
@@ -318,6 +265,12 @@ impl Front {
     fn solve_upper<S: Simd>(&mut self, simd: S) {
         let (ld, ldu, e) = (self.ld(), padded(self.r), self.e);
         if self.r == 0 {
+            return;
+        }
+        if e >= large::SOLVE.0 && self.r >= large::SOLVE.1 {
+            let panel = MatRef::from_column_major_slice_with_stride(&self.panel, ld, self.k, ld);
+            let upper = MatMut::from_column_major_slice_with_stride_mut(&mut self.upper, self.r, self.k, ldu);
+            large::solve_upper(panel.subcols(0, e), upper.transpose_mut());
             return;
         }
         let mut j = 0;
@@ -343,12 +296,12 @@ impl Front {
     #[inline(always)]
     fn multiply_rest<S: Simd>(&mut self, simd: S) {
         let (ld, ldu, r, k, e) = (self.ld(), padded(self.r), self.r, self.k, self.e);
-        if r > 0 && e >= LARGE.0 && r >= LARGE.1 {
+        if r > 0 && e >= large::PRODUCT.0 && r >= large::PRODUCT.1 {
             let below =
                 MatRef::from_column_major_slice_with_stride(&self.panel, ld, k, ld).submatrix(k, 0, r, e);
             let upper = MatRef::from_column_major_slice_with_stride(&self.upper, r, e, ldu);
             let rest = MatMut::from_column_major_slice_with_stride_mut(&mut self.rest, r, r, ldu);
-            matmul(rest, Accum::Replace, below, upper.transpose(), -1.0, Par::Seq);
+            large::product(rest, below, upper.transpose());
         } else if r > 0 {
             let below = &self.panel[k.min(self.panel.len())..];
             gemm_sub::<S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));

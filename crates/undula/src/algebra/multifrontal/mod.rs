@@ -6,9 +6,11 @@
 //! their column; where there is none, as for pressures before the velocities they push, the unknown is
 //! delayed to the parent.
 
+mod buffer;
 mod front;
 mod graph;
 mod kernels;
+mod large;
 mod numeric;
 mod ordering;
 mod separator;

@@ -1,7 +1,8 @@
 //! Assembly and elimination over the tree of fronts.
 
 use super::super::{Csr, Scaling};
-use super::front::{Buffer, Front, Scratch, padded};
+use super::buffer::Buffer;
+use super::front::{Front, Scratch, padded};
 use super::symbolic::{Entry, Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};

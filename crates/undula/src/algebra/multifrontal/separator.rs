@@ -125,53 +125,31 @@ impl Cut {
     /// the best separator seen. Returns whether it is better than before.
     fn improve(&mut self, graph: &Graph, total: u64) -> bool {
         let start = self.cost(total);
-        let (mut best, mut best_len) = (start, 0);
-        let mut log: Vec<(usize, u8)> = Vec::new();
-        let mut moved = vec![false; graph.n()];
-        let mut heap = BinaryHeap::new();
+        let (mut best, mut best_len, mut waited) = (start, 0, 0);
+        let mut pass = Pass { moved: vec![false; graph.n()], ..Pass::default() };
         for v in (0..graph.n()).filter(|&v| self.side[v] == MIDDLE) {
-            for to in [0, 1] {
-                heap.push((self.gain(graph, v, to), v, to));
-            }
+            self.offer(graph, &mut pass, v, &[0, 1]);
         }
-        let mut waited = 0;
-        while let Some((gain, v, to)) = heap.pop() {
-            if self.side[v] != MIDDLE || moved[v] {
+        while let Some((gain, v, to)) = pass.offers.pop() {
+            if self.side[v] != MIDDLE || pass.moved[v] {
                 continue;
             }
             let now = self.gain(graph, v, to);
             if now != gain {
+                // Better ones have been offered when they became better.
                 if now < gain {
-                    heap.push((now, v, to));
+                    pass.offers.push((now, v, to));
                 }
                 continue;
             }
-            let heavy = self.weight[to as usize] + u64::from(graph.weight[v]);
-            if heavy as f64 > MAX_SIDE * total as f64 && heavy > self.weight[1 - to as usize] {
+            let weight = self.weight[to as usize] + u64::from(graph.weight[v]);
+            if weight as f64 > MAX_SIDE * total as f64 && weight > self.weight[1 - to as usize] {
                 continue;
             }
-            moved[v] = true;
-            log.push((v, MIDDLE));
-            self.shift(graph, v, to);
-            for &w in graph.neighbours(v) {
-                let w = w as usize;
-                if self.side[w] == 1 - to {
-                    log.push((w, 1 - to));
-                    self.shift(graph, w, MIDDLE);
-                    for to in [0, 1] {
-                        heap.push((self.gain(graph, w, to), w, to));
-                    }
-                    for &x in graph.neighbours(w) {
-                        let x = x as usize;
-                        if self.side[x] == MIDDLE && !moved[x] {
-                            heap.push((self.gain(graph, x, to), x, to));
-                        }
-                    }
-                }
-            }
+            self.move_out(graph, &mut pass, v, to);
             let cost = self.cost(total);
             if cost < best {
-                (best, best_len, waited) = (cost, log.len(), 0);
+                (best, best_len, waited) = (cost, pass.log.len(), 0);
             } else {
                 waited += 1;
                 if waited > PATIENCE {
@@ -179,9 +157,44 @@ impl Cut {
                 }
             }
         }
-        for &(v, side) in log[best_len..].iter().rev() {
+        for &(v, side) in pass.log[best_len..].iter().rev() {
             self.shift(graph, v, side);
         }
         best < start
     }
+
+    fn offer(&self, graph: &Graph, pass: &mut Pass, v: usize, sides: &[u8]) {
+        pass.offers.extend(sides.iter().map(|&to| (self.gain(graph, v, to), v, to)));
+    }
+
+    /// Moves a vertex of the separator to a side; its neighbours on the other side take its place.
+    fn move_out(&mut self, graph: &Graph, pass: &mut Pass, v: usize, to: u8) {
+        pass.moved[v] = true;
+        pass.log.push((v, MIDDLE));
+        self.shift(graph, v, to);
+        for &w in graph.neighbours(v) {
+            let w = w as usize;
+            if self.side[w] == 1 - to {
+                pass.log.push((w, 1 - to));
+                self.shift(graph, w, MIDDLE);
+                self.offer(graph, pass, w, &[0, 1]);
+                for &x in graph.neighbours(w) {
+                    if self.side[x as usize] == MIDDLE && !pass.moved[x as usize] {
+                        self.offer(graph, pass, x as usize, &[to]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// State of a pass over a separator.
+#[derive(Default)]
+struct Pass {
+    /// Vertices that have had their turn.
+    moved: Vec<bool>,
+    /// Moves to choose from: gain, vertex, side.
+    offers: BinaryHeap<(i64, usize, u8)>,
+    /// Vertices shifted, and the side they were on.
+    log: Vec<(usize, u8)>,
 }
