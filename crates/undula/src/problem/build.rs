@@ -55,12 +55,13 @@ impl Case {
         }
         let (fluid, solid) = (self.fluid_region(), self.solid_region());
         let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };
-        if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some()
+        if mesh.boundary(INTERFACE).is_none()
+            && mesh.region(fluid).is_some()
+            && mesh.region(solid).is_some()
+            && let Err(error) = mesh.mark_interface(fluid, solid)
         {
-            if let Err(error) = mesh.mark_interface(fluid, solid) {
-                // What keeps the regions apart says more than that they are.
-                return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
-            }
+            // What keeps the regions apart says more than that they are.
+            return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
         }
         self.check_mesh(&MeshNames::of(&mesh))?;
         if mesh.boundary(INTERFACE).is_some() {
