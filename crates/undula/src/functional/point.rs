@@ -1,7 +1,8 @@
 //! Values at material points.
 
 use super::{Functional, Snapshot};
-use crate::element::lagrange;
+use crate::element::{Quadrature, lagrange};
+use crate::math::Tensor;
 use crate::mesh::{Locator, MeshError};
 
 use crate::space::{FsiSpace, Region};
@@ -45,7 +46,9 @@ impl<const D: usize> Functional<D> for Displacement {
 
 /// p(a) − p(b) \[Pa\] at material points.
 ///
-/// Where a discontinuous pressure has several values, at a node, their mean is taken.
+/// The pressure of the discrete solution is of second order at a point, and where it is discontinuous it
+/// has several values there. So it is recovered: a quadratic polynomial is fitted, by least squares over
+/// the cells around the point, to the moments of the pressure against 1 and x in each cell.
 pub struct PressureDifference {
     /// (unknown, weight).
     terms: Vec<(u32, f64)>,
@@ -55,41 +58,108 @@ impl PressureDifference {
     /// At reference positions \[m\].
     ///
     /// # Errors
-    /// If a point lies outside of the fluid.
+    /// If a point lies outside of the mesh.
     pub fn new<const D: usize>(space: &FsiSpace<D>, a: [f64; D], b: [f64; D]) -> Result<Self, MeshError> {
         let mut terms = vec![];
         for (x, sign) in [(a, 1.0), (b, -1.0)] {
-            let cells = cells_at(space, x)?;
-            let share = sign / cells.len() as f64;
-            for (cell, xi) in cells {
-                let at = space.mesh.map(cell, xi);
-                let basis = space.pressure.basis(&space.mesh, cell, &xi, &at);
-                terms.extend(space.pressure.cell(cell).iter().zip(basis).map(|(&dof, b)| (dof, share * b)));
-            }
+            terms.extend(recovery(space, x)?.into_iter().map(|(dof, w)| (dof, sign * w)));
         }
         Ok(PressureDifference { terms })
     }
 }
 
-/// The fluid cells that contain `x`, with its reference coordinates there.
-fn cells_at<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(usize, [f64; D])>, MeshError> {
-    let locator = Locator::new(&space.mesh);
-    let first = locator.find(x)?;
-    let near = |node: u32| {
+/// Weights of the pressure unknowns in the recovered value at `x`.
+fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32, f64)>, MeshError> {
+    let patch = patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x);
+    let size = patch.iter().map(|&c| space.mesh.cell_diameter(c)).fold(0.0, f64::max);
+    let rule = Quadrature::cell(space.mesh.shape, 4);
+    let n = monomials(&[0.0; D]).len();
+    // One row per cell and moment: those of the monomials, and those of the pressure basis.
+    let (mut rows, mut data): (Vec<Vec<f64>>, Vec<Vec<(u32, f64)>>) = (vec![], vec![]);
+    for &cell in &patch {
+        let (mut row, mut datum) = (vec![vec![0.0; n]; D + 1], vec![vec![]; D + 1]);
+        let centre = space.mesh.centre(cell);
+        let (mut volume, h) = (0.0, space.mesh.cell_diameter(cell));
+        for (xi, w) in rule.points.iter().zip(&rule.weights) {
+            let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+            let at = space.mesh.map(cell, xi);
+            let weight = w * Tensor(space.mesh.map_gradient(cell, xi)).det();
+            volume += weight;
+            let local = monomials(&std::array::from_fn::<f64, D, _>(|d| (at[d] - x[d]) / size));
+            let basis = space.pressure.basis(&space.mesh, cell, &xi, &at);
+            for m in 0..=D {
+                let moment = weight * if m == 0 { 1.0 } else { (at[m - 1] - centre[m - 1]) / h };
+                for (r, l) in row[m].iter_mut().zip(&local) {
+                    *r += moment * l;
+                }
+                datum[m]
+                    .extend(space.pressure.cell(cell).iter().zip(&basis).map(|(&dof, b)| (dof, moment * b)));
+            }
+        }
+        rows.extend(row.into_iter().map(|r| r.into_iter().map(|x| x / volume).collect::<Vec<_>>()));
+        data.extend(
+            datum.into_iter().map(|d| d.into_iter().map(|(dof, x)| (dof, x / volume)).collect::<Vec<_>>()),
+        );
+    }
+    // value(x) = e₀ᵀ (MᵀM)⁻¹ Mᵀ N p, so the weights are Nᵀ M (MᵀM)⁻¹ e₀.
+    let normal: Vec<Vec<f64>> =
+        (0..n).map(|i| (0..n).map(|j| rows.iter().map(|r| r[i] * r[j]).sum()).collect()).collect();
+    let y = solve_small(normal);
+    let mut terms = vec![];
+    for (row, datum) in rows.iter().zip(data) {
+        let share: f64 = row.iter().zip(&y).map(|(m, y)| m * y).sum();
+        terms.extend(datum.into_iter().map(|(dof, w)| (dof, share * w)));
+    }
+    Ok(terms)
+}
+
+/// 1, x_i, x_i x_j (i ≤ j).
+fn monomials(x: &[f64]) -> Vec<f64> {
+    let mut list = vec![1.0];
+    list.extend(x);
+    for i in 0..x.len() {
+        list.extend((i..x.len()).map(|j| x[i] * x[j]));
+    }
+    list
+}
+
+/// The solution of `a y = e₀` for a small symmetric positive definite matrix, by elimination.
+fn solve_small(mut a: Vec<Vec<f64>>) -> Vec<f64> {
+    let n = a.len();
+    let mut y = vec![0.0; n];
+    y[0] = 1.0;
+    for k in 0..n {
+        let pivot = a[k].clone();
+        for i in k + 1..n {
+            let factor = a[i][k] / pivot[k];
+            for (x, p) in a[i].iter_mut().zip(&pivot) {
+                *x -= factor * p;
+            }
+            y[i] -= factor * y[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| a[k][j] * y[j]).sum();
+        y[k] = (y[k] - known) / a[k][k];
+    }
+    y
+}
+
+/// The fluid cells at `x` and their neighbours across nodes.
+fn patch_around<const D: usize>(space: &FsiSpace<D>, cell: usize, x: [f64; D]) -> Vec<usize> {
+    let fluid = |c: &usize| space.regions[*c] == Region::Fluid;
+    let near = |&node: &u32| {
         let at = space.nodes.points[node as usize];
         (0..D).all(|d| (at[d] - x[d]).abs() < 1e-9)
     };
-    let Some(&node) = space.nodes.cell(first.cell).iter().find(|&&n| near(n)) else {
-        return Ok(vec![(first.cell, first.xi)]);
+    let touching = |nodes: &[u32]| -> Vec<usize> {
+        let shares = |c: &usize| space.nodes.cell(*c).iter().any(|n| nodes.contains(n));
+        (0..space.mesh.n_cells()).filter(fluid).filter(shares).collect()
     };
-    let mut cells = vec![];
-    for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid) {
-        if let Some(a) = space.nodes.cell(cell).iter().position(|&n| n == node) {
-            let xi = lagrange::node(space.mesh.shape, space.nodes.degree, a);
-            cells.push((cell, std::array::from_fn(|d| xi[d])));
-        }
-    }
-    if cells.is_empty() { Ok(vec![(first.cell, first.xi)]) } else { Ok(cells) }
+    let at_node: Vec<u32> = space.nodes.cell(cell).iter().copied().filter(near).collect();
+    let inner = if at_node.is_empty() { vec![cell] } else { touching(&at_node) };
+    let nodes: Vec<u32> = inner.iter().flat_map(|&c| space.nodes.cell(c).to_vec()).collect();
+    touching(&nodes)
 }
 
 impl<const D: usize> Functional<D> for PressureDifference {
