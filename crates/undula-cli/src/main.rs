@@ -23,7 +23,7 @@ fn main() -> ExitCode {
         Command::Plot(args) => plot::run(&args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {error:#}");
+        eprintln!("error: {}", args::with_causes(&error));
         ExitCode::FAILURE
     })
 }

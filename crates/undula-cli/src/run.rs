@@ -1,14 +1,15 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input};
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, with_causes};
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use undula::error::Error;
-use undula::output::{Status, Summary};
+use undula::output::{OutputError, Status, Summary};
 use undula::problem::case::Case;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
@@ -144,10 +145,10 @@ fn finish(
 
 /// Computed beside published values, and where the pictures lie. Neither can spoil a finished run.
 fn show_results(summary: &Summary, directory: &Path) {
-    if summary.status == Status::Completed {
-        if let Err(error) = compare::show(directory) {
-            eprintln!("note: {error:#}");
-        }
+    if summary.status == Status::Completed
+        && let Err(error) = compare::show(directory)
+    {
+        eprintln!("note: {}", with_causes(&error));
     }
     match plot::plot_directory(directory, None) {
         Ok(pictures) => {
@@ -158,13 +159,19 @@ fn show_results(summary: &Summary, directory: &Path) {
                 println!("{}{picture}", if n == 0 { "pictures  " } else { "          " });
             }
         }
-        Err(error) => eprintln!("note: no pictures: {error:#}"),
+        Err(error) => eprintln!("note: no pictures: {}", with_causes(&error)),
     }
+}
+
+/// Whether it is the disk, not the choice of the directory.
+fn no_room(kind: ErrorKind) -> bool {
+    matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge)
 }
 
 /// An error: 2 where the input is to blame, else 1.
 fn failed(error: Error) -> anyhow::Result<ExitCode> {
     match &error {
+        Error::Directory(OutputError::Io { source, .. }) if no_room(source.kind()) => Err(error.into()),
         Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) => bad_input(error),
         Error::Load(e) if e.is_bad_input() => bad_input(error),
         _ => Err(error.into()),

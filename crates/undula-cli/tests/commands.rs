@@ -8,6 +8,7 @@ mod cases;
 #[path = "../src/check.rs"]
 mod check;
 #[path = "../src/compare.rs"]
+#[allow(dead_code)]
 mod compare;
 #[path = "../src/new.rs"]
 mod new;

@@ -123,7 +123,8 @@ impl Run {
     }
 
     fn resume(mut simulation: Simulation, path: &Path) -> Result<Run, Error> {
-        let directory = RunDirectory::open_for_resume(path).map_err(Error::Directory)?;
+        let extended = ends_later(path, &simulation.case);
+        let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
         let found = Checkpoint::load_latest(directory.checkpoints())?;
         let latest = found.ok_or_else(|| {
             Error::Resume(format!("{} holds none; start again with --force", path.display()))
@@ -173,7 +174,7 @@ impl Run {
         numbers.extend(&row.values);
         numbers.extend([row.min_j, row.newton_steps as f64, row.jacobians as f64]);
         self.history.append(&numbers)?;
-        let due = |every: usize| every > 0 && row.step > 0 && row.step % every as u64 == 0;
+        let due = |every: usize| every > 0 && row.step > 0 && row.step.is_multiple_of(every as u64);
         let output = &self.simulation.case.output;
         let (fields, checkpoint) = (due(output.fields_every), due(output.checkpoint_every));
         if fields {
@@ -301,6 +302,18 @@ fn read_row(row: &[f64], n: usize) -> Row {
         min_j: row[3 + n],
         newton_steps: row[4 + n] as usize,
         jacobians: row[5 + n] as usize,
+    }
+}
+
+/// Whether `case` ends later than that of the run in `path`.
+fn ends_later(path: &Path, case: &Case) -> bool {
+    let former = RunDirectory::open(path).ok().and_then(|directory| {
+        let text = std::fs::read_to_string(directory.case()).ok()?;
+        Case::from_toml(&text, "case.toml", &[]).ok()
+    });
+    match (former.and_then(|former| former.time), &case.time) {
+        (Some(former), Some(time)) => time.end > former.end,
+        _ => false,
     }
 }
 

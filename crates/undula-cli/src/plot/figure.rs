@@ -265,14 +265,18 @@ fn thin_out(points: Vec<(f64, f64)>, most: usize) -> Vec<(f64, f64)> {
     kept
 }
 
-/// About `count` round numbers in a range, with their labels.
+/// About `count` round numbers in a range, two at least, with their labels.
 pub fn ticks((low, high): (f64, f64), count: f64) -> Vec<(f64, String)> {
     let raw = (high - low) / count;
     let power = 10.0_f64.powf(raw.log10().floor());
-    let step =
-        [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&s| s >= 0.999 * raw).unwrap_or(raw);
+    let steps = [0.2, 0.5, 1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+    let within = |step: f64| ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+    let enough = steps.iter().position(|&s| s >= 0.999 * raw).unwrap_or(steps.len() - 1);
+    // One number says nothing about a scale.
+    let alone = |&at: &usize| at > 0 && within(steps[at]).1 <= within(steps[at]).0;
+    let step = steps[if alone(&enough) { enough - 1 } else { enough }];
     let decimals = (-(step.log10() + 1e-9).floor()).clamp(0.0, 12.0) as usize;
-    let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
+    let (first, last) = within(step);
     (first..=last.min(first + 50))
         .map(|n| n as f64 * step)
         .map(|x| (x, format!("{x:.decimals$}").replace('-', "\u{2212}")))

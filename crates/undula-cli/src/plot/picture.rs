@@ -258,7 +258,26 @@ impl Raster {
                 }
             }
         }
+        raster.close();
         raster
+    }
+
+    /// Fills the cracks between curved cells that were cut into different numbers of pieces.
+    fn close(&mut self) {
+        for row in self.samples.chunks_exact_mut(self.width) {
+            for i in 1..row.len().saturating_sub(1) {
+                if row[i].cell == NOWHERE && row[i - 1].cell != NOWHERE && row[i + 1].cell != NOWHERE {
+                    row[i] = row[i - 1];
+                }
+            }
+        }
+        let w = self.width;
+        for i in w..self.samples.len().saturating_sub(w) {
+            let beside = [self.samples[i - w], self.samples[i + w]];
+            if self.samples[i].cell == NOWHERE && beside.iter().all(|s| s.cell != NOWHERE) {
+                self.samples[i] = beside[0];
+            }
+        }
     }
 
     /// Fills the samples in a triangle, its sides included, with linear interpolation.

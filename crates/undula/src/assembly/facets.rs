@@ -8,6 +8,7 @@ use crate::mesh::Facet;
 use crate::physics::{FacetForm, Fields, Outflow};
 use crate::space::{Constraints, FsiSpace, State};
 use crate::tangent::{self, Tangent};
+use std::array::from_fn;
 
 /// One quadrature point on a facet.
 #[derive(Clone, Debug)]
@@ -150,27 +151,30 @@ impl<const D: usize> OutflowFacets<D> {
 
     /// Add the Jacobian at the new state to the matrix entries `out`.
     pub fn jacobian(&self, step: &StepView<'_>, how: Tangent, out: &mut [f64]) {
-        let mut slots = self.slots.iter();
+        let mut first = 0;
         for (nodes, points) in &self.facets {
-            // Columns of the point tangents: value and gradient of each field and component.
-            let columns: Vec<Columns<D>> = points.iter().map(|p| self.columns(step, how, p, nodes)).collect();
-            for a in 0..nodes.len() {
-                for i in 0..D {
-                    for b in 0..nodes.len() {
-                        for j in 0..D {
-                            for field in 0..if self.deforms { 2 } else { 1 } {
-                                let Some(&slot) = slots.next() else { return };
-                                if slot != DROP {
-                                    let sum: f64 = (points.iter().zip(&columns))
-                                        .map(|(p, c)| p.value[a] * c.entry(p, field, i, b, j))
-                                        .sum();
-                                    out[slot as usize] += sum;
+            let mut at = first;
+            for p in points {
+                // Columns of the point tangent: value and gradient of each field and component.
+                let columns = self.columns(step, how, p, nodes);
+                at = first;
+                for a in 0..nodes.len() {
+                    for i in 0..D {
+                        for b in 0..nodes.len() {
+                            for j in 0..D {
+                                for field in 0..if self.deforms { 2 } else { 1 } {
+                                    let Some(&slot) = self.slots.get(at) else { return };
+                                    at += 1;
+                                    if slot != DROP {
+                                        out[slot as usize] += p.value[a] * columns.entry(p, field, i, b, j);
+                                    }
                                 }
                             }
                         }
                     }
                 }
             }
+            first = at;
         }
     }
 
@@ -182,18 +186,25 @@ impl<const D: usize> OutflowFacets<D> {
             *w.component(n) = 1.0;
             tangent::outflow(how, &self.form, step.rule.theta * p.weight, &at, &p.normal, &w)
         };
-        Columns((0..2 * half).map(column).collect())
+        let from = |field: usize| field * half;
+        Columns {
+            value: from_fn(|field| from_fn(|j| column(from(field) + j))),
+            grad: from_fn(|field| from_fn(|j| from_fn(|d| column(from(field) + D + j * D + d)))),
+        }
     }
 }
 
-/// Derivatives of the traction in the directions of v, ∇v, u, ∇u.
-struct Columns<const D: usize>(Vec<Vector<f64, D>>);
+/// Derivatives of the traction in the directions of value and gradient of v and u: `[field][j]`,
+/// `[field][j][d]`.
+struct Columns<const D: usize> {
+    value: [[Vector<f64, D>; D]; 2],
+    grad: [[[Vector<f64, D>; D]; D]; 2],
+}
 
 impl<const D: usize> Columns<D> {
     /// d(traction_i) for basis function `b` in component `j` of field 0 (v) or 1 (u).
     fn entry(&self, p: &FacetPoint<D>, field: usize, i: usize, b: usize, j: usize) -> f64 {
-        let first = field * (D + D * D);
-        let value = self.0[first + j].0[i] * p.value[b];
-        (0..D).fold(value, |sum, d| sum + self.0[first + D + j * D + d].0[i] * p.grad[b][d])
+        let value = self.value[field][j].0[i] * p.value[b];
+        (0..D).fold(value, |sum, d| sum + self.grad[field][j][d].0[i] * p.grad[b][d])
     }
 }

@@ -58,7 +58,7 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     rows_xi: Vec<[u32; L]>,
     deforms: bool,
     scratch: PerThread<Scratch<D, L>>,
-    /// Smallest J met by the last residual, per batch.
+    /// Smallest J met by the last residual, per cell: `[batch][lane]`.
     min_j: Vec<f64>,
     threads: usize,
 }
@@ -99,7 +99,7 @@ where
         let rows_phi = batches.nodes.iter().map(|l| l.map(|node| node * D as u32)).collect();
         let rows_psi = batches.nodes.iter().map(|l| l.map(psi_row)).collect();
         let rows_xi = batches.pressure.iter().map(|l| l.map(|p| n_v + n_u + p)).collect();
-        let min_j = vec![f64::INFINITY; batches.len()];
+        let min_j = vec![f64::INFINITY; batches.len() * L];
         let pieces = pieces(&F::COUPLINGS, D, space.deforms);
         Kernel {
             form,
@@ -225,10 +225,16 @@ where
         });
     }
 
-    /// Smallest J of the last residual with its cell batch: (J, cells).
+    /// Smallest J of the last residual with its cell, and all cells where J is not positive.
     pub fn worst(&self) -> Option<(f64, Vec<u32>)> {
-        let (batch, j) = self.min_j.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
-        Some((*j, self.batches.cells[batch][..self.batches.active[batch]].to_vec()))
+        let cell = |i: usize| self.batches.cells[i / L][i % L];
+        let (worst, j) = self.min_j.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1))?;
+        let mut cells = vec![cell(worst)];
+        let real = |i: &usize| i % L < self.batches.active[i / L];
+        cells.extend(
+            (0..self.min_j.len()).filter(real).filter(|&i| i != worst && self.min_j[i] <= 0.0).map(cell),
+        );
+        Some((*j, cells))
     }
 
     #[inline(always)]
@@ -333,7 +339,9 @@ where
                 self.out.add(rows[l], xi.0[l]);
             }
         }
-        self.min_j.set(batch, min_j.into_iter().fold(f64::INFINITY, f64::min));
+        for (l, j) in min_j.into_iter().enumerate() {
+            self.min_j.set(batch * L + l, j);
+        }
     }
 }
 

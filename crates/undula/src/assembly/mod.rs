@@ -36,6 +36,9 @@ pub struct Physics {
     pub solid: Option<Solid>,
 }
 
+/// Body force per mass at a position \[m/s²\].
+pub type ForceAt<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
+
 /// How the loops run; none of it changes the problem solved.
 #[derive(Copy, Clone, Debug)]
 pub struct Options {
@@ -68,7 +71,7 @@ pub enum End {
 pub struct Worst {
     /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid).
     pub min_j: f64,
-    /// Cells of the batch in which it lies.
+    /// The cell in which it lies, then all others with J ≤ 0.
     pub cells: Vec<u32>,
 }
 
@@ -160,7 +163,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// Set the body force of a region at one end of the step; `None`: no force.
-    pub fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>) {
+    pub fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>) {
         self.kernels.set_force(region, end, force);
     }
 
@@ -237,7 +240,7 @@ fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>)
 trait Kernels<const D: usize>: Send + Sync {
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
     fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32);
-    fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>);
+    fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>);
     fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
     fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
@@ -303,7 +306,7 @@ where
         }
     }
 
-    fn set_force(&mut self, region: Region, end: End, force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>) {
+    fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>) {
         match region {
             Region::Fluid => self.fluid.as_mut().map(|k| fill_force(k, end, force)),
             Region::Solid => self.solid.as_mut().map(|k| fill_force(k, end, force)),
@@ -351,7 +354,7 @@ where
 fn fill_force<F: crate::tangent::ByHand<D>, const D: usize, const L: usize>(
     kernel: &mut Kernel<F, D, L>,
     end: End,
-    force: Option<&dyn Fn(&[f64; D]) -> [f64; D]>,
+    force: Option<ForceAt<D>>,
 ) where
     Lanes<L>: Width,
 {

@@ -66,8 +66,8 @@ impl<const D: usize> Mesh<D> {
     /// Puts every cell where `inside` is positive in region `name`, a new one unless there is one of that
     /// name; returns the number of these cells.
     ///
-    /// A cell belongs to the region if `inside >= 0` at all of its geometry nodes, and does not if
-    /// `inside <= 0` at all of them. Facets keep their names; see [`Mesh::mark_interface`].
+    /// A cell belongs to the region if `inside >= 0` at all of its geometry nodes and not 0 at all, and does
+    /// not if `inside <= 0` at all of them: a condition such as `x < 0.5`, 0 or 1, serves as well. Facets keep their names; see [`Mesh::mark_interface`].
     ///
     /// # Errors
     /// [`MeshError::CutCells`] if there are other cells; the mesh is then unchanged.
@@ -81,10 +81,11 @@ impl<const D: usize> Mesh<D> {
         let (mut belong, mut cut) = (vec![], vec![]);
         for cell in 0..self.n_cells() {
             let at = self.cell(cell).iter().map(|&n| values[n as usize]);
-            if at.clone().all(|v| v >= -rounding) {
-                belong.push(cell);
-            } else if !at.clone().all(|v| v <= rounding) {
-                cut.push(cell);
+            let (some_in, some_out) = (at.clone().any(|v| v > rounding), at.clone().any(|v| v < -rounding));
+            match (some_in, some_out) {
+                (true, false) => belong.push(cell),
+                (true, true) => cut.push(cell),
+                (false, _) => {}
             }
         }
         if !cut.is_empty() {

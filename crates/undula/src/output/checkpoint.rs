@@ -71,7 +71,10 @@ impl Checkpoint {
     pub fn save(&self, directory: impl AsRef<Path>, step: u64) -> Result<PathBuf, OutputError> {
         let directory = directory.as_ref();
         let path = directory.join(format!("checkpoint_{step:08}.npz"));
-        write_atomic(&path, |file| self.write(file))?;
+        // A zip archive is finished by going back in it, and complains where that fails: make it in memory.
+        let mut bytes = io::Cursor::new(Vec::new());
+        self.write(&mut bytes).map_err(OutputError::io("write", &path))?;
+        write_atomic(&path, |file| file.write_all(bytes.get_ref()))?;
         let found = list(directory)?;
         let (later, earlier): (Vec<_>, Vec<_>) = found.into_iter().partition(|(n, _)| *n > step);
         let surplus = earlier.len().saturating_sub(KEPT);

@@ -50,15 +50,17 @@ impl RunDirectory {
         Ok(directory)
     }
 
-    /// The directory of an unfinished run, to continue it.
+    /// The directory of an unfinished run, to continue it; that of a completed one only if it is to be
+    /// `extended`.
     ///
     /// # Errors
     /// [`OutputError::NoRun`] without `case.toml`, [`OutputError::AlreadyCompleted`],
     /// [`OutputError::Busy`], [`OutputError::Io`] if it cannot be written.
-    pub fn open_for_resume(path: impl AsRef<Path>) -> Result<Self, OutputError> {
+    pub fn open_for_resume(path: impl AsRef<Path>, extended: bool) -> Result<Self, OutputError> {
         let directory = Self::open(path)?;
         let path = directory.path.clone();
-        if Summary::read(path.join("summary.json")).is_ok_and(|s| s.status == Status::Completed) {
+        if !extended && Summary::read(path.join("summary.json")).is_ok_and(|s| s.status == Status::Completed)
+        {
             return Err(OutputError::AlreadyCompleted { path });
         }
         Self::locked(&path)
@@ -268,7 +270,7 @@ mod tests {
             assert!(message.contains("--resume") && message.contains("--force"), "{message}");
             assert!(message.contains(&status.to_string()), "{message}");
             assert_eq!(fs::read_to_string(path.join("case.toml")).unwrap(), "kept");
-            drop(RunDirectory::open_for_resume(&path).unwrap());
+            drop(RunDirectory::open_for_resume(&path, false).unwrap());
             drop(RunDirectory::create(&path, true).unwrap());
             assert!(!path.join("case.toml").exists());
         }
@@ -277,10 +279,13 @@ mod tests {
     #[test]
     fn completed_runs_are_not_resumed_and_empty_directories_hold_no_run() {
         let path = scratch("directory-completed");
-        assert!(matches!(RunDirectory::open_for_resume(&path), Err(OutputError::NoRun { .. })));
+        assert!(matches!(RunDirectory::open_for_resume(&path, false), Err(OutputError::NoRun { .. })));
         fs::write(path.join("case.toml"), "").unwrap();
         with_status(&path, Status::Completed);
-        assert!(matches!(RunDirectory::open_for_resume(&path), Err(OutputError::AlreadyCompleted { .. })));
+        assert!(matches!(
+            RunDirectory::open_for_resume(&path, false),
+            Err(OutputError::AlreadyCompleted { .. })
+        ));
     }
 
     #[test]

@@ -55,7 +55,7 @@ pub enum OutputError {
         missing: String,
     },
     /// The run to resume has already been completed.
-    #[error("{}: this run is already completed; nothing to resume", path.display())]
+    #[error("{}: this run is already completed; nothing to resume (a later `time.end` would extend it)", path.display())]
     AlreadyCompleted {
         /// The directory.
         path: PathBuf,

@@ -4,6 +4,7 @@ use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, MeshSource, MotionModel,
     PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
+use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
 use crate::algebra::{self, Csr, FaerLu, LinearSolver, MultifrontalLu};
@@ -43,23 +44,43 @@ impl Case {
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
             }
-            MeshSource::File(path) => (gmsh::read(path)?.refined(refine, &[]), vec![]),
+            MeshSource::File(path) => {
+                let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                (mesh.refined(refine, &[]), vec![])
+            }
         };
         for (name, inside) in &spec.region {
-            mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))?;
+            mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
+                .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
         }
         let (fluid, solid) = (self.fluid_region(), self.solid_region());
-        if mesh.boundary(INTERFACE).is_none() && mesh.region(fluid).is_some() && mesh.region(solid).is_some()
+        let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };
+        if mesh.boundary(INTERFACE).is_none()
+            && mesh.region(fluid).is_some()
+            && mesh.region(solid).is_some()
+            && let Err(error) = mesh.mark_interface(fluid, solid)
         {
-            mesh.mark_interface(fluid, solid)?;
+            // What keeps the regions apart says more than that they are.
+            return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
         }
         self.check_mesh(&MeshNames::of(&mesh))?;
         if mesh.boundary(INTERFACE).is_some() {
-            mesh.check_matching(fluid, solid, &curves)?;
+            mesh.check_matching(fluid, solid, &curves).map_err(|e| self.blame(key, e))?;
         } else {
-            mesh.check()?;
+            mesh.check().map_err(|e| self.blame(key, e))?;
         }
         Ok(mesh)
+    }
+
+    /// An error of the mesh, told with the place of the `key` of the case that is to blame.
+    fn blame(&self, key: &str, error: MeshError) -> Error {
+        let place = self.place_of(key);
+        Error::Case(CaseErrors(vec![CaseError {
+            place,
+            key: key.into(),
+            value: None,
+            message: error.to_string(),
+        }]))
     }
 
     fn fluid_region(&self) -> &str {
@@ -231,7 +252,10 @@ impl Case {
     pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
         let mut list: Functionals = vec![];
         for (name, spec) in &self.functional {
-            list.push((name.clone(), self.build_functional(space, spec)?));
+            let functional = self
+                .build_functional(space, spec)
+                .map_err(|e| self.blame(&format!("functional.{name}.{}", point_key(spec, &e)), e))?;
+            list.push((name.clone(), functional));
         }
         Ok(list)
     }
@@ -271,6 +295,17 @@ impl Case {
             }
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
         })
+    }
+}
+
+/// The key of `spec` that `error` is about.
+fn point_key(spec: &FunctionalSpec, error: &MeshError) -> &'static str {
+    match (spec, error) {
+        (FunctionalSpec::PressureDifference { a, .. }, MeshError::Outside { point, .. }) => {
+            if point.as_slice() == a { "a" } else { "b" }
+        }
+        (FunctionalSpec::Displacement { .. }, _) => "point",
+        _ => "on",
     }
 }
 

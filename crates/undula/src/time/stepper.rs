@@ -149,29 +149,44 @@ impl<const D: usize> Stepper<D> {
     /// Carry the solution on by `k` \[s\], in smaller parts if need be.
     ///
     /// # Errors
-    /// [`StepFailure`]; the solution is then that of the last part that succeeded.
+    /// [`StepFailure`]; everything is then as before the step, whatever its parts had reached.
     pub fn step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
-        self.divided(k, self.settings.max_halvings)
+        let failure = match self.attempt(k) {
+            Ok(report) => return Ok(report),
+            Err(failure) => failure,
+        };
+        if self.settings.max_halvings == 0 {
+            return Err(failure);
+        }
+        let (clock, states) = (self.clock(), (self.new.clone(), self.old.clone()));
+        let result = self.halves(k, self.settings.max_halvings);
+        if result.is_err() {
+            (self.time, self.last_step) = (clock.time, clock.last_step);
+            (self.new, self.old) = states;
+        }
+        result
     }
 
     fn divided(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
         match self.attempt(k) {
             Ok(report) => Ok(report),
             Err(failure) if halvings == 0 => Err(failure),
-            Err(_) => {
-                self.newton.forget();
-                let first = self.divided(0.5 * k, halvings - 1)?;
-                let second = self.divided(0.5 * k, halvings - 1)?;
-                self.newton.forget();
-                Ok(StepReport {
-                    newton_steps: first.newton_steps + second.newton_steps,
-                    jacobians: first.jacobians + second.jacobians,
-                    parts: first.parts + second.parts,
-                    norms: second.norms,
-                    min_j: first.min_j.min(second.min_j),
-                })
-            }
+            Err(_) => self.halves(k, halvings),
         }
+    }
+
+    fn halves(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
+        self.newton.forget();
+        let first = self.divided(0.5 * k, halvings - 1)?;
+        let second = self.divided(0.5 * k, halvings - 1)?;
+        self.newton.forget();
+        Ok(StepReport {
+            newton_steps: first.newton_steps + second.newton_steps,
+            jacobians: first.jacobians + second.jacobians,
+            parts: first.parts + second.parts,
+            norms: second.norms,
+            min_j: first.min_j.min(second.min_j),
+        })
     }
 
     /// One step without division; on failure everything is as before.
@@ -185,7 +200,7 @@ impl<const D: usize> Stepper<D> {
         match solved {
             Ok((report, norms, min_j)) => {
                 // Sums of decimal steps stay decimal: 0.3, not 0.30000000000000004.
-                self.time = (t * 1e12).round() * 1e-12;
+                self.time = (t * 1e12).round() / 1e12;
                 self.last_step = k;
                 let (newton_steps, jacobians) = (report.steps, report.jacobians);
                 Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })

@@ -71,7 +71,7 @@ pub fn bend(mesh: &mut Mesh<2>, n: usize, cells: Cells) {
     let h = 1.0 / n as f64;
     let vertex = |i: usize, j: usize| {
         let (x, y) = (i as f64 * h, j as f64 * h);
-        let sign = |m: usize| if m % 2 == 0 { 1.0 } else { -1.0 };
+        let sign = |m: usize| if m.is_multiple_of(2) { 1.0 } else { -1.0 };
         let inner = |m: usize| if m == 0 || m == n { 0.0 } else { 1.0 };
         [x + 0.15 * h * sign(j) * inner(i), y + 0.2 * h * sign(i) * inner(j)]
     };

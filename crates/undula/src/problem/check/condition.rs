@@ -2,6 +2,7 @@
 
 use super::is_name;
 use crate::problem::case::{Condition, EnergyKind, FunctionalSpec};
+use crate::problem::error::quoted;
 use crate::problem::read::{ANY, POSITIVE, Section};
 use std::collections::BTreeMap;
 
@@ -57,6 +58,9 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> 
     boundary
 }
 
+/// Columns of `history.csv` that are no functionals.
+const COLUMNS: [&str; 6] = ["step", "time", "force_time", "min_J", "newton_steps", "jacobians"];
+
 #[derive(Copy, Clone)]
 enum Functional {
     Force,
@@ -76,10 +80,13 @@ pub(super) fn functional(
     let names = all.keys();
     for name in &names {
         let mut s = all.section(name);
-        if !is_name(name) || matches!(name.as_str(), "step" | "time" | "force_time") {
+        if !is_name(name) || COLUMNS.contains(&name.as_str()) {
+            let others = quoted(COLUMNS);
             all.wrong(
                 name,
-                "expected a name of letters, digits, `-` and `_`, not `step`, `time`, `force_time`",
+                format!(
+                    "expected a name of letters, digits, `-` and `_`; {others} are other columns of history.csv"
+                ),
             );
         }
         let kinds = [

@@ -1,0 +1,96 @@
+//! The program as a user meets it: the real binary, in directories of its own.
+
+mod endings;
+mod input;
+mod outputs;
+
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Few cells, few steps, a beam that moves; some milliseconds each.
+const SMALL: [&str; 4] = ["mesh.refine=0", "time.step=0.01", "time.end=0.05", "solid.body-force=[0,-2]"];
+
+/// A directory of one test.
+struct Place(PathBuf);
+
+impl Place {
+    fn new(name: &str) -> Place {
+        let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("cli-{name}"));
+        let _ = fs::remove_dir_all(&path);
+        fs::create_dir_all(&path).unwrap();
+        Place(path)
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, text: &str) {
+        fs::write(self.file(name), text).unwrap();
+    }
+
+    fn read(&self, name: &str) -> String {
+        fs::read_to_string(self.file(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+    }
+
+    fn json(&self, name: &str) -> Value {
+        serde_json::from_str(&self.read(name)).unwrap()
+    }
+
+    /// The program, about to run here with `arguments` and `sets`.
+    fn command(&self, arguments: &str, sets: &[&str]) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_undula"));
+        command.current_dir(&self.0).args(arguments.split_whitespace()).stdin(Stdio::null());
+        sets.iter().for_each(|set| {
+            command.args(["--set", set]);
+        });
+        command
+    }
+
+    fn run(&self, arguments: &str, sets: &[&str]) -> Said {
+        Said::of(self.command(arguments, sets).output().unwrap())
+    }
+}
+
+/// How the program ended and what it said.
+#[derive(Debug)]
+struct Said {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+impl Said {
+    fn of(output: Output) -> Said {
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        let said = Said { code: output.status.code(), out: text(output.stdout), err: text(output.stderr) };
+        assert!(!said.err.contains("panicked"), "{said:?}");
+        said
+    }
+
+    /// Asserts the exit code, and that all of `words` were said.
+    #[track_caller]
+    fn expect(self, code: i32, words: &[&str]) -> Said {
+        let all = format!("{}{}", self.out, self.err);
+        assert_eq!(self.code, Some(code), "{all}");
+        for word in words {
+            assert!(all.contains(word), "`{word}` was not said:\n{all}");
+        }
+        self
+    }
+}
+
+/// Waits until `done` gives something.
+fn wait<T>(what: &str, mut done: impl FnMut() -> Option<T>) -> T {
+    let begun = Instant::now();
+    loop {
+        if let Some(value) = done() {
+            return value;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "waited too long for {what}");
+        std::thread::sleep(Duration::from_millis(3));
+    }
+}

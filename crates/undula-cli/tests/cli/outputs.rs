@@ -1,0 +1,98 @@
+//! What a run leaves behind, and the commands that read it.
+
+use super::{Place, SMALL};
+use std::fs;
+
+#[test]
+fn the_output_directory_keeps_its_contract() {
+    let here = Place::new("contract");
+    let mut sets = SMALL.to_vec();
+    sets.extend(["output.fields-every=2", "output.checkpoint-every=2"]);
+    here.run("run fsi3 -o results --threads 2", &sets)
+        .expect(0, &[" cells, ", "2 threads", "completed", "featflow", "results/plots/speed.png"]);
+    let history = here.read("results/history.csv");
+    let lines: Vec<&str> = history.lines().collect();
+    assert_eq!(lines[0], "step,time,force_time,drag,lift,ux_A,uy_A,min_J,newton_steps,jacobians");
+    assert_eq!(lines.len(), 6);
+    assert!(lines[3].starts_with("3,0.03,"), "{}", lines[3]);
+    assert!(lines.iter().all(|line| line.split(',').count() == 10));
+    let summary = here.json("results/summary.json");
+    for key in
+        "status case cells unknowns steps newton_steps jacobians factorizations threads wall_seconds phases \
+                peak_memory_bytes functionals"
+            .split_whitespace()
+    {
+        assert!(summary.get(key).is_some(), "{key}");
+    }
+    assert_eq!((&summary["status"], &summary["case"]), (&"completed".into(), &"fsi3".into()));
+    assert_eq!((&summary["steps"], &summary["threads"]), (&5.into(), &2.into()));
+    let last: f64 = lines[5].split(',').nth(3).unwrap().parse().unwrap();
+    assert_eq!(summary["functionals"]["drag"]["last"].as_f64(), Some(last));
+    assert_eq!(summary["functionals"]["drag"]["unit"], "N/m");
+    for file in ["fields.pvd", "fields/fields_000002.vtu", "fields/fields_000005.vtu"] {
+        assert!(here.file("results").join(file).is_file(), "{file}");
+    }
+    for file in ["checkpoint_00000004.npz", "checkpoint_00000005.npz"] {
+        assert!(here.file("results/checkpoints").join(file).is_file(), "{file}");
+    }
+    assert_eq!(fs::read_dir(here.file("results/checkpoints")).unwrap().count(), 2);
+    assert!(!here.file("results/.lock").exists());
+    // The resolved case is a case: it gives the same bits, on another number of threads.
+    here.run("check results/case.toml", &[]).expect(0, &[" cells, "]);
+    here.run("run results/case.toml -o again --quiet --threads 1", &[]).expect(0, &[]);
+    assert_eq!(here.read("again/history.csv"), history);
+    assert_eq!(here.read("again/case.toml"), here.read("results/case.toml"));
+    commands_read_it(&here);
+}
+
+fn commands_read_it(here: &Place) {
+    here.run("compare results", &[]).expect(0, &["drag", "N/m", "published", "deviation", "uncertainty"]);
+    here.run("compare results again", &[]).expect(0, &["drag", "lift", "uy_A"]);
+    here.write("own.reference.toml", "case = \"fsi3\"\n[reference.drag]\nvalue = 100\nsource = \"own\"\n");
+    here.run("compare results --reference own.reference.toml", &[]).expect(0, &["own"]);
+    fs::remove_dir_all(here.file("results/plots")).unwrap();
+    let said =
+        here.run("plot results", &[]).expect(0, &["results/plots/speed.png", "results/plots/pressure.png"]);
+    assert!(said.out.lines().all(|picture| here.file(picture).is_file()), "{}", said.out);
+    here.run("plot results -o pictures", &[]).expect(0, &["pictures/speed.png"]);
+    // A completed run is replaced without being asked.
+    here.run("run fsi3 -o again --quiet", &[&SMALL[..], &["time.end=0.01"]].concat()).expect(0, &[]);
+    assert_eq!(here.read("again/history.csv").lines().count(), 2);
+    assert!(!here.file("again/checkpoints/checkpoint_00000005.npz").exists());
+}
+
+#[test]
+fn a_case_without_solid_or_without_fluid() {
+    let here = Place::new("parts");
+    let flow = ["solid=none", "time=none", "time.scheme=stationary", "time.end=0.5"];
+    here.run("run fsi3 -o flow", &[&flow[..], &["mesh.refine=0"]].concat())
+        .expect(0, &["deformation 0", "functional.uy_A is left out", "speed.png"]);
+    let history = here.read("flow/history.csv");
+    assert!(
+        history.starts_with("step,time,force_time,drag,lift,min_J,newton_steps,jacobians\n0,"),
+        "{history}"
+    );
+    here.run("run fsi3 -o solid", &[&SMALL[..], &["fluid=none"]].concat())
+        .expect(0, &["pressure 0", "functional.drag is left out", "deformation.png"]);
+    assert!(here.read("solid/history.csv").starts_with("step,time,force_time,ux_A,uy_A,"));
+}
+
+#[test]
+fn cases_new_and_check() {
+    let here = Place::new("cases");
+    let said = here.run("cases", &[]).expect(0, &[]);
+    let names: Vec<&str> = said.out.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() >= 12 && names.contains(&"fsi3") && names.contains(&"dfg-2d2"), "{names:?}");
+    for name in names {
+        here.run(&format!("new {name}"), &[]).expect(0, &[]);
+        let said =
+            here.run(&format!("check {name}.toml"), &["mesh.refine=0"]).expect(0, &["cells", "unknowns"]);
+        assert!(said.err.is_empty(), "{name}: {}", said.err);
+    }
+    here.run("new fsi3", &[]).expect(2, &["fsi3.toml exists already", "--force"]);
+    here.run("new fsi3 --force", &[]).expect(0, &[]);
+    here.run("check fsi3", &[]).expect(0, &["Re = 200", "Poisson 0.4000", "2000 steps", "density ratio"]);
+    let resolved = here.run("check fsi3 --toml", &["time.step=0.002"]).expect(0, &["step = 0.002"]);
+    here.write("resolved.toml", &resolved.out);
+    assert_eq!(here.run("check resolved.toml --toml", &[]).out, resolved.out);
+}
