@@ -1,0 +1,241 @@
+//! Residual and Jacobian of the whole problem.
+
+#[path = "common/manufactured.rs"]
+mod manufactured;
+
+use manufactured::*;
+use std::sync::Arc;
+use undula::algebra::Csr;
+use undula::assembly::{Assembler, Options, Physics, StepView};
+use undula::physics::{Fluid, Material, Solid, StepRule};
+use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
+use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::{PsiOwner, State};
+use undula::tangent::Tangent;
+
+const RULES: [StepRule; 2] =
+    [StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT }, StepRule::STATIONARY];
+
+fn nothing() -> Exact {
+    let zero = number(0.0);
+    Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero })
+}
+
+/// A solid body in the flow, bent cells, do-nothing outflow.
+fn coupled(physics: Physics, pressure: PressureKind) -> Manufactured {
+    let mesh = square(4, Cells::Curved, Body::Block);
+    problem(&mesh, physics, pressure, nothing(), InTime::Difference, QUADRATURE)
+}
+
+/// A random state; J stays positive.
+fn random(problem: &Manufactured, seed: u64) -> State {
+    let (space, mut random) = (&problem.space, Random(seed));
+    let mut list = |n: usize, size: f64| (0..n).map(|_| size * random.next()).collect();
+    State { v: list(space.n_v(), 2.0), u: list(space.n_u(), 0.02), p: list(space.n_p(), 4.0) }
+}
+
+fn assembled(
+    problem: &Manufactured,
+    options: &Options,
+    rule: StepRule,
+    tangent: Tangent,
+) -> (Vec<f64>, Csr, Assembler<2>) {
+    let mut assembler = problem.assembler(options);
+    let (new, old) = (random(problem, 77), random(problem, 78));
+    let view = StepView { rule, new: &new, old: &old };
+    let mut residual = vec![0.0; problem.space.n_unknowns()];
+    assembler.explicit(&view, &mut residual);
+    let min_j = assembler.residual(&view, &mut residual);
+    assert!(min_j > 0.1, "not admissible: J = {min_j}");
+    let mut matrix = Csr::zeros(&assembler.pattern);
+    assembler.jacobian(&view, tangent, &mut matrix);
+    (residual, matrix, assembler)
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// Each column of the Jacobian is the central difference of the residual, entries that the pattern does
+/// not have included; given unknowns have unit rows and no column.
+fn check_jacobian(pressure: PressureKind, rule: StepRule, tangent: Tangent) {
+    let problem = coupled(FSI, pressure);
+    let (_, matrix, mut assembler) = assembled(&problem, &options(), rule, tangent);
+    let (mut new, old) = (random(&problem, 77), random(&problem, 78));
+    let n = problem.space.n_unknowns();
+    let given = given(&assembler);
+    let row_size: Vec<f64> = (0..n).map(|i| largest(&matrix.values[matrix.pattern.row(i)])).collect();
+    let entry = |i, j| matrix.pattern.find(i, j).map_or(0.0, |at| matrix.values[at]);
+    let (mut unit, mut worst) = (vec![0.0; n], 0.0f64);
+    for j in 0..n {
+        let h = if j < problem.space.n_v() { 1e-4 } else { 1e-6 };
+        let mut moved = |by: f64| {
+            unit[j] = by;
+            new.add_scaled(1.0, &unit);
+            let mut r = vec![0.0; n];
+            assembler.residual(&StepView { rule, new: &new, old: &old }, &mut r);
+            new.add_scaled(-1.0, &unit);
+            unit[j] = 0.0;
+            r
+        };
+        let (plus, minus) = (moved(h), moved(-h));
+        for i in 0..n {
+            if given[i] || given[j] {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert_eq!(entry(i, j), expected, "given row {i}, column {j}");
+                assert_eq!(matrix.pattern.find(i, j).is_some(), i == j);
+            } else {
+                let gap = (entry(i, j) - (plus[i] - minus[i]) / (2.0 * h)).abs() / row_size[i];
+                assert!(gap < 2e-8, "({i}, {j}) of {n}: {gap:e} with {pressure:?}, {rule:?}, {tangent:?}");
+                worst = worst.max(gap);
+            }
+        }
+    }
+    println!("{pressure:?} {tangent:?} theta = {}: {worst:.1e}", rule.theta);
+}
+
+fn given(assembler: &Assembler<2>) -> Vec<bool> {
+    let n = assembler.space.n_unknowns();
+    let mut marks = vec![1.0; n];
+    assembler.zero_given(&mut marks);
+    marks.iter().map(|&m| m == 0.0).collect()
+}
+
+#[test]
+fn jacobian_is_the_derivative_of_the_residual() {
+    for pressure in [P1dc, Continuous(1)] {
+        for rule in RULES {
+            for tangent in [Tangent::Automatic, Tangent::Analytic] {
+                check_jacobian(pressure, rule, tangent);
+            }
+        }
+    }
+}
+
+#[test]
+fn lanes_agree_to_rounding() {
+    let problem = coupled(FSI, P1dc);
+    for tangent in [Tangent::Automatic, Tangent::Analytic] {
+        let with = |lanes| {
+            let options = Options { lanes, threads: 1, quadrature: QUADRATURE };
+            let (residual, matrix, _) = assembled(&problem, &options, RULES[0], tangent);
+            (residual, matrix)
+        };
+        let (residual, matrix) = with(1);
+        for lanes in [2, 4, 8] {
+            let (r, m) = with(lanes);
+            assert_eq!(m.pattern, matrix.pattern);
+            for (one, many) in [(&residual, &r), (&matrix.values, &m.values)] {
+                let gap = one.iter().zip(many).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs()));
+                assert!(gap < 1e-13 * largest(one), "{lanes} lanes: {:e}", gap / largest(one));
+            }
+        }
+    }
+}
+
+#[test]
+fn threads_agree_bit_for_bit() {
+    for pressure in [P1dc, Continuous(1)] {
+        let problem = coupled(FSI, pressure);
+        let with = |threads, lanes| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| {
+                let options = Options { lanes, threads, quadrature: QUADRATURE };
+                let (residual, matrix, _) = assembled(&problem, &options, RULES[0], Tangent::Automatic);
+                (residual, matrix.values)
+            })
+        };
+        for lanes in [1, 4] {
+            assert!(with(1, lanes) == with(2, lanes), "{lanes} lanes differ");
+        }
+    }
+}
+
+/// Which unknowns a row depends on, as (v, u, p) of fluid alone and of the closure of the solid.
+#[derive(Default, Debug, PartialEq)]
+struct Reach {
+    v: [bool; 2],
+    u: [bool; 2],
+    p: bool,
+}
+
+/// Every row belongs to one equation: relation in the closure of the solid, extension elsewhere, with no
+/// share of the fluid's cells in the rows of the interface.
+#[test]
+fn every_row_has_one_owner() {
+    let problem = coupled(FSI, P1dc);
+    let space = &problem.space;
+    let (_, matrix, assembler) = assembled(&problem, &options(), RULES[0], Tangent::Automatic);
+    let (n, n_v, n_u) = (space.n_unknowns(), space.n_v(), space.n_u());
+    assert_eq!((matrix.pattern.n, assembler.unknowns().len()), (n, n));
+    let given = given(&assembler);
+    let solid = |node: usize| space.owner[node] == PsiOwner::Relation;
+    let interface = space.boundary_nodes("interface");
+    let mut owned = [0; 2];
+    for i in (0..n).filter(|&i| !given[i]) {
+        let mut reach = Reach::default();
+        for at in matrix.pattern.row(i).filter(|&at| matrix.values[at] != 0.0) {
+            match matrix.pattern.col[at] as usize {
+                j if j < n_v => reach.v[usize::from(solid(j / 2))] = true,
+                j if j < n_v + n_u => reach.u[usize::from(solid((j - n_v) / 2))] = true,
+                _ => reach.p = true,
+            }
+        }
+        if i >= n_v + n_u {
+            assert!(reach.v[0] && reach.u[0] && !reach.p, "divergence row {i}: {reach:?}");
+        } else if i >= n_v {
+            let node = (i - n_v) / 2;
+            owned[usize::from(solid(node))] += 1;
+            match space.owner[node] {
+                PsiOwner::Relation => {
+                    let relation = Reach { v: [false, true], u: [false, true], p: false };
+                    assert_eq!(reach, relation, "relation at node {node}");
+                }
+                PsiOwner::Extension => {
+                    assert!(
+                        reach.v == [false; 2] && reach.u[0] && !reach.p,
+                        "extension at {node}: {reach:?}"
+                    );
+                    assert!(!interface.contains(&(node as u32)));
+                }
+            }
+        } else if interface.contains(&(i as u32 / 2)) {
+            assert_eq!(reach, Reach { v: [true; 2], u: [true; 2], p: true }, "momentum at the interface");
+        }
+    }
+    assert!(owned[0] > 0 && owned[1] > 0);
+}
+
+/// Parameters of one equation change its rows and no others.
+#[test]
+fn rows_change_with_their_own_parameters_only() {
+    let softer = Solid { rho: 3.0, material: Material::StVenantKirchhoff { mu: 1.0, lambda: 9.0 } };
+    let thicker = Fluid { rho: 2.0, nu: 0.9, ..FLUID };
+    let matrix = |physics| {
+        let problem = coupled(physics, P1dc);
+        assembled(&problem, &options(), RULES[0], Tangent::Automatic).1
+    };
+    let problem = coupled(FSI, P1dc);
+    let (space, base) = (&problem.space, matrix(FSI));
+    let (n_v, n_u) = (space.n_v(), space.n_u());
+    let changed =
+        |other: &Csr, i: usize| other.values[other.pattern.row(i)] != base.values[base.pattern.row(i)];
+    let given = given(&problem.assembler(&options()));
+    let solid = matrix(Physics { solid: Some(softer), ..FSI });
+    let fluid = matrix(Physics { fluid: Some(thicker), ..FSI });
+    let in_cells = |region| {
+        let mut touched = vec![false; space.nodes.len()];
+        for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region) {
+            space.nodes.cell(cell).iter().for_each(|&node| touched[node as usize] = true);
+        }
+        touched
+    };
+    let [of_fluid, of_solid] = [undula::space::Region::Fluid, undula::space::Region::Solid].map(in_cells);
+    for i in (0..space.n_unknowns()).filter(|&i| !given[i]) {
+        let momentum = i < n_v;
+        assert_eq!(changed(&solid, i), momentum && of_solid[i / 2], "row {i} and the solid");
+        let psi = (i >= n_v && i < n_v + n_u).then(|| space.owner[(i - n_v) / 2]);
+        let extension = psi == Some(PsiOwner::Extension);
+        assert_eq!(changed(&fluid, i), (momentum && of_fluid[i / 2]) || extension, "row {i} and the fluid");
+    }
+}

@@ -1,0 +1,349 @@
+//! What the discrete equations reproduce exactly.
+#![allow(non_snake_case)]
+
+#[path = "common/manufactured.rs"]
+mod manufactured;
+
+use manufactured::*;
+use std::sync::Arc;
+use undula::algebra::SolverError;
+use undula::assembly::{Assembler, End, Physics, StepView};
+use undula::functional::force::{ForceByResidual, ForceBySurface};
+use undula::functional::{Functional, Snapshot};
+use undula::mesh::Mesh;
+use undula::mesh::generate::rectangle;
+use undula::nonlinear::NewtonError;
+use undula::physics::{Fluid, StepRule};
+use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
+use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::{BoundaryCondition, PsiOwner, Region, State};
+use undula::time::{Scheme, Stepper};
+
+const K: f64 = 0.1;
+
+fn fields(f: impl Fn([f64; 2]) -> Values + Send + Sync + 'static) -> Exact {
+    Arc::new(move |[x, y], _| f([x.re, y.re]))
+}
+
+fn nothing() -> Exact {
+    let zero = number(0.0);
+    fields(move |_| Values { v: [zero; 2], u: [zero; 2], p: zero })
+}
+
+/// A body in the flow on bent cells.
+fn bent(physics: Physics, body: Body, pressure: PressureKind) -> Manufactured {
+    let mesh = square(4, Cells::Curved, body);
+    problem(&mesh, physics, pressure, nothing(), InTime::Difference, QUADRATURE)
+}
+
+/// v = `v` at every node, u random, p = `p`.
+fn state(problem: &Manufactured, seed: u64, v: [f64; 2], p: f64) -> State {
+    let (space, mut random) = (&problem.space, Random(seed));
+    let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
+    state.v.chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&v));
+    state.u.iter_mut().for_each(|u| *u = 0.02 * random.next());
+    let constant = |dof: usize| match space.pressure.kind {
+        P1dc if !dof.is_multiple_of(3) => 0.0,
+        _ => p,
+    };
+    state.p = (0..space.n_p()).map(constant).collect();
+    state
+}
+
+/// At every node `f(x)`.
+fn nodal(problem: &Manufactured, f: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
+    problem.space.nodes.points.iter().flat_map(|x| f(*x)).collect()
+}
+
+/// The residual of one region in a step.
+fn region(
+    assembler: &mut Assembler<2>,
+    region: Region,
+    rule: StepRule,
+    new: &State,
+    old: &State,
+) -> Vec<f64> {
+    let mut out = vec![0.0; assembler.space.n_unknowns()];
+    assembler.region_residual(&StepView { rule, new, old }, region, &mut out);
+    out
+}
+
+fn largest(x: impl IntoIterator<Item = f64>) -> f64 {
+    x.into_iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// Nodes on a named boundary or the interface.
+fn on_boundaries(problem: &Manufactured) -> Vec<bool> {
+    let mut on = vec![false; problem.space.nodes.len()];
+    for facet in &problem.space.mesh.facets {
+        problem.space.facet_nodes(facet).iter().for_each(|&node| on[node as usize] = true);
+    }
+    on
+}
+
+/// Piola's identity holds exactly: a constant pressure does no work on inner nodes and its forces on a
+/// closed surface add up to zero, whatever the deformation at both ends of the step.
+#[test]
+fn constant_pressure_does_no_net_work() {
+    for pressure in [P1dc, Continuous(1)] {
+        let problem = bent(FSI, Body::Inclusion, pressure);
+        let (new, old) = (state(&problem, 5, [0.0; 2], 3.0), state(&problem, 6, [0.0; 2], 0.0));
+        let mut assembler = problem.assembler(&options());
+        let r = region(&mut assembler, Region::Fluid, StepRule::theta(K, 0.51), &new, &old);
+        let boundary = on_boundaries(&problem);
+        let inner = (0..problem.space.n_v()).filter(|i| !boundary[i / 2]).map(|i| r[i]);
+        assert!(largest(inner) < 1e-14, "inner rows with {pressure:?}");
+        let interface = problem.space.boundary_nodes("interface");
+        assert!(largest(interface.iter().map(|&n| r[2 * n as usize])) > 0.1, "forces there are");
+        for i in 0..2 {
+            let sum: f64 = interface.iter().map(|&n| r[2 * n as usize + i]).sum();
+            assert!(sum.abs() < 1e-13, "net force {sum:e} with {pressure:?}");
+        }
+    }
+}
+
+#[test]
+fn rigid_motion_of_the_solid_has_no_stress() {
+    let problem = bent(BODY, Body::Block, P1dc);
+    let mut assembler = problem.assembler(&options());
+    for angle in [0.0f64, 0.4, 1.6, 3.0] {
+        let (c, s) = (angle.cos(), angle.sin());
+        let mut at = state(&problem, 1, [0.0; 2], 0.0);
+        at.u = nodal(&problem, |[x, y]| [c * x - s * y - x + 0.3, s * x + c * y - y - 0.2]);
+        let r = region(&mut assembler, Region::Solid, StepRule::STATIONARY, &at, &at);
+        let size = largest(r[..problem.space.n_v()].iter().copied());
+        assert!(size < 1e-14, "rotation by {angle}: {size:e}");
+    }
+    // The linear strain of the same motion is not zero, so that a missing term would show.
+    let mut at = state(&problem, 1, [0.0; 2], 0.0);
+    at.u = nodal(&problem, |[x, y]| [-0.4 * y, 0.4 * x]);
+    let r = region(&mut assembler, Region::Solid, StepRule::STATIONARY, &at, &at);
+    assert!(largest(r[..problem.space.n_v()].iter().copied()) > 0.01);
+}
+
+/// v = W (x + u) with a skew W is a rotation of the current domain: no viscous stress.
+#[test]
+fn rotating_flow_has_no_viscous_stress() {
+    let forces = |nu: f64| {
+        let physics = Physics { fluid: Some(Fluid { nu, ..AUXETIC }), ..FSI };
+        let mut problem = bent(physics, Body::Inclusion, P1dc);
+        for condition in &mut problem.conditions {
+            if let BoundaryCondition::Outflow { do_nothing } = condition {
+                *do_nothing = false;
+            }
+        }
+        let mut at = state(&problem, 9, [0.0; 2], 0.0);
+        let x = nodal(&problem, |x| x);
+        for n in 0..problem.space.nodes.len() {
+            let y = [x[2 * n] + at.u[2 * n], x[2 * n + 1] + at.u[2 * n + 1]];
+            (at.v[2 * n], at.v[2 * n + 1]) = (-0.7 * y[1], 0.7 * y[0]);
+        }
+        region(&mut problem.assembler(&options()), Region::Fluid, StepRule::STATIONARY, &at, &at)
+    };
+    let (thin, thick) = (forces(0.1), forces(10.0));
+    let gap = largest(thin.iter().zip(&thick).map(|(a, b)| a - b));
+    assert!(gap < 1e-13, "{gap:e}");
+}
+
+/// The residual of a uniform flow vanishes on a mesh that moves at will, with do-nothing outflow.
+#[test]
+fn uniform_flow_on_a_moving_mesh_is_a_solution() {
+    let problem = bent(FSI, Body::Inclusion, P1dc);
+    let v = [0.8, -0.3];
+    let (new, old) = (state(&problem, 3, v, 0.0), state(&problem, 4, v, 0.0));
+    let mut assembler = problem.assembler(&options());
+    for theta in [1.0, 0.5, 0.51] {
+        let r = region(&mut assembler, Region::Fluid, StepRule::theta(K, theta), &new, &old);
+        let (n_v, n_u) = (problem.space.n_v(), problem.space.n_u());
+        let size = largest(r[..n_v].iter().chain(&r[n_v + n_u..]).copied());
+        assert!(size < 1e-13, "theta = {theta}: {size:e}");
+    }
+}
+
+/// A uniform flow stays uniform where body and mesh are moved by right-hand sides of their own equations.
+#[test]
+fn uniform_flow_on_a_moving_mesh_stays_uniform() {
+    let exact: Exact = Arc::new(|x, t| Values {
+        v: [number(0.8), number(-0.3)],
+        u: [bubble(x) * sin(t * 2.0) * 0.1, bubble(x) * cos(t * 3.0) * -0.08],
+        p: number(0.0),
+    });
+    let mesh = square(4, Cells::Square, Body::Inclusion);
+    let mut problem = problem(&mesh, FSI, P1dc, exact, InTime::Difference, QUADRATURE);
+    problem.fluid = false;
+    for scheme in [Scheme::BACKWARD_EULER, Scheme::CRANK_NICOLSON] {
+        let mut stepper = problem.stepper(scheme, 0.0, false, &options()).unwrap();
+        for _ in 0..5 {
+            stepper.step(K).unwrap();
+        }
+        let e = problem.errors(&stepper.new, stepper.time, stepper.time, QUADRATURE);
+        println!("uniform flow {scheme:?}: {e:?}");
+        assert!(e.v < 1e-11 && e.u < 1e-11 && e.p < 1e-9, "{scheme:?}: {e:?}");
+    }
+}
+
+/// An affine deformation is its own extension.
+#[test]
+fn extension_reproduces_affine_deformations() {
+    for fluid in [FLUID, AUXETIC] {
+        let problem = bent(Physics { fluid: Some(fluid), ..FSI }, Body::Inclusion, P1dc);
+        let mut at = state(&problem, 1, [0.0; 2], 0.0);
+        at.u = nodal(&problem, |[x, y]| [0.1 + 0.2 * x - 0.1 * y, 0.15 * x + 0.05 * y - 0.3]);
+        let mut assembler = problem.assembler(&options());
+        let r = region(&mut assembler, Region::Fluid, StepRule::STATIONARY, &at, &at);
+        let (n_v, boundary) = (problem.space.n_v(), on_boundaries(&problem));
+        let owned = |n: &usize| problem.space.owner[n / 2] == PsiOwner::Extension;
+        let inner = (0..n_v).filter(owned).filter(|n| !boundary[n / 2]).map(|i| r[n_v + i]);
+        let size = largest(inner);
+        assert!(size < 1e-14, "{:?}: {size:e}", fluid.extension);
+        // The rows of the interface do not exist for the fluid.
+        let interface = (0..n_v).filter(|n| !owned(n)).map(|i| r[n_v + i]);
+        assert_eq!(largest(interface), 0.0);
+    }
+}
+
+/// Speed in the middle of the channel.
+const SPEED: f64 = 0.7;
+
+/// Poiseuille's flow through the unit square under a body force f along it; `p = 0` at the outflow.
+fn poiseuille(f: f64) -> Exact {
+    let slope = FLUID.rho * f - 8.0 * FLUID.rho * FLUID.nu * SPEED;
+    Arc::new(move |[x, y], _| Values {
+        v: [(y - y * y) * (4.0 * SPEED), number(0.0)],
+        u: [number(0.0); 2],
+        p: (x - number(1.0)) * slope,
+    })
+}
+
+/// The stationary flow from rest with the data of `exact` and body force `f` along x.
+fn flow(problem: &Manufactured, f: f64) -> Stepper<2> {
+    let mut stepper = problem.stepper(Scheme::BACKWARD_EULER, 0.0, true, &options()).unwrap();
+    stepper.source = None;
+    stepper.assembler.set_force(Region::Fluid, End::New, Some(&|_| [f, 0.0]));
+    stepper.stationary().unwrap();
+    stepper
+}
+
+fn channel(cells: Cells) -> Mesh<2> {
+    let mut mesh = rectangle([0.0; 2], [1.0; 2], [4, 4], 0).unwrap();
+    bend(&mut mesh, 4, cells);
+    mesh
+}
+
+#[test]
+fn poiseuille_is_exact_with_do_nothing_outflow() {
+    for pressure in [P1dc, Continuous(1)] {
+        for cells in [Cells::Square, Cells::Trapezia] {
+            let mut problem =
+                problem(&channel(cells), FLOW, pressure, poiseuille(0.0), InTime::Difference, QUADRATURE);
+            let e = problem.errors(&flow(&problem, 0.0).new, 0.0, 0.0, QUADRATURE);
+            println!("Poiseuille with {pressure:?}: {e:?}");
+            assert!(e.v < 1e-11 && e.p < 1e-10, "{pressure:?}: {e:?}");
+            let free = |b: &mut BoundaryCondition<2>| {
+                if let BoundaryCondition::Outflow { do_nothing } = b {
+                    *do_nothing = false;
+                }
+            };
+            problem.conditions.iter_mut().for_each(free);
+            let e = problem.errors(&flow(&problem, 0.0).new, 0.0, 0.0, QUADRATURE);
+            assert!(e.v > 1e-3, "a traction-free outflow is another problem: {e:?}");
+        }
+    }
+}
+
+/// Both forces on `name` after `stepper`: by the residual and by the integral over the surface.
+fn forces(problem: &Manufactured, stepper: &mut Stepper<2>, name: &str, component: usize) -> [f64; 2] {
+    let (names, space) = ([name.to_string()], &*problem.space);
+    let by_residual = ForceByResidual::new(space, &names, component, 1.0, "N/m");
+    let by_surface = ForceBySurface::new(space, &names, component, 1.0, "N/m", QUADRATURE);
+    let (rule, new, old, assembler) = stepper.last_step();
+    let fluid_residual = &region(assembler, Region::Fluid, rule, new, old);
+    let at = Snapshot { space, physics: &problem.physics, rule, new, old, fluid_residual };
+    [by_residual.evaluate(&at), by_surface.evaluate(&at)]
+}
+
+/// The force on a hole is that of the weight of the fluid displaced, by the residual and by the surface.
+#[test]
+fn force_on_a_hole_is_the_weight_displaced() {
+    for pressure in [P1dc, Continuous(1)] {
+        let (f, mesh) = (2.5, square(4, Cells::Trapezia, Body::Inclusion));
+        let problem = problem(&mesh, FLOW, pressure, poiseuille(f), InTime::Difference, QUADRATURE);
+        let mut stepper = flow(&problem, f);
+        let e = problem.errors(&stepper.new, 0.0, 0.0, QUADRATURE);
+        assert!(e.v < 1e-11 && e.p < 1e-10, "{e:?}");
+        let mut area = 1.0;
+        undula::assembly::points::for_each_point(&problem.space, &stepper.new, 2, |p| area -= p.weight);
+        let expected = [-FLUID.rho * f * area, 0.0];
+        for component in 0..2 {
+            for force in forces(&problem, &mut stepper, "interface", component) {
+                let gap = (force - expected[component]).abs();
+                assert!(gap < 1e-10, "{pressure:?}: {force} instead of {}", expected[component]);
+            }
+        }
+    }
+}
+
+/// Shear on a part of the wall: exact by the surface; by the residual, whose test function reaches beyond
+/// the ends of the part by a sixth of a cell each, by that much more.
+#[test]
+fn force_on_a_wall_is_its_shear() {
+    let mut mesh = channel(Cells::Square);
+    let bottom = mesh.boundary("bottom").unwrap();
+    mesh.boundaries.push("plate".into());
+    for i in 0..mesh.facets.len() {
+        let f = mesh.facets[i];
+        if f.boundary == bottom && (mesh.centre(f.cell as usize)[0] - 0.5).abs() < 0.25 {
+            mesh.facets[i].boundary = mesh.boundaries.len() as u16 - 1;
+        }
+    }
+    let problem = problem(&mesh, FLOW, P1dc, poiseuille(0.0), InTime::Difference, QUADRATURE);
+    let mut stepper = flow(&problem, 0.0);
+    let [by_residual, by_surface] = forces(&problem, &mut stepper, "plate", 0);
+    let shear = FLUID.rho * FLUID.nu * 4.0 * SPEED;
+    assert!((by_surface - shear * 0.5).abs() < 1e-11, "{by_surface}");
+    assert!((by_residual - shear * (0.5 + 0.25 / 3.0)).abs() < 1e-11, "{by_residual}");
+}
+
+/// Without an outflow the pressure of a flow is known up to a constant only: reported, not solved.
+#[test]
+fn closed_box_is_singular() {
+    let lid: Exact = Arc::new(|[x, y], _| Values {
+        v: [y * (x - x * x), number(0.0)],
+        u: [number(0.0); 2],
+        p: number(0.0),
+    });
+    for pressure in [P1dc, Continuous(1)] {
+        for cells in [Cells::Square, Cells::Curved] {
+            let mut problem =
+                problem(&channel(cells), FLOW, pressure, lid.clone(), InTime::Difference, QUADRATURE);
+            problem.conditions = vec![BoundaryCondition::Velocity(velocity(&lid)); 4];
+            for stationary in [true, false] {
+                let mut stepper = problem.stepper(Scheme::CRANK_NICOLSON, 0.0, true, &options()).unwrap();
+                stepper.source = None;
+                let result = if stationary { stepper.stationary() } else { stepper.step(K) };
+                let reason = result.expect_err("the pressure is not determined").reason;
+                println!("closed box: {reason}");
+                assert!(
+                    matches!(reason, NewtonError::Linear(SolverError::Singular { .. })),
+                    "{pressure:?}: {reason}"
+                );
+            }
+        }
+    }
+}
+
+/// With an elastic body in it the closed box has a solution: its volume follows the flux over the walls.
+#[test]
+fn closed_box_with_a_body_is_regular() {
+    let mut problem = bent(FSI, Body::Inclusion, P1dc);
+    for condition in &mut problem.conditions {
+        if matches!(condition, BoundaryCondition::Outflow { .. }) {
+            *condition = BoundaryCondition::Fixed;
+        }
+    }
+    let mut stepper = problem.stepper(Scheme::CRANK_NICOLSON, 0.0, true, &options()).unwrap();
+    stepper.source = None;
+    stepper.assembler.set_force(Region::Solid, End::New, Some(&|_| [0.5, 0.0]));
+    stepper.step(K).unwrap();
+    assert!(largest(stepper.new.u.iter().copied()) > 1e-6);
+}
