@@ -75,7 +75,8 @@ fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32
     let rule = Quadrature::cell(space.mesh.shape, 4);
     let n = monomials(&[0.0; D]).len();
     // One row per cell and moment: those of the monomials, and those of the pressure basis.
-    let (mut rows, mut data): (Vec<Vec<f64>>, Vec<Vec<(u32, f64)>>) = (vec![], vec![]);
+    let mut rows: Vec<Vec<f64>> = vec![];
+    let mut data: Vec<Vec<(u32, f64)>> = vec![];
     for &cell in &patch {
         let (mut row, mut datum) = (vec![vec![0.0; n]; D + 1], vec![vec![]; D + 1]);
         let centre = space.mesh.centre(cell);
