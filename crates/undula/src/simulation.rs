@@ -64,10 +64,9 @@ impl Simulation {
     /// If the case does not fit its mesh, or the linear solver cannot be prepared.
     pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
         let threads = threads.max(1);
-        let pool = match threads {
-            1 => None,
-            n => Some(rayon::ThreadPoolBuilder::new().num_threads(n).build().map_err(|_| Error::Threads(n))?),
-        };
+        // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
+        let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
+        let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
         let stepper = case.build_stepper(threads)?;
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let needs_residual = functionals.iter().any(|(_, f)| f.needs_fluid_residual());
