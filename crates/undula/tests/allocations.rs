@@ -41,7 +41,6 @@ fn second_assembly(threads: usize) -> usize {
     let case = builtin("fsi3", &["mesh.refine=0", "time.step=0.02", "time.end=0.04"]);
     let mut simulation = Simulation::new(case, threads).unwrap();
     simulation.step().unwrap();
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (rule, new, old, assembler) = simulation.stepper.last_step();
     let view = StepView { rule, new, old };
     let mut residual = vec![0.0; assembler.space.n_unknowns()];
@@ -58,7 +57,16 @@ fn second_assembly(threads: usize) -> usize {
         assemble();
         COUNT.load(Ordering::Relaxed) - before
     };
-    if threads == 1 { count() } else { pool.install(count) }
+    if threads == 1 {
+        return count();
+    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    // The threads are up, and their queues have their size, once they have all worked.
+    pool.broadcast(|_| ());
+    pool.install(|| {
+        count();
+        count()
+    })
 }
 
 /// One test alone in its process: the harness would be counted, too.
