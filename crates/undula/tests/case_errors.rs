@@ -167,7 +167,7 @@ fn further_mistakes() {
         ),
         (
             "[functional.time]\nkind = \"rotation\"\n",
-            "own.toml:6:13: functional.time: expected a name of letters, digits, `-` and `_`, not `step`, `time`, `force_time`",
+            "own.toml:6:13: functional.time: expected a name of letters, digits, `-` and `_`; `step`, `time`, `force_time`, `min_J`, `newton_steps`, `jacobians` are other columns of history.csv",
         ),
         ("[newton]\nrate-max = 0.1\nrate-max = 0.2\n", "own.toml:8:1: not TOML: duplicate key"),
         ("[newton\n", "own.toml:6:8: not TOML: unclosed table, expected `]`"),
