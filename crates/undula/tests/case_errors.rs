@@ -112,7 +112,7 @@ own.toml:49:12: newton.rate-max = 1: expected a number from 0 to below 1
 own.toml:50:12: newton.jacobian = "finite-difference": not yet available; expected one of `automatic`, `analytic`
 own.toml:51:13: newton.max-steps = 0: expected an integer from 1 to 1000
 own.toml:52:13: newton.tolerance = 2: expected a number above 0 and below 1
-own.toml:55:10: linear.solver = "gmres": not yet available; expected one of `faer`
+own.toml:55:10: linear.solver = "gmres": not yet available; expected one of `multifrontal`, `faer`
 own.toml:59:6: functional.drag.on = []: expected an array of names, such as ["cylinder", "interface"]
 own.toml:60:13: functional.drag.component = "z": expected one of `x`, `y`
 own.toml:62:13: functional.tip.component: missing: "x" or "y"
