@@ -28,7 +28,7 @@ dfg-2d2   | dfg-2d2 | mesh.refine=2 time.step=0.005
 dfg-2d3   | dfg-2d3 | mesh.refine=2 time.step=0.005
 '
 
-undula=target/release/undula
+undula=${UNDULA:-target/release/undula}
 [ "${1:-}" = --collect ] || cargo build --release
 collect=false
 if [ "${1:-}" = --collect ]; then collect=true; shift; fi
