@@ -13,6 +13,7 @@ pub mod kernel;
 pub mod points;
 pub mod scatter;
 pub mod simd;
+mod tasks;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::{Lanes, Vector};
