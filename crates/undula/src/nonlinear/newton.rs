@@ -107,8 +107,6 @@ pub struct Newton {
     matrix: Csr,
     residual: Vec<f64>,
     delta: Vec<f64>,
-    /// Scaled residuals of the last solve, negative where a Jacobian was made first.
-    pub last_norms: Vec<f64>,
     /// The factorisation exists and its last rate was good enough.
     keep: bool,
 }
@@ -125,7 +123,6 @@ impl Newton {
             matrix,
             residual: vec![0.0; n],
             delta: vec![0.0; n],
-            last_norms: vec![],
             keep: false,
         }
     }
@@ -177,8 +174,6 @@ impl Newton {
         let mut norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
         let mut fresh = false;
-        self.last_norms.clear();
-        self.last_norms.extend([reference, norm]);
         while norm > target {
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
@@ -206,7 +201,6 @@ impl Newton {
                     let rounding = fresh && next > 0.5 * norm && norm < ROUNDING * reference;
                     self.keep = next / norm <= self.settings.rate_max;
                     norm = next;
-                    self.last_norms.push(if fresh { -next } else { next });
                     report.norms.push(norm);
                     fresh = false;
                     if rounding {
