@@ -112,7 +112,7 @@ impl<B: Backend> Direct<B> {
     }
 
     /// x ← C (R A C)⁻¹ R b, through `step`.
-    fn apply(&mut self, b: &[f64], x: &mut [f64]) {
+    fn substitute(&mut self, b: &[f64], x: &mut [f64]) {
         for ((s, b), r) in self.step.iter_mut().zip(b).zip(&self.scaling.row) {
             *s = b * r;
         }
@@ -125,7 +125,7 @@ impl<B: Backend> Direct<B> {
     /// Solves with at most `refinements` steps, keeping the best iterate; the report is not judged.
     fn refine(&mut self, a: &Csr, norm: f64, b: &[f64], x: &mut [f64], refinements: usize) -> SolveReport {
         let norm_b = scaled_norm(b, &self.scaling.row, |b, r| b * r);
-        self.apply(b, x);
+        self.substitute(b, x);
         let mut report = SolveReport { refinements: 0, backward_error: f64::INFINITY };
         loop {
             let mut residual = std::mem::take(&mut self.residual);
@@ -275,6 +275,13 @@ impl<B: Backend> LinearSolver for Direct<B> {
         }
         let report = self.refine(a, norm, b, x, self.options.refinement);
         self.judge(report)
+    }
+
+    fn apply(&mut self, b: &[f64], x: &mut [f64]) {
+        match self.norm {
+            Some(_) => self.substitute(b, x),
+            None => x.fill(f64::NAN),
+        }
     }
 }
 

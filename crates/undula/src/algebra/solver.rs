@@ -60,6 +60,10 @@ pub trait LinearSolver: Send {
     /// # Errors
     /// If the residual stays too large, or something is not finite.
     fn solve(&mut self, a: &Csr, b: &[f64], x: &mut [f64]) -> Result<SolveReport, SolverError>;
+
+    /// The factors applied once, `x ← A⁻¹ b` as well as they are: no refinement and no judgement, for
+    /// iterations that see their own residual. Without factors `x` becomes NaN.
+    fn apply(&mut self, b: &[f64], x: &mut [f64]);
 }
 
 /// What a factorisation has cost; `None` where the backend does not tell.
