@@ -53,7 +53,7 @@ fn main() {
             let options = Options { lanes, threads, quadrature: 3 };
             let assembler = Assembler::new(space.clone(), case.physics(), &conditions, &|_| 1.0, &options);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let matrix = Csr::zeros(&assembler.pattern);
+            let matrix = Csr::zeros(&assembler.pattern());
             Candidate { lanes, threads, assembler, pool, matrix, seconds: [vec![], vec![], vec![]] }
         })
         .collect();

@@ -44,7 +44,7 @@ fn second_assembly(threads: usize) -> usize {
     let (rule, new, old, assembler) = simulation.stepper.last_step();
     let view = StepView { rule, new, old };
     let mut residual = vec![0.0; assembler.space.n_unknowns()];
-    let mut matrix = Csr::zeros(&assembler.pattern);
+    let mut matrix = Csr::zeros(&assembler.pattern());
     let mut assemble = || {
         assembler.explicit(&view, &mut residual);
         assembler.residual(&view, &mut residual);

@@ -47,7 +47,7 @@ fn assembled(
     assembler.explicit(&view, &mut residual);
     let min_j = assembler.residual(&view, &mut residual);
     assert!(min_j > 0.1, "not admissible: J = {min_j}");
-    let mut matrix = Csr::zeros(&assembler.pattern);
+    let mut matrix = Csr::zeros(&assembler.pattern());
     assembler.jacobian(&view, tangent, &mut matrix);
     (residual, matrix, assembler)
 }

@@ -1,5 +1,6 @@
 //! The outflow term on boundary facets. There are few, so they are done one by one in `f64`.
 
+use super::interior::FacetBlocks;
 use super::kernel::StepView;
 use super::scatter::DROP;
 use crate::element::{BasisTable, Quadrature};
@@ -88,6 +89,8 @@ pub fn fields_at<const D: usize>(
 pub struct OutflowFacets<const D: usize> {
     form: Outflow,
     facets: Vec<(Vec<u32>, Vec<FacetPoint<D>>)>,
+    /// Cell of each facet.
+    pub cells: Vec<u32>,
     /// `[facet][row a, i][column b, field, j]`.
     slots: Vec<u32>,
     deforms: bool,
@@ -96,11 +99,12 @@ pub struct OutflowFacets<const D: usize> {
 impl<const D: usize> OutflowFacets<D> {
     /// On the given facets, `n` Gauss points per direction.
     pub fn new(space: &FsiSpace<D>, form: Outflow, facets: &[Facet], n: usize) -> OutflowFacets<D> {
+        let cells = facets.iter().map(|f| f.cell).collect();
         let facets = facets
             .iter()
             .map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n)))
             .collect();
-        OutflowFacets { form, facets, slots: vec![], deforms: space.deforms }
+        OutflowFacets { form, facets, cells, slots: vec![], deforms: space.deforms }
     }
 
     /// Call `visit(row, column)` for every entry of the Jacobian in a fixed order.
@@ -175,6 +179,24 @@ impl<const D: usize> OutflowFacets<D> {
                 }
             }
             first = at;
+        }
+    }
+
+    /// The derivatives with respect to v as one dense block per facet, `[facet][a, i][b, j]`.
+    pub fn blocks(&self, step: &StepView<'_>, how: Tangent, out: &mut FacetBlocks) {
+        out.size = self.facets.first().map_or(0, |(nodes, _)| (nodes.len() * D).pow(2));
+        out.values.clear();
+        out.values.resize(out.size * self.facets.len(), 0.0);
+        for (f, (nodes, points)) in self.facets.iter().enumerate() {
+            let block = &mut out.values[f * out.size..(f + 1) * out.size];
+            for p in points {
+                let columns = self.columns(step, how, p, nodes);
+                for (row, line) in block.chunks_exact_mut(nodes.len() * D).enumerate() {
+                    for (column, value) in line.iter_mut().enumerate() {
+                        *value += p.value[row / D] * columns.entry(p, 0, row % D, column / D, column % D);
+                    }
+                }
+            }
         }
     }
 

@@ -1,8 +1,9 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::batch::Batches;
-use super::contract::{Piece, Test, Trial, pieces};
+use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
+use super::interior::Interior;
 use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
 use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
@@ -38,6 +39,9 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
     pub(super) xi: Vec<Lanes<L>>,
     pub(super) tangent: Vec<Lanes<L>>,
     pub(super) piece: Vec<Lanes<L>>,
+    /// (v, p) matrix of the cells, and a vector of its size.
+    pub(super) matrix: Vec<Lanes<L>>,
+    pub(super) outer: Vec<Lanes<L>>,
 }
 
 /// A region with its equations `F`, `L` cells at a time.
@@ -57,7 +61,13 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) rows_psi: Vec<[u32; L]>,
     pub(super) rows_xi: Vec<[u32; L]>,
     pub(super) deforms: bool,
-    scratch: PerThread<Scratch<D, L>>,
+    /// Place of the first pressure in `[v, u, p]`.
+    pub(super) first_pressure: u32,
+    /// Pieces of the (v, p) matrix of condensed Newton.
+    pub(super) condensed: Vec<Piece>,
+    /// Its inner unknowns.
+    pub(super) interior: Option<Interior<D, L>>,
+    pub(super) scratch: PerThread<Scratch<D, L>>,
     /// Smallest J met by the last residual, per cell: `[batch][lane]`.
     min_j: Vec<f64>,
     threads: usize,
@@ -90,6 +100,8 @@ where
             xi: scalars(),
             tangent: vec![Lanes::zero(); q * components * components],
             piece: vec![Lanes::zero(); n * n.max(m)],
+            matrix: vec![Lanes::zero(); (n * D + m).pow(2)],
+            outer: vec![Lanes::zero(); n * D + m],
         });
         let (n_v, n_u) = (space.n_v() as u32, space.n_u() as u32);
         let owner = if region == Region::Solid { PsiOwner::Relation } else { PsiOwner::Extension };
@@ -113,6 +125,9 @@ where
             rows_psi,
             rows_xi,
             deforms: space.deforms,
+            first_pressure: n_v + n_u,
+            condensed: vec![],
+            interior: None,
             scratch,
             min_j,
             threads,
@@ -173,7 +188,7 @@ where
     }
 
     /// Run `work` on every batch, colour by colour.
-    fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
+    pub(super) fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
         for colour in &self.batches.colours {
             if self.threads == 1 || colour.len() == 1 {
                 colour.clone().for_each(&work);
@@ -235,6 +250,20 @@ where
             (0..self.min_j.len()).filter(real).filter(|&i| i != worst && self.min_j[i] <= 0.0).map(cell),
         );
         Some((*j, cells))
+    }
+
+    /// The tangents of a batch, ready to be contracted.
+    pub(super) fn tangents<'a>(&'a self, batch: usize, tangent: &'a [Lanes<L>]) -> Tangents<'a, D, L> {
+        let b = &self.batches;
+        let points = b.n_points * b.n_pressure;
+        Tangents {
+            tangent,
+            basis: &b.basis,
+            pressure: &b.pressure_basis[batch * points..(batch + 1) * points],
+            n_basis: b.n_basis,
+            n_pressure: b.n_pressure,
+            n_points: b.n_points,
+        }
     }
 
     #[inline(always)]

@@ -6,9 +6,12 @@
 
 pub mod batch;
 pub mod colour;
+mod condense;
 pub mod contract;
 pub mod evaluate;
+pub mod extension;
 pub mod facets;
+pub mod interior;
 pub mod kernel;
 pub mod points;
 pub mod scatter;
@@ -21,7 +24,9 @@ use crate::physics::{Fluid, Outflow, Solid};
 use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
 use crate::tangent::Tangent;
 use batch::Batches;
+use extension::ExtensionSystem;
 use facets::OutflowFacets;
+use interior::FacetBlocks;
 use kernel::Kernel;
 pub use kernel::StepView;
 use scatter::DROP;
@@ -82,14 +87,27 @@ pub struct Assembler<const D: usize> {
     pub space: Arc<FsiSpace<D>>,
     /// Given unknowns.
     pub constraints: Constraints<D>,
-    /// Sparsity of the Jacobian, all unknowns in the order v, u, p.
-    pub pattern: Arc<Pattern>,
     /// The equations.
     pub physics: Physics,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
-    /// Rows that read δ = 0, and the places of their diagonal entries.
-    given: Vec<(u32, u32)>,
+    /// Rows that read δ = 0.
+    given: Vec<u32>,
+    /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
+    full: Option<(Arc<Pattern>, Vec<u32>)>,
+    condensed: Option<Arc<CondensedSystem>>,
+    blocks: FacetBlocks,
+}
+
+/// The (v, p) system of condensed Newton: given unknowns and those inside of cells are left out.
+#[derive(Debug)]
+pub struct CondensedSystem {
+    /// Sparsity of its matrix.
+    pub pattern: Arc<Pattern>,
+    /// Place in `[v, u, p]` of each of its unknowns.
+    pub places: Vec<u32>,
+    /// What the linear solver may know of them.
+    pub unknowns: Vec<Unknown>,
 }
 
 impl<const D: usize> Assembler<D> {
@@ -108,35 +126,108 @@ impl<const D: usize> Assembler<D> {
             |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
         let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
         let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
-        let mut outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
+        let outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
-        let mut kernels: Box<dyn Kernels<D>> = match lanes {
+        let kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
             _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
         };
-        let mut rows: Vec<Vec<u32>> = vec![vec![]; space.n_unknowns()];
-        let given_rows = given_rows(&space, &constraints);
-        for &row in &given_rows {
-            rows[row as usize].push(row);
+        let given = given_rows(&space, &constraints);
+        let blocks = FacetBlocks::default();
+        Assembler {
+            space,
+            constraints,
+            physics,
+            kernels,
+            outflow,
+            given,
+            full: None,
+            condensed: None,
+            blocks,
         }
-        kernels.entries(&constraints, &mut |row, col| rows[row as usize].push(col));
-        outflow.entries(&constraints, |row, col| {
+    }
+
+    /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
+    pub fn pattern(&mut self) -> Arc<Pattern> {
+        let Self { space, constraints, kernels, outflow, given, full, .. } = self;
+        if let Some((pattern, _)) = full {
+            return Arc::clone(pattern);
+        }
+        let mut rows: Vec<Vec<u32>> = vec![vec![]; space.n_unknowns()];
+        given.iter().for_each(|&row| rows[row as usize].push(row));
+        kernels.entries(constraints, &mut |row, col| rows[row as usize].push(col));
+        outflow.entries(constraints, |row, col| {
             if col != DROP {
                 rows[row as usize].push(col);
             }
         });
-        for row in &mut rows {
-            row.sort_unstable();
-            row.dedup();
-        }
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        kernels.set_slots(&constraints, &find);
-        outflow.set_slots(&constraints, find);
-        let given = given_rows.iter().map(|&row| (row, find(row, row))).collect();
-        Assembler { space, constraints, pattern, physics, kernels, outflow, given }
+        kernels.set_slots(constraints, &find);
+        outflow.set_slots(constraints, find);
+        let diagonals = given.iter().map(|&row| find(row, row)).collect();
+        *full = Some((Arc::clone(&pattern), diagonals));
+        pattern
+    }
+
+    /// The (v, p) system of condensed Newton, found when first asked for.
+    pub fn condensed(&mut self) -> Arc<CondensedSystem> {
+        if let Some(system) = &self.condensed {
+            return Arc::clone(system);
+        }
+        self.kernels.prepare_condensed(&self.space, &self.outflow.cells);
+        let n = self.space.n_unknowns();
+        let mut number = vec![0; n];
+        number[self.space.n_v()..self.space.n_v() + self.space.n_u()].fill(DROP);
+        self.given.iter().for_each(|&place| number[place as usize] = DROP);
+        self.kernels.inner(&mut |place| number[place as usize] = DROP);
+        let all = self.unknowns();
+        let (mut places, mut unknowns) = (vec![], vec![]);
+        for place in 0..n {
+            if number[place] != DROP {
+                number[place] = places.len() as u32;
+                places.push(place as u32);
+                unknowns.push(all[place]);
+            }
+        }
+        let mut rows: Vec<Vec<u32>> = vec![vec![]; places.len()];
+        self.kernels.condensed_entries(&number, &mut |row, col| rows[row as usize].push(col));
+        let pattern = Arc::new(Pattern::from_rows(&rows));
+        drop(rows);
+        let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
+        self.kernels.set_condensed_slots(&number, &find);
+        let system = Arc::new(CondensedSystem { pattern, places, unknowns });
+        self.condensed = Some(Arc::clone(&system));
+        system
+    }
+
+    /// The matrix of [`Assembler::condensed`], which must have been asked for; the factors of the inner
+    /// blocks are kept.
+    pub fn condensed_matrix(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+        out.values.fill(0.0);
+        self.outflow.blocks(step, tangent, &mut self.blocks);
+        self.kernels.condense(step, tangent, &self.blocks, &mut out.values);
+    }
+
+    /// Forward elimination of the unknowns inside of cells from a right-hand side `[v, u, p]`.
+    pub fn eliminate_inner(&mut self, b: &mut [f64]) {
+        self.kernels.eliminate(b);
+    }
+
+    /// The unknowns inside of cells of a solution `[v, u, p]` whose others are known.
+    pub fn recover_inner(&self, x: &mut [f64]) {
+        self.kernels.recover(x);
+    }
+
+    /// The extension as a system of its own; `None` without fluid or deformation.
+    pub fn extension(&self, step: &StepView<'_>) -> Option<ExtensionSystem> {
+        if !self.space.deforms || self.physics.fluid.is_none() {
+            return None;
+        }
+        let visit = |put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put);
+        Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
     }
 
     /// What the linear solver may know of each unknown.
@@ -183,7 +274,7 @@ impl<const D: usize> Assembler<D> {
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
         let min_j = self.kernels.residual(step, None, out);
         self.outflow.residual(step.new, step.rule.theta, out);
-        for &(row, _) in &self.given {
+        for &row in &self.given {
             out[row as usize] = 0.0;
         }
         min_j
@@ -203,12 +294,13 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// The Jacobian of [`Assembler::residual`] with respect to the new state.
-    pub fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+    /// The Jacobian of [`Assembler::residual`] with respect to the new state, on [`Assembler::pattern`].
+    pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+        self.pattern();
         out.values.fill(0.0);
         self.kernels.jacobian(step, tangent, &mut out.values);
         self.outflow.jacobian(step, tangent, &mut out.values);
-        for &(_, diagonal) in &self.given {
+        for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
     }
@@ -220,7 +312,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Zero the rows of given unknowns of a vector `[v, u, p]`.
     pub fn zero_given(&self, out: &mut [f64]) {
-        for &(row, _) in &self.given {
+        for &row in &self.given {
             out[row as usize] = 0.0;
         }
     }
@@ -246,6 +338,34 @@ trait Kernels<const D: usize>: Send + Sync {
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
     fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
     fn worst(&self) -> Worst;
+    fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
+    fn inner(&self, visit: &mut dyn FnMut(u32));
+    fn condensed_entries(&self, number: &[u32], visit: &mut dyn FnMut(u32, u32));
+    fn set_condensed_slots(&mut self, number: &[u32], find: &dyn Fn(u32, u32) -> u32);
+    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]);
+    fn eliminate(&mut self, b: &mut [f64]);
+    fn recover(&self, x: &mut [f64]);
+    fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64));
+}
+
+/// The same with the kernels of both regions, fluid first.
+macro_rules! both {
+    (mut $pair:ident, $kernel:ident, $work:expr) => {
+        if let Some($kernel) = &mut $pair.fluid {
+            $work;
+        }
+        if let Some($kernel) = &mut $pair.solid {
+            $work;
+        }
+    };
+    ($pair:ident, $kernel:ident, $work:expr) => {
+        if let Some($kernel) = &$pair.fluid {
+            $work;
+        }
+        if let Some($kernel) = &$pair.solid {
+            $work;
+        }
+    };
 }
 
 struct Pair<const D: usize, const L: usize> {
@@ -349,6 +469,45 @@ where
         let worst = fluid.or_else(|| self.solid.as_ref().and_then(Kernel::worst));
         let (min_j, cells) = worst.unwrap_or((1.0, vec![]));
         Worst { min_j, cells }
+    }
+
+    fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
+        both!(mut self, k, k.prepare_condensed(space, facets));
+    }
+
+    fn inner(&self, visit: &mut dyn FnMut(u32)) {
+        both!(self, k, k.inner(&mut *visit));
+    }
+
+    fn condensed_entries(&self, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        let mut visit = |_: usize, row: u32, col: u32| {
+            if row != DROP {
+                visit(row, col);
+            }
+        };
+        both!(self, k, k.condensed_entries(number, &mut visit));
+    }
+
+    fn set_condensed_slots(&mut self, number: &[u32], find: &dyn Fn(u32, u32) -> u32) {
+        both!(mut self, k, k.set_condensed_slots(number, find));
+    }
+
+    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
+        both!(mut self, k, k.condense(step, tangent, blocks, out));
+    }
+
+    fn eliminate(&mut self, b: &mut [f64]) {
+        both!(mut self, k, k.eliminate(b));
+    }
+
+    fn recover(&self, x: &mut [f64]) {
+        both!(self, k, k.recover(x));
+    }
+
+    fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64)) {
+        if let Some(k) = &self.fluid {
+            k.extension(step, visit);
+        }
     }
 }
 

@@ -39,12 +39,50 @@ impl<'a> Shared<'a> {
         }
     }
 
+    /// `array[at]`; no thread writes this entry now.
+    #[inline(always)]
+    pub fn get(&self, at: u32) -> f64 {
+        assert!((at as usize) < self.len);
+        // SAFETY: within bounds, and not written meanwhile.
+        unsafe { *self.start.add(at as usize) }
+    }
+
     /// `array[at] = x`, under the same condition.
     #[inline(always)]
     pub fn set(&self, at: usize, x: f64) {
         assert!(at < self.len);
         // SAFETY: within bounds; each batch writes its own entry.
         unsafe { *self.start.add(at) = x };
+    }
+}
+
+/// An array in pieces of one size, each worked on by its own batch.
+#[derive(Copy, Clone)]
+pub struct Pieces<'a, T> {
+    start: *mut T,
+    len: usize,
+    size: usize,
+    array: PhantomData<&'a mut [T]>,
+}
+
+// SAFETY: each batch reaches its own piece only, see `Pieces::of`.
+unsafe impl<T: Send> Send for Pieces<'_, T> {}
+// SAFETY: as above.
+unsafe impl<T: Send> Sync for Pieces<'_, T> {}
+
+impl<'a, T> Pieces<'a, T> {
+    /// Cut `array` into pieces of `size`.
+    pub fn new(array: &'a mut [T], size: usize) -> Pieces<'a, T> {
+        Pieces { start: array.as_mut_ptr(), len: array.len(), size, array: PhantomData }
+    }
+
+    /// The piece of `batch`, which is worked on by one thread at a time and asked for once in that work.
+    #[inline(always)]
+    #[allow(clippy::mut_from_ref)]
+    pub fn of(&self, batch: usize) -> &mut [T] {
+        assert!((batch + 1) * self.size <= self.len);
+        // SAFETY: within bounds; pieces are disjoint, and a batch is in the hands of one thread.
+        unsafe { std::slice::from_raw_parts_mut(self.start.add(batch * self.size), self.size) }
     }
 }
 

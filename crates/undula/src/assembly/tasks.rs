@@ -106,6 +106,47 @@ where
     }
 }
 
+/// In which directions tangents are computed.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) enum Directions {
+    /// v, u and p.
+    All,
+    /// v and p; u moves by `coupling` times v.
+    Condensed {
+        /// kθ in the solid, else 0 \[s\].
+        coupling: f64,
+    },
+}
+
+/// The tangents at all points of a batch, each way of computing them compiled on its own.
+pub(super) struct TangentTasks<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) tangent: Tangent,
+    pub(super) directions: Directions,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> TangentTasks<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    pub(super) fn run(self) {
+        let TangentTasks { kernel, step, tangent, directions, batch, scratch } = self;
+        match tangent {
+            Tangent::Automatic => {
+                let how = PhantomData::<Automatic>;
+                Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
+            }
+            Tangent::Analytic => {
+                let how = PhantomData::<Analytic>;
+                Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
+            }
+        }
+    }
+}
+
 pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
     pub(super) kernel: &'a Kernel<F, D, L>,
     pub(super) step: &'a StepView<'a>,
@@ -122,46 +163,11 @@ where
     /// Tangents at the points, then one block of the matrix after the other. Each is an entry of its own
     /// for the processor: one function of everything would take minutes to compile.
     pub(super) fn run(self) {
-        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
-        match self.tangent {
-            Tangent::Automatic => {
-                Lanes::<L>::dispatch(TangentTask::<F, Automatic, D, L> {
-                    kernel: k,
-                    step: self.step,
-                    batch,
-                    scratch: s,
-                    how: PhantomData,
-                });
-            }
-            Tangent::Analytic => {
-                Lanes::<L>::dispatch(TangentTask::<F, Analytic, D, L> {
-                    kernel: k,
-                    step: self.step,
-                    batch,
-                    scratch: s,
-                    how: PhantomData,
-                });
-            }
-        }
-        let b = &k.batches;
-        let m = b.n_pressure;
-        let from = batch * b.n_points * m;
-        let tangents = Tangents::<D, L> {
-            tangent: &s.tangent,
-            basis: &b.basis,
-            pressure: &b.pressure_basis[from..from + b.n_points * m],
-            n_basis: b.n_basis,
-            n_pressure: m,
-            n_points: b.n_points,
-        };
+        let JacobianTask { kernel: k, step, tangent, batch, scratch: s, out } = self;
+        TangentTasks { kernel: k, step, tangent, directions: Directions::All, batch, scratch: s }.run();
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
-        Lanes::<L>::dispatch(ContractTask {
-            tangents,
-            pieces: &k.pieces,
-            slots,
-            piece: &mut s.piece,
-            out: self.out,
-        });
+        let tangents = k.tangents(batch, &s.tangent);
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces: &k.pieces, slots, piece: &mut s.piece, out });
     }
 }
 
@@ -212,6 +218,7 @@ impl<F: ByHand<D>, const D: usize> How<F, D> for Analytic {
 struct TangentTask<'a, F, H, const D: usize, const L: usize> {
     kernel: &'a Kernel<F, D, L>,
     step: &'a StepView<'a>,
+    directions: Directions,
     batch: usize,
     scratch: &'a mut Scratch<D, L>,
     how: PhantomData<H>,
@@ -226,6 +233,10 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         let components = Fields::<f64, D>::COMPONENTS;
+        let (with_u, coupling) = match self.directions {
+            Directions::All => (k.deforms, 0.0),
+            Directions::Condensed { coupling } => (false, coupling),
+        };
         k.load(self.step, batch, s);
         for q in 0..b.n_points {
             let index = batch * b.n_points + q;
@@ -233,10 +244,14 @@ where
             let (point, place) = (&b.points[index], k.place(&k.force, index));
             let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
             for (n, column) in columns.chunks_exact_mut(components).enumerate() {
-                if !k.deforms && (D + D * D..2 * (D + D * D)).contains(&n) {
+                if !with_u && (D + D * D..2 * (D + D * D)).contains(&n) {
                     continue;
                 }
-                let direction = reference_direction::<D, L>(n, &point.inverse);
+                let mut direction = reference_direction::<D, L>(n, &point.inverse);
+                if coupling != 0.0 {
+                    direction.u = direction.v * Lanes::constant(coupling);
+                    direction.grad_u = direction.grad_v * Lanes::constant(coupling);
+                }
                 let t = H::tangent(&k.form, &self.step.rule, &place, &new, &old, &direction);
                 store(&pull_back(&t, point), column);
             }
@@ -271,6 +286,20 @@ impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L> {
                 }
             }
         }
+    }
+}
+
+/// One block of the element matrices.
+pub(super) struct PieceTask<'a, const D: usize, const L: usize> {
+    pub(super) tangents: Tangents<'a, D, L>,
+    pub(super) piece: &'a Piece,
+    pub(super) block: &'a mut [Lanes<L>],
+}
+
+impl<const D: usize, const L: usize> Task for PieceTask<'_, D, L> {
+    #[inline(always)]
+    fn run(self) {
+        self.tangents.contract(self.piece, self.block);
     }
 }
 

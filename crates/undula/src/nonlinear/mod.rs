@@ -1,5 +1,6 @@
 //! Solving the nonlinear system of a step.
 
 pub mod newton;
+pub mod secants;
 
 pub use newton::{Counters, Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};

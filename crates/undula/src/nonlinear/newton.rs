@@ -1,6 +1,7 @@
 //! Newton's method with a kept Jacobian and line search.
 
-use crate::algebra::{Csr, LinearSolver, SolverError};
+use super::secants::Secants;
+use crate::algebra::SolverError;
 use std::time::Instant;
 
 /// A system `r(x) = 0` that holds its own iterate.
@@ -8,8 +9,18 @@ pub trait NonlinearSystem {
     /// Residual at the iterate into `r`; returns its scaled norm, or `None` where the iterate is not
     /// admissible (the domain map has folded, or a number is not finite).
     fn residual(&mut self, r: &mut [f64]) -> Option<f64>;
-    /// Jacobian at the iterate.
-    fn jacobian(&mut self, a: &mut Csr);
+    /// Jacobian, or what stands for it, at the iterate, ready for corrections.
+    ///
+    /// # Errors
+    /// If it is singular.
+    fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError>;
+    /// δ ← J⁻¹ r with the Jacobian at hand.
+    ///
+    /// # Errors
+    /// If it cannot be applied.
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError>;
+    /// What a new Jacobian costs, in iterations.
+    fn price(&self) -> f64;
     /// `x ← x + ω δ`.
     fn update(&mut self, omega: f64, delta: &[f64]);
 }
@@ -25,6 +36,9 @@ pub const GROWTH: f64 = 10.0;
 /// digits, so that the wanted reduction may lie below it.
 const ROUNDING: f64 = 1e-5;
 
+/// Iterations that a new Jacobian takes to solve a step.
+const FEW: f64 = 3.0;
+
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -32,8 +46,11 @@ pub struct Settings {
     pub tolerance: f64,
     /// Scaled residual below which a step is solved whatever the reference.
     pub floor: f64,
-    /// γ_nt: the Jacobian is kept while ‖r_n‖/‖r_{n−1}‖ ≤ γ_nt, (5.20). 0 is the exact method.
-    pub rate_max: f64,
+    /// γ_nt: the Jacobian is kept while ‖r_n‖/‖r_{n−1}‖ ≤ γ_nt, (5.20). 0 is the exact method. `None`: it is
+    /// kept as long as that costs less than a new one.
+    pub rate_max: Option<f64>,
+    /// Pairs of differences that improve the corrections of a kept Jacobian; 0: none.
+    pub secants: usize,
     /// Iterations at most.
     pub max_steps: usize,
     /// Halvings of an update at most.
@@ -103,27 +120,44 @@ pub struct Newton {
     pub counters: Counters,
     /// Seconds since the beginning.
     pub seconds: Seconds,
-    solver: Box<dyn LinearSolver>,
-    matrix: Csr,
     residual: Vec<f64>,
     delta: Vec<f64>,
     /// The factorisation exists and its last rate was good enough.
     keep: bool,
+    secants: Secants,
+    age: Age,
+}
+
+/// How a kept Jacobian has done since it was made.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct Age {
+    /// Solves with it.
+    pub solves: u32,
+    /// Iterations in them.
+    pub iterations: u32,
+    /// Iterations in the last one.
+    pub last: u32,
+}
+
+impl Age {
+    /// Whether the last solve has cost more than the mean one, renewal included: then replacing pays.
+    fn is_due(&self, price: f64) -> bool {
+        self.solves > 0 && f64::from(self.last) * f64::from(self.solves) > price + f64::from(self.iterations)
+    }
 }
 
 impl Newton {
-    /// With an analysed `solver` for matrices of the pattern of `matrix`.
-    pub fn new(settings: Settings, solver: Box<dyn LinearSolver>, matrix: Csr) -> Newton {
-        let n = matrix.pattern.n;
+    /// For systems of `n` unknowns; the norm of corrections sees the first `measured` of them.
+    pub fn new(settings: Settings, n: usize, measured: usize) -> Newton {
         Newton {
             settings,
             counters: Counters::default(),
             seconds: Seconds::default(),
-            solver,
-            matrix,
             residual: vec![0.0; n],
             delta: vec![0.0; n],
             keep: false,
+            secants: Secants::new(settings.secants, measured),
+            age: Age::default(),
         }
     }
 
@@ -137,20 +171,14 @@ impl Newton {
         self.keep
     }
 
-    /// Factorise a Jacobian kept by an earlier run, filled in by `fill`; not counted as work.
+    /// Factorise a Jacobian kept by an earlier run, at the iterate of `system`; not counted as work.
     ///
     /// # Errors
     /// If the factorisation fails.
-    pub fn recall(&mut self, fill: impl FnOnce(&mut Csr)) -> Result<(), NewtonError> {
-        fill(&mut self.matrix);
-        self.solver.factor(&self.matrix)?;
+    pub fn recall(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {
+        system.renew(&mut Seconds::default())?;
         self.keep = true;
         Ok(())
-    }
-
-    /// The linear solver's name.
-    pub fn solver_name(&self) -> &'static str {
-        self.solver.name()
     }
 
     /// Scaled residual of `system` at its iterate.
@@ -174,6 +202,9 @@ impl Newton {
         let mut norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
         let mut fresh = false;
+        self.secants.cut();
+        let economic = self.settings.rate_max.is_none();
+        let due = economic && self.age.is_due(system.price());
         while norm > target {
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
@@ -184,7 +215,8 @@ impl Newton {
                 fresh = true;
             }
             let start = Instant::now();
-            let solved = self.solver.solve(&self.matrix, &self.residual, &mut self.delta);
+            let solved = system.correct(&self.residual, &mut self.delta);
+            self.secants.improve(&mut self.delta);
             self.seconds.solve += start.elapsed().as_secs_f64();
             if let Err(error) = solved {
                 if fresh {
@@ -195,11 +227,20 @@ impl Newton {
             }
             report.steps += 1;
             self.counters.newton_steps += 1;
-            let limit = if fresh { GROWTH * report.norms[0] } else { norm };
+            let limit = if fresh || report.norms.len() == 1 { GROWTH * report.norms[0] } else { norm };
             match self.advance(system, limit, fresh) {
                 Some(next) => {
                     let rounding = fresh && next > 0.5 * norm && norm < ROUNDING * reference;
-                    self.keep = next / norm <= self.settings.rate_max;
+                    let rate = next / norm;
+                    self.keep = match self.settings.rate_max {
+                        Some(rate_max) => rate <= rate_max,
+                        // Iterations to go at this rate, against a new Jacobian and the few it needs.
+                        None => {
+                            !(due && report.norms.len() == 1)
+                                && rate < 1.0
+                                && (target / next).ln() / rate.ln() < system.price() + FEW
+                        }
+                    };
                     norm = next;
                     report.norms.push(norm);
                     fresh = false;
@@ -215,20 +256,21 @@ impl Newton {
                 None => return Err(NewtonError::Stalled { norms: report.norms }),
             }
         }
+        if economic {
+            self.age.solves += 1;
+            self.age.last = report.steps as u32;
+            self.age.iterations += report.steps as u32;
+        }
         Ok(report)
     }
 
     fn renew(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {
-        let start = Instant::now();
-        system.jacobian(&mut self.matrix);
-        self.seconds.assembly += start.elapsed().as_secs_f64();
-        let start = Instant::now();
         self.counters.jacobians += 1;
         self.counters.factorizations += 1;
-        let factored = self.solver.factor(&self.matrix);
-        self.seconds.factorization += start.elapsed().as_secs_f64();
-        factored?;
-        Ok(())
+        self.secants.clear();
+        self.age = Age::default();
+        self.keep = true;
+        Ok(system.renew(&mut self.seconds)?)
     }
 
     /// Subtract the update, halved until the iterate is admissible and its residual below `limit`;

@@ -1,13 +1,13 @@
 //! From a checked case to spaces, equations and solvers.
 
 use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, MeshSource, MotionModel,
-    PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
+    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
-use crate::algebra::{self, Csr, FaerLu, LinearSolver, MultifrontalLu};
+use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::{self, Assembler, Physics};
 use crate::error::Error;
 use crate::functional::Functional;
@@ -19,7 +19,7 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Material, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
-use crate::time::{Force, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{self, Force, Linear, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -138,12 +138,15 @@ impl Case {
         options.threads = threads;
         let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
-        let mut solver: Box<dyn LinearSolver> = match self.linear.solver {
-            LinearSolverKind::Multifrontal => Box::new(MultifrontalLu::multifrontal(linear)),
-            LinearSolverKind::Faer => Box::new(FaerLu::faer(linear)),
-        };
-        solver.analyse(&assembler.pattern, &assembler.unknowns())?;
-        let newton = Newton::new(self.newton_settings(), solver, Csr::zeros(&assembler.pattern));
+        let kind = self.linear.solver;
+        let make: MakeSolver = Box::new(move |_| -> Box<dyn LinearSolver> {
+            match kind {
+                LinearSolverKind::Multifrontal => Box::new(MultifrontalLu::multifrontal(linear)),
+                LinearSolverKind::Faer => Box::new(FaerLu::faer(linear)),
+            }
+        });
+        let linear = Linear::new(self.linearization(), make);
+        let newton = Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v());
         let settings = StepperSettings {
             scheme: self.scheme(),
             tangent: match self.newton.jacobian {
@@ -164,7 +167,14 @@ impl Case {
             self.fluid.as_ref().and_then(|f| body_force(&f.body_force)),
             self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
         ];
-        Ok(Stepper::new(assembler, newton, settings, start, initial, force))
+        Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
+    }
+
+    fn linearization(&self) -> time::Linearization {
+        match self.newton.linearization {
+            Linearization::Newton => time::Linearization::Newton,
+            Linearization::Condensed => time::Linearization::Condensed,
+        }
     }
 
     fn newton_settings(&self) -> Settings {
@@ -173,6 +183,7 @@ impl Case {
             tolerance: n.tolerance,
             floor: n.floor,
             rate_max: n.rate_max,
+            secants: n.secants,
             max_steps: n.max_steps,
             line_search: n.line_search,
         }

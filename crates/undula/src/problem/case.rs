@@ -259,8 +259,11 @@ pub struct NewtonSpec {
     pub linearization: Linearization,
     /// How they are computed.
     pub jacobian: JacobianKind,
-    /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration.
-    pub rate_max: f64,
+    /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration. `None`:
+    /// as long as that costs less than a new one.
+    pub rate_max: Option<f64>,
+    /// Pairs of differences that improve the corrections of a kept Jacobian.
+    pub secants: usize,
     /// Reduction of the scaled residual relative to the old solution.
     pub tolerance: f64,
     /// Absolute floor of the scaled residual \[m/s\].
@@ -273,11 +276,35 @@ pub struct NewtonSpec {
     pub line_search: usize,
 }
 
+impl Default for NewtonSpec {
+    fn default() -> Self {
+        NewtonSpec {
+            linearization: Linearization::Condensed,
+            jacobian: JacobianKind::Automatic,
+            rate_max: None,
+            secants: 8,
+            tolerance: 1e-8,
+            floor: 1e-12,
+            max_steps: 30,
+            extrapolate: true,
+            line_search: 5,
+        }
+    }
+}
+
+impl Default for LinearSpec {
+    fn default() -> Self {
+        LinearSpec { solver: LinearSolverKind::Multifrontal, refinement: 2 }
+    }
+}
+
 /// Which derivatives the matrix holds.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Linearization {
     /// All of them.
     Newton,
+    /// Those of (v, p), u following by the velocity-deformation relation and the extension.
+    Condensed,
 }
 
 /// How derivatives are computed.

@@ -64,7 +64,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let motion = body::motion(root.section("motion"));
     let boundary = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
-    let newton = solver::newton(root.section("newton"));
+    let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
         condition::functional(root.section("functional"), fluid.is_some(), solid.is_some());

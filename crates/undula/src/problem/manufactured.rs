@@ -3,7 +3,7 @@
 //! The right-hand side is the weak form at the exact fields at quadrature points. It needs no second
 //! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
 
-use crate::algebra::{Csr, FaerLu, LinearSolver, SolverError};
+use crate::algebra::FaerLu;
 use crate::assembly::facets::{FacetPoint, facet_points};
 use crate::assembly::points::for_each_point;
 use crate::assembly::{Assembler, Options, Physics};
@@ -14,7 +14,7 @@ use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, 
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.
@@ -124,22 +124,19 @@ impl Manufactured {
     }
 
     /// The problem ready to be solved from the interpolated solution at `time`; with `zero` from rest.
-    ///
-    /// # Errors
-    /// If the linear solver cannot be prepared.
-    pub fn stepper(
-        &self,
-        scheme: Scheme,
-        time: f64,
-        zero: bool,
-        options: &Options,
-    ) -> Result<Stepper<2>, SolverError> {
+    pub fn stepper(&self, scheme: Scheme, time: f64, zero: bool, options: &Options) -> Stepper<2> {
         let assembler = self.assembler(options);
-        let mut solver: Box<dyn LinearSolver> = Box::new(FaerLu::faer(crate::algebra::Options::default()));
-        solver.analyse(&assembler.pattern, &assembler.unknowns())?;
-        let settings =
-            Settings { tolerance: 1e-11, floor: 1e-12, rate_max: 0.1, max_steps: 30, line_search: 8 };
-        let newton = Newton::new(settings, solver, Csr::zeros(&assembler.pattern));
+        let make: MakeSolver = Box::new(|_| Box::new(FaerLu::faer(crate::algebra::Options::default())));
+        let linear = Linear::new(Linearization::Newton, make);
+        let settings = Settings {
+            tolerance: 1e-11,
+            floor: 1e-12,
+            rate_max: Some(0.1),
+            secants: 0,
+            max_steps: 30,
+            line_search: 8,
+        };
+        let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
             tangent: Tangent::Automatic,
@@ -152,9 +149,9 @@ impl Manufactured {
             true => State::zero(space.n_v(), space.n_u(), space.n_p()),
             false => self.interpolate(time),
         };
-        let mut stepper = Stepper::new(assembler, newton, settings, time, initial, [None, None]);
+        let mut stepper = Stepper::new(assembler, newton, linear, settings, time, initial, [None, None]);
         stepper.source = Some(self.source());
-        Ok(stepper)
+        stepper
     }
 
     fn scales(&self) -> Scales {

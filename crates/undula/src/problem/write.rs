@@ -192,6 +192,7 @@ impl Case {
             "linearization",
             match newton.linearization {
                 Linearization::Newton => "newton",
+                Linearization::Condensed => "condensed",
             },
         );
         out.word(
@@ -201,11 +202,11 @@ impl Case {
                 JacobianKind::Analytic => "analytic",
             },
         );
-        out.key(
-            "rate-max",
-            number(newton.rate_max),
-            "a Jacobian is kept while residuals shrink by this factor",
-        );
+        if let Some(rate_max) = newton.rate_max {
+            let meaning = "a Jacobian is kept while residuals shrink by this factor";
+            out.key("rate-max", number(rate_max), meaning);
+        }
+        out.key("secants", newton.secants.to_string(), "pairs that improve corrections of a kept Jacobian");
         out.key("tolerance", number(newton.tolerance), "relative to the old solution");
         out.key("floor", number(newton.floor), "m/s");
         out.key("max-steps", newton.max_steps.to_string(), "");

@@ -1,5 +1,6 @@
 //! One step: boundary data, start value, Newton, and smaller steps where it fails.
 
+use super::linear::{Linear, Linearization};
 use super::scheme::Scheme;
 use super::system::{BlockNorms, Scales, StepSystem};
 use crate::assembly::{Assembler, End, StepView, Worst};
@@ -66,6 +67,8 @@ pub struct Stepper<const D: usize> {
     pub assembler: Assembler<D>,
     /// Nonlinear solver.
     pub newton: Newton,
+    /// Matrices and their factors.
+    pub linear: Linear,
     /// Settings.
     pub settings: StepperSettings,
     /// Time of `new` \[s\].
@@ -113,6 +116,7 @@ impl<const D: usize> Stepper<D> {
     pub fn new(
         assembler: Assembler<D>,
         newton: Newton,
+        linear: Linear,
         settings: StepperSettings,
         time: f64,
         initial: State,
@@ -122,6 +126,7 @@ impl<const D: usize> Stepper<D> {
         let mut stepper = Stepper {
             assembler,
             newton,
+            linear,
             settings,
             time,
             new: initial.clone(),
@@ -238,6 +243,7 @@ impl<const D: usize> Stepper<D> {
         let extrapolate = self.settings.extrapolate && ratio > 0.0;
         let mut system = StepSystem {
             assembler: &mut self.assembler,
+            linear: &mut self.linear,
             rule,
             new: &mut self.new,
             old: &self.old,
@@ -261,6 +267,7 @@ impl<const D: usize> Stepper<D> {
                 assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
             }
         }
+        system.linear.start(&system.assembler.space, k, rule.theta, system.new, &self.old);
         let report = self.newton.solve(&mut system, reference)?;
         Ok((report, system.norms, system.min_j))
     }
@@ -322,8 +329,13 @@ impl<const D: usize> Stepper<D> {
         }
         self.apply_boundary(t, load);
         self.newton.forget();
+        let active = self.linear.active;
+        if self.assembler.space.deforms {
+            self.linear.active = Linearization::Newton;
+        }
         let mut system = StepSystem {
             assembler: &mut self.assembler,
+            linear: &mut self.linear,
             rule: StepRule::STATIONARY,
             new: &mut self.new,
             old: &before_state,
@@ -340,6 +352,7 @@ impl<const D: usize> Stepper<D> {
             None => Err(NewtonError::Inadmissible),
         };
         let (norms, min_j) = (system.norms, system.min_j);
+        self.linear.active = active;
         match solved {
             Ok(report) => {
                 self.old = before_state;
@@ -393,10 +406,22 @@ impl<const D: usize> Stepper<D> {
         self.newton.forget();
         if let Some(point) = point {
             self.set_forces(End::New, point.time);
-            let view = StepView { rule: point.rule, new: &point.new, old: &point.old };
-            let (assembler, tangent) = (&self.assembler, self.settings.tangent);
-            self.newton.recall(|matrix| assembler.jacobian(&view, tangent, matrix))?;
-            self.point = Some(point);
+            let mut new = point.new.clone();
+            let mut system = StepSystem {
+                assembler: &mut self.assembler,
+                linear: &mut self.linear,
+                rule: point.rule,
+                new: &mut new,
+                old: &point.old,
+                explicit: &self.explicit,
+                scales: self.settings.scales,
+                tangent: self.settings.tangent,
+                time: point.time,
+                point: &mut self.point,
+                min_j: 1.0,
+                norms: BlockNorms::default(),
+            };
+            self.newton.recall(&mut system)?;
         }
         self.set_forces(End::New, clock.time);
         self.set_forces(End::Old, clock.time);

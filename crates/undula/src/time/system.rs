@@ -1,9 +1,10 @@
 //! The nonlinear system of one step.
 
+use super::linear::Linear;
 use super::stepper::JacobianPoint;
-use crate::algebra::Csr;
+use crate::algebra::SolverError;
 use crate::assembly::{Assembler, StepView};
-use crate::nonlinear::NonlinearSystem;
+use crate::nonlinear::{NonlinearSystem, Seconds};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, PsiOwner, State};
 use crate::tangent::Tangent;
@@ -76,6 +77,8 @@ fn norm_inf(r: &[f64]) -> Option<f64> {
 pub struct StepSystem<'a, const D: usize> {
     /// Assembly.
     pub assembler: &'a mut Assembler<D>,
+    /// Matrices and their factors.
+    pub linear: &'a mut Linear,
     /// Weights of the scheme.
     pub rule: StepRule,
     /// The iterate.
@@ -107,9 +110,8 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         (self.min_j > 0.0).then_some(self.norms.max())
     }
 
-    fn jacobian(&mut self, a: &mut Csr) {
+    fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
-        self.assembler.jacobian(&view, self.tangent, a);
         match self.point {
             Some(point) => {
                 (point.rule, point.time) = (self.rule, self.time);
@@ -121,6 +123,16 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
                 *self.point = Some(JacobianPoint { rule: self.rule, time: self.time, new, old });
             }
         }
+        self.linear.renew(self.assembler, &view, self.tangent, seconds)
+    }
+
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.linear.correct(self.assembler, &view, r, delta)
+    }
+
+    fn price(&self) -> f64 {
+        self.linear.price()
     }
 
     fn update(&mut self, omega: f64, delta: &[f64]) {

@@ -124,18 +124,25 @@ fn check_schedule(
     }
 }
 
-pub(super) fn newton(mut s: Section<'_, '_>) -> NewtonSpec {
-    let linearization = s.choice(
-        "linearization",
-        &[("newton", Linearization::Newton)],
-        &["reduced", "fixed-point", "condensed"],
-    );
+/// `condensed`: whether the condensed system is the better default, in time or without a solid.
+pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
+    let linearizations = [("newton", Linearization::Newton), ("condensed", Linearization::Condensed)];
+    let linearization = s.choice("linearization", &linearizations, &["reduced", "fixed-point"]);
     let jacobians = [("automatic", JacobianKind::Automatic), ("analytic", JacobianKind::Analytic)];
     let jacobian = s.choice("jacobian", &jacobians, &["finite-difference"]);
+    let default = if condensed { Linearization::Condensed } else { Linearization::Newton };
+    let linearization = linearization.unwrap_or(default);
+    if linearization == Linearization::Condensed && !condensed {
+        let note = "newton.linearization has no effect: a stationary deformation takes the full Jacobian";
+        s.checker.notes.borrow_mut().push(note.into());
+    }
+    let is_newton = linearization == Linearization::Newton;
+    let rate_max = s.optional_number("rate-max", RATE);
     let spec = NewtonSpec {
-        linearization: linearization.unwrap_or(Linearization::Newton),
+        linearization,
         jacobian: jacobian.unwrap_or(JacobianKind::Automatic),
-        rate_max: s.number("rate-max", 0.2, RATE),
+        rate_max: rate_max.or(is_newton.then_some(0.2)),
+        secants: s.integer("secants", if is_newton { 0 } else { 8 }, 0..=50),
         tolerance: s.number("tolerance", 1e-8, REDUCTION),
         floor: s.number("floor", 1e-12, NOT_NEGATIVE),
         max_steps: s.integer("max-steps", 30, 1..=1000),

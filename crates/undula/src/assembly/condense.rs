@@ -1,0 +1,189 @@
+//! The (v, p) system of condensed Newton on one region.
+//!
+//! In the solid the velocity-deformation relation gives δu = kθ δv, so that a velocity direction moves u
+//! along. In the fluid the derivatives with respect to u are left out. Without deformation nothing is
+//! left out: the matrix is then the Jacobian.
+
+use super::contract::{Piece, Test, Trial};
+use super::interior::{BackwardTask, CondenseTask, FacetBlocks, ForwardTask, Interior, Layout, Sweep};
+use super::kernel::{Kernel, StepView};
+use super::scatter::{DROP, Pieces, Shared};
+use super::simd::Width;
+use super::tasks::{Directions, TangentTasks};
+use crate::math::Lanes;
+use crate::physics::Couplings;
+use crate::physics::form::Block;
+use crate::space::FsiSpace;
+use crate::tangent::{ByHand, Tangent};
+
+/// Pieces of the (v, p) matrix; with `relation`, u moves with v.
+pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece> {
+    let block = if relation { Block::Full } else { c.phi_v };
+    let mut list = vec![];
+    for i in 0..dim {
+        for j in 0..dim {
+            if block != Block::Zero && !(block == Block::Mass && i != j) {
+                list.push(Piece { test: Test::Phi(i), trial: Trial::V(j), block });
+            }
+        }
+        if c.pressure {
+            list.push(Piece { test: Test::Phi(i), trial: Trial::P, block: Block::Stiffness });
+            list.push(Piece { test: Test::Xi, trial: Trial::V(i), block: Block::Stiffness });
+        }
+    }
+    list
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Whether u follows v by the velocity-deformation relation.
+    const RELATION: bool = !matches!(F::COUPLINGS.psi_v, Block::Zero);
+
+    /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
+    pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
+        let b = &self.batches;
+        let layout = Layout::new(space.mesh.shape, space.nodes.degree, b.n_pressure, space.pressure.kind);
+        let mut interior = Interior::new(layout, b.len());
+        for (batch, cells) in b.cells.iter().enumerate() {
+            for (lane, cell) in cells[..b.active[batch]].iter().enumerate() {
+                let with = facets.iter().enumerate().filter(|(_, c)| *c == cell);
+                interior.facets.extend(with.map(|(f, _)| (batch as u32, lane as u32, f as u32)));
+            }
+        }
+        self.condensed = condensed_pieces(&F::COUPLINGS, D, Self::RELATION);
+        self.interior = Some(interior);
+    }
+
+    /// Places in `[v, u, p]` of the inner unknowns of all cells.
+    pub fn inner(&self, mut visit: impl FnMut(u32)) {
+        let Some(interior) = &self.interior else { return };
+        for batch in 0..self.batches.len() {
+            self.sweep(interior, batch).visit(|place, dofs| {
+                if place >= interior.layout.outer {
+                    dofs[..self.batches.active[batch]].iter().for_each(|&dof| visit(dof));
+                }
+            });
+        }
+    }
+
+    /// Call `visit(row, column)` for every entry of the outer matrix, in the numbers that `number` gives
+    /// to places in `[v, u, p]`; [`DROP`]ped ones included, for all lanes.
+    pub fn condensed_entries(&self, number: &[u32], mut visit: impl FnMut(usize, u32, u32)) {
+        let Some(interior) = &self.interior else { return };
+        let outer = interior.layout.outer;
+        let mut list = vec![[DROP; L]; outer];
+        for batch in 0..self.batches.len() {
+            let active = self.batches.active[batch];
+            self.sweep(interior, batch).visit(|place, dofs| {
+                if place < outer {
+                    list[place] =
+                        std::array::from_fn(|l| if l < active { number[dofs[l] as usize] } else { DROP });
+                }
+            });
+            for rows in &list {
+                for columns in &list {
+                    for l in 0..L {
+                        let there = rows[l] != DROP && columns[l] != DROP;
+                        let (row, column) = if there { (rows[l], columns[l]) } else { (DROP, DROP) };
+                        visit(l, row, column);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Remember where every outer entry goes.
+    pub fn set_condensed_slots(&mut self, number: &[u32], find: impl Fn(u32, u32) -> u32) {
+        let mut slots: Vec<[u32; L]> = vec![];
+        self.condensed_entries(number, |l, row, column| {
+            if l == 0 {
+                slots.push([DROP; L]);
+            }
+            if let (Some(last), true) = (slots.last_mut(), row != DROP) {
+                last[l] = find(row, column);
+            }
+        });
+        if let Some(interior) = &mut self.interior {
+            interior.slots = slots;
+        }
+    }
+
+    fn sweep<'a>(&'a self, interior: &'a Interior<D, L>, batch: usize) -> Sweep<'a, D, L> {
+        let (kept, _) = interior.sizes();
+        Sweep {
+            layout: &interior.layout,
+            batches: &self.batches,
+            batch,
+            factors: &interior.factors[batch * kept..(batch + 1) * kept],
+            first_pressure: self.first_pressure,
+        }
+    }
+
+    /// Add the outer matrix to the entries `out` and keep the factors of the inner blocks.
+    pub fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
+        let Some(mut interior) = self.interior.take() else { return };
+        let (kept, _) = interior.sizes();
+        let mut factors = std::mem::take(&mut interior.factors);
+        let (shared, pieces) = (Shared::new(out), Pieces::new(&mut factors, kept));
+        let outer = interior.layout.outer;
+        let coupling = if Self::RELATION { step.rule.theta / step.rule.per_k } else { 0.0 };
+        self.for_each_batch(|batch| {
+            self.scratch.with(|s| {
+                let directions = Directions::Condensed { coupling };
+                TangentTasks { kernel: self, step, tangent, directions, batch, scratch: s }.run();
+                let tangents = self.tangents(batch, &s.tangent);
+                let of_batch = |x: u32| interior.facets.partition_point(|f| f.0 < x);
+                Lanes::<L>::dispatch(CondenseTask {
+                    tangents,
+                    pieces: &self.condensed,
+                    layout: &interior.layout,
+                    facets: &interior.facets[of_batch(batch as u32)..of_batch(batch as u32 + 1)],
+                    blocks,
+                    slots: &interior.slots[batch * outer * outer..(batch + 1) * outer * outer],
+                    piece: &mut s.piece,
+                    matrix: &mut s.matrix,
+                    factors: pieces.of(batch),
+                    out: &shared,
+                });
+            });
+        });
+        interior.factors = factors;
+        self.interior = Some(interior);
+    }
+
+    /// `b_o ← b_o − A_oi A_ii⁻¹ b_i` in `[v, u, p]`; the inner ones are kept for [`Kernel::recover`].
+    pub fn eliminate(&mut self, b: &mut [f64]) {
+        let Some(mut interior) = self.interior.take() else { return };
+        let mut inner = std::mem::take(&mut interior.inner);
+        let (_, size) = interior.sizes();
+        let (shared, kept) = (Shared::new(b), Pieces::new(&mut inner, size));
+        self.for_each_batch(|batch| {
+            self.scratch.with(|s| {
+                let sweep = self.sweep(&interior, batch);
+                let inner = kept.of(batch);
+                Lanes::<L>::dispatch(ForwardTask { sweep, inner, work: &mut s.outer, out: &shared });
+            });
+        });
+        interior.inner = inner;
+        self.interior = Some(interior);
+    }
+
+    /// `x_i = A_ii⁻¹ (b_i − A_io x_o)` in `[v, u, p]`, b being that of the last [`Kernel::eliminate`].
+    pub fn recover(&self, x: &mut [f64]) {
+        let Some(interior) = &self.interior else { return };
+        let shared = Shared::new(x);
+        let (_, size) = interior.sizes();
+        self.for_each_batch(|batch| {
+            self.scratch.with(|s| {
+                Lanes::<L>::dispatch(BackwardTask {
+                    sweep: self.sweep(interior, batch),
+                    inner: &interior.inner[batch * size..(batch + 1) * size],
+                    work: &mut s.outer,
+                    out: &shared,
+                });
+            });
+        });
+    }
+}

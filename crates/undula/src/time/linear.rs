@@ -1,0 +1,246 @@
+//! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p).
+
+use crate::algebra::{Csr, LinearSolver, SolverError};
+use crate::assembly::extension::ExtensionSystem;
+use crate::assembly::{Assembler, CondensedSystem, StepView};
+use crate::nonlinear::Seconds;
+use crate::space::{FsiSpace, PsiOwner, State};
+use crate::tangent::Tangent;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Makes linear solvers of the kind that the case asks for.
+pub type MakeSolver = Box<dyn Fn(Purpose) -> Box<dyn LinearSolver> + Send>;
+
+/// What a linear solver is for.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Solutions as exact as can be.
+    Exact,
+    /// Corrections in an iteration that sees its own residual.
+    Correction,
+}
+
+/// Which matrix Newton's method uses.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Linearization {
+    /// All derivatives with respect to v, u, p.
+    Newton,
+    /// (v, p) with δu = kθ δv in the solid and the extension afterwards, without derivatives of the flow with
+    /// respect to u (Failer and Richter, 2020).
+    Condensed,
+}
+
+/// Both, each made when first needed.
+pub struct Linear {
+    /// The one in use.
+    pub active: Linearization,
+    make: MakeSolver,
+    full: Option<Full>,
+    condensed: Option<Condensed>,
+}
+
+struct Full {
+    matrix: Csr,
+    solver: Box<dyn LinearSolver>,
+}
+
+struct Condensed {
+    system: Arc<CondensedSystem>,
+    matrix: Csr,
+    solver: Box<dyn LinearSolver>,
+    extension: Option<Extension>,
+    /// Nodes where δu = kθ δv.
+    relation: Vec<u32>,
+    b: Vec<f64>,
+    x: Vec<f64>,
+    work: Vec<f64>,
+}
+
+struct Extension {
+    system: ExtensionSystem,
+    solver: Box<dyn LinearSolver>,
+    b: Vec<f64>,
+    x: Vec<f64>,
+}
+
+impl Linear {
+    /// Nothing is prepared yet.
+    pub fn new(active: Linearization, make: MakeSolver) -> Linear {
+        Linear { active, make, full: None, condensed: None }
+    }
+
+    /// Assemble and factorise at the iterate of `view`.
+    ///
+    /// # Errors
+    /// If the matrix is singular, or memory is short.
+    pub fn renew<const D: usize>(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        tangent: Tangent,
+        seconds: &mut Seconds,
+    ) -> Result<(), SolverError> {
+        let start = Instant::now();
+        match self.active {
+            Linearization::Newton => {
+                let full = match &mut self.full {
+                    Some(full) => full,
+                    none => none.insert(Full::new(assembler, (self.make)(Purpose::Exact))?),
+                };
+                assembler.jacobian(view, tangent, &mut full.matrix);
+                let assembled = Instant::now();
+                seconds.assembly += (assembled - start).as_secs_f64();
+                let factored = full.solver.factor(&full.matrix);
+                seconds.factorization += assembled.elapsed().as_secs_f64();
+                factored?;
+            }
+            Linearization::Condensed => {
+                let condensed = match &mut self.condensed {
+                    Some(condensed) => condensed,
+                    none => none.insert(Condensed::new(assembler, view, &self.make)?),
+                };
+                assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
+                let assembled = Instant::now();
+                seconds.assembly += (assembled - start).as_secs_f64();
+                let factored = condensed.solver.factor(&condensed.matrix);
+                seconds.factorization += assembled.elapsed().as_secs_f64();
+                factored?;
+            }
+        }
+        Ok(())
+    }
+
+    /// δ from the residual `r` \[v, u, p\] by the factors at hand.
+    ///
+    /// # Errors
+    /// If the solution is inaccurate or there are no factors.
+    pub fn correct<const D: usize>(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        r: &[f64],
+        delta: &mut [f64],
+    ) -> Result<(), SolverError> {
+        match (self.active, &mut self.full, &mut self.condensed) {
+            (Linearization::Newton, Some(full), _) => full.solver.solve(&full.matrix, r, delta).map(|_| ()),
+            (Linearization::Condensed, _, Some(condensed)) => {
+                condensed.correct(assembler, view, r, delta);
+                Ok(())
+            }
+            _ => Err(SolverError::NotFactored),
+        }
+    }
+
+    /// What a new Jacobian costs, in iterations.
+    pub fn price(&self) -> f64 {
+        5.0
+    }
+
+    /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes
+    /// it for granted.
+    pub fn start<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        k: f64,
+        theta: f64,
+        new: &mut State,
+        old: &State,
+    ) {
+        if self.active != Linearization::Condensed || !space.deforms {
+            return;
+        }
+        for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Relation) {
+            for at in node * D..(node + 1) * D {
+                new.u[at] = old.u[at] + k * (theta * new.v[at] + (1.0 - theta) * old.v[at]);
+            }
+        }
+    }
+}
+
+impl Full {
+    fn new<const D: usize>(
+        assembler: &mut Assembler<D>,
+        mut solver: Box<dyn LinearSolver>,
+    ) -> Result<Full, SolverError> {
+        let pattern = assembler.pattern();
+        solver.analyse(&pattern, &assembler.unknowns())?;
+        Ok(Full { matrix: Csr::zeros(&pattern), solver })
+    }
+}
+
+impl Condensed {
+    fn new<const D: usize>(
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        make: &MakeSolver,
+    ) -> Result<Condensed, SolverError> {
+        let system = assembler.condensed();
+        let mut solver = make(Purpose::Correction);
+        solver.analyse(&system.pattern, &system.unknowns)?;
+        let extension = match assembler.extension(view) {
+            None => None,
+            Some(system) => {
+                let mut solver = make(Purpose::Correction);
+                let all = assembler.unknowns();
+                let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
+                solver.analyse(&system.matrix.pattern, &unknowns)?;
+                solver.factor(&system.matrix)?;
+                let n = system.places.len();
+                Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] })
+            }
+        };
+        let (space, given) = (&assembler.space, &assembler.constraints.u);
+        let free = |&n: &u32| space.owner[n as usize] == PsiOwner::Relation && !given[n as usize];
+        let relation =
+            if space.deforms { (0..space.nodes.len() as u32).filter(free).collect() } else { vec![] };
+        let n = system.places.len();
+        Ok(Condensed {
+            matrix: Csr::zeros(&system.pattern),
+            solver,
+            extension,
+            relation,
+            b: vec![0.0; n],
+            x: vec![0.0; n],
+            work: vec![0.0; space.n_unknowns()],
+            system,
+        })
+    }
+
+    fn correct<const D: usize>(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        r: &[f64],
+        delta: &mut [f64],
+    ) {
+        self.work.copy_from_slice(r);
+        assembler.eliminate_inner(&mut self.work);
+        for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
+            *b = self.work[place as usize];
+        }
+        self.solver.apply(&self.b, &mut self.x);
+        delta.fill(0.0);
+        for (x, &place) in self.x.iter().zip(&self.system.places) {
+            delta[place as usize] = *x;
+        }
+        assembler.recover_inner(delta);
+        let n_v = assembler.space.n_v();
+        if !self.relation.is_empty() {
+            let factor = view.rule.theta / view.rule.per_k;
+            let (v, u) = delta.split_at_mut(n_v);
+            for &node in &self.relation {
+                for at in node as usize * D..(node as usize + 1) * D {
+                    u[at] = factor * v[at];
+                }
+            }
+        }
+        if let Some(extension) = &mut self.extension {
+            extension.system.right_hand_side(r, delta, &mut extension.b);
+            extension.solver.apply(&extension.b, &mut extension.x);
+            for (x, &place) in extension.x.iter().zip(&extension.system.places) {
+                delta[place as usize] = *x;
+            }
+        }
+    }
+}
