@@ -9,10 +9,7 @@ use std::sync::Arc;
 /// Beyond this the matrix counts as singular.
 const MAX_CONDITION: f64 = 1e14;
 
-/// Probe error from which on the condition number is looked at.
-const SUSPICIOUS: f64 = 1e-8;
-
-/// Refinement of an inaccurate probe before the factors are given up.
+/// Refinement of an inaccurate probe, at least, before the factors are given up.
 const PROBE_REFINEMENT: usize = 5;
 
 /// What a [`Direct`] solver is asked for.
@@ -24,11 +21,26 @@ pub struct Options {
     pub target: f64,
     /// Backward error above which a solve counts as failed.
     pub allowed: f64,
+    /// Whether factors are judged before they are used. If not, only what cannot be factored is an
+    /// error: entries that are not finite, pivots that are zero.
+    pub probe: bool,
+}
+
+impl Options {
+    /// For factors in single precision, which need more refinement for the same accuracy.
+    pub fn single() -> Self {
+        Self { refinement: 30, ..Self::default() }
+    }
+
+    /// For [`LinearSolver::apply`] alone.
+    pub fn unprobed() -> Self {
+        Self { probe: false, ..Self::default() }
+    }
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { refinement: 3, target: 1e-12, allowed: 1e-9 }
+        Self { refinement: 3, target: 1e-12, allowed: 1e-9, probe: true }
     }
 }
 
@@ -51,6 +63,11 @@ pub trait Backend: Send {
 
     /// Overwrites `y` by `(R A C)⁻¹ y`.
     fn solve(&mut self, y: &mut [f64]);
+
+    /// Relative error of one rounding in the factors.
+    fn roundoff(&self) -> f64 {
+        0.5 * f64::EPSILON
+    }
 }
 
 /// Why a [`Backend`] did not factor.
@@ -75,7 +92,9 @@ pub struct Direct<B> {
     pattern: Option<Arc<Pattern>>,
     unknowns: Vec<Unknown>,
     scaling: Scaling,
-    /// ‖R A C‖∞ of the matrix last factored; `None` without usable factors.
+    /// Whether there are factors.
+    factored: bool,
+    /// ‖R A C‖∞ of the matrix last factored, once it is known.
     norm: Option<f64>,
     residual: Vec<f64>,
     step: Vec<f64>,
@@ -91,6 +110,7 @@ impl<B: Backend> Direct<B> {
             pattern: None,
             unknowns: Vec::new(),
             scaling: Scaling::default(),
+            factored: false,
             norm: None,
             residual: Vec::new(),
             step: Vec::new(),
@@ -122,8 +142,8 @@ impl<B: Backend> Direct<B> {
         }
     }
 
-    /// Solves with at most `refinements` steps, keeping the best iterate; the report is not judged.
-    fn refine(&mut self, a: &Csr, norm: f64, b: &[f64], x: &mut [f64], refinements: usize) -> SolveReport {
+    /// Solves with at most `refinement` steps, keeping the best iterate; the report is not judged.
+    fn refine(&mut self, a: &Csr, norm: f64, b: &[f64], x: &mut [f64], options: Options) -> SolveReport {
         let norm_b = scaled_norm(b, &self.scaling.row, |b, r| b * r);
         self.substitute(b, x);
         let mut report = SolveReport { refinements: 0, backward_error: f64::INFINITY };
@@ -143,8 +163,8 @@ impl<B: Backend> Direct<B> {
                 }
                 report.refinements -= 1;
             }
-            let done = !(error > self.options.target && error < 0.5 * before);
-            if done || report.refinements == refinements {
+            let done = !(error > options.target && error < 0.5 * before);
+            if done || report.refinements == options.refinement {
                 self.residual = residual;
                 return report;
             }
@@ -160,26 +180,29 @@ impl<B: Backend> Direct<B> {
         }
     }
 
-    /// Solves for a known solution and judges what comes back; also returns ‖R A C‖∞.
-    fn probe(&mut self, a: &Csr, cost: Cost) -> Result<(FactorReport, f64), SolverError> {
-        // x* is ±1 in scaled variables, so that the terms of A C x* add up to the norm of the row.
+    /// `residual` ← A x* for x* = ±1 in scaled variables, so that the terms of A C x* add up to the norm
+    /// of the row; returns ‖R A C‖∞.
+    fn known_image(&mut self, a: &Csr) -> f64 {
         for (i, (x, c)) in self.known.iter_mut().zip(&self.scaling.col).enumerate() {
             *x = pseudo_random_sign(i) * c;
         }
-        let norm = a.mul_with_norm(&self.scaling.row, &self.known, &mut self.residual);
+        a.mul_with_norm(&self.scaling.row, &self.known, &mut self.residual)
+    }
+
+    /// Solves for a known solution and judges what comes back; also returns ‖R A C‖∞.
+    fn probe(&mut self, a: &Csr, cost: Cost) -> Result<(FactorReport, f64), SolverError> {
+        let norm = self.known_image(a);
         for ((s, b), r) in self.step.iter_mut().zip(&self.residual).zip(&self.scaling.row) {
             *s = b * r;
         }
         self.backend.solve(&mut self.step);
-        for (i, s) in self.step.iter_mut().enumerate() {
-            *s -= pseudo_random_sign(i);
-        }
-        let probe_error = norm_inf(&self.step);
+        let probe_error = self.error_of_known();
         if !probe_error.is_finite() {
             return Err(self.singular(f64::INFINITY));
         }
         let mut report = FactorReport { cost, probe_error, condition: None };
-        if probe_error > SUSPICIOUS {
+        // Half of the digits are lost.
+        if probe_error > self.backend.roundoff().sqrt() {
             let condition = self.condition(norm);
             if condition.is_nan() || condition > MAX_CONDITION {
                 return Err(self.singular(condition));
@@ -188,6 +211,14 @@ impl<B: Backend> Direct<B> {
             self.check_refinement(a, norm)?;
         }
         Ok((report, norm))
+    }
+
+    /// ‖x − x*‖∞ for `step` = x in scaled variables, which becomes the difference.
+    fn error_of_known(&mut self) -> f64 {
+        for (i, s) in self.step.iter_mut().enumerate() {
+            *s -= pseudo_random_sign(i);
+        }
+        norm_inf(&self.step)
     }
 
     /// One step of inverse iteration from the error of the probe in `step`: ‖A‖ ‖A⁻¹ e‖ / ‖e‖.
@@ -212,13 +243,26 @@ impl<B: Backend> Direct<B> {
         SolverError::Singular { condition, index, unknown: self.unknowns[index] }
     }
 
-    /// Whether refinement recovers from factors that did badly in the probe.
+    /// Whether refinement recovers from factors that did badly in the probe: the residual must vanish,
+    /// and the error with it as far as a regular matrix lets it.
     fn check_refinement(&mut self, a: &Csr, norm: f64) -> Result<(), SolverError> {
         let b = std::mem::take(&mut self.residual);
         let mut x = std::mem::take(&mut self.known);
         self.residual = vec![0.0; b.len()];
-        let report = self.refine(a, norm, &b, &mut x, PROBE_REFINEMENT);
+        let refinement = if self.backend.roundoff() > f64::EPSILON {
+            self.options.refinement.max(PROBE_REFINEMENT)
+        } else {
+            PROBE_REFINEMENT
+        };
+        let report = self.refine(a, norm, &b, &mut x, Options { refinement, target: 0.0, ..self.options });
+        for ((s, x), c) in self.step.iter_mut().zip(&x).zip(&self.scaling.col) {
+            *s = x / c;
+        }
         self.known = x;
+        let condition = self.error_of_known() / report.backward_error.max(f64::EPSILON);
+        if condition > MAX_CONDITION {
+            return Err(self.singular(condition));
+        }
         self.judge(report).map(|_| ())
     }
 
@@ -240,7 +284,7 @@ impl<B: Backend> LinearSolver for Direct<B> {
 
     fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
         check_size("unknowns", pattern.n, unknowns.len())?;
-        (self.norm, self.pattern) = (None, None);
+        (self.factored, self.norm, self.pattern) = (false, None, None);
         self.backend.analyse(pattern, unknowns)?;
         self.unknowns = unknowns.to_vec();
         for work in [&mut self.residual, &mut self.step, &mut self.known] {
@@ -252,7 +296,7 @@ impl<B: Backend> LinearSolver for Direct<B> {
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
         self.check_pattern(a)?;
-        self.norm = None;
+        (self.factored, self.norm) = (false, None);
         self.scaling.update(a, &self.unknowns)?;
         let cost = self.backend.factor(a, &self.scaling).map_err(|failure| match failure {
             Failure::Memory(what) => SolverError::Memory(what),
@@ -260,28 +304,35 @@ impl<B: Backend> LinearSolver for Direct<B> {
                 SolverError::Singular { condition: f64::INFINITY, index, unknown: self.unknowns[index] }
             }
         })?;
-        let (report, norm) = self.probe(a, cost)?;
-        self.norm = Some(norm);
+        let report = if self.options.probe {
+            let (report, norm) = self.probe(a, cost)?;
+            self.norm = Some(norm);
+            report
+        } else {
+            FactorReport { cost, probe_error: f64::NAN, condition: None }
+        };
+        self.factored = true;
         Ok(report)
     }
 
     fn solve(&mut self, a: &Csr, b: &[f64], x: &mut [f64]) -> Result<SolveReport, SolverError> {
         self.check_pattern(a)?;
-        let norm = self.norm.ok_or(SolverError::NotFactored)?;
+        if !self.factored {
+            return Err(SolverError::NotFactored);
+        }
         check_size("right-hand side", a.pattern.n, b.len())?;
         check_size("solution", a.pattern.n, x.len())?;
         if let Some(row) = b.iter().position(|v| !v.is_finite()) {
             return Err(SolverError::RightHandSide { row, unknown: self.unknowns[row] });
         }
-        let report = self.refine(a, norm, b, x, self.options.refinement);
+        let norm = self.norm.unwrap_or_else(|| self.known_image(a));
+        self.norm = Some(norm);
+        let report = self.refine(a, norm, b, x, self.options);
         self.judge(report)
     }
 
     fn apply(&mut self, b: &[f64], x: &mut [f64]) {
-        match self.norm {
-            Some(_) => self.substitute(b, x),
-            None => x.fill(f64::NAN),
-        }
+        if self.factored { self.substitute(b, x) } else { x.fill(f64::NAN) }
     }
 }
 

@@ -18,7 +18,7 @@ mod vector;
 pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
-pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
+pub use multifrontal::{MultifrontalBackend, MultifrontalLu, SingleLu};
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};

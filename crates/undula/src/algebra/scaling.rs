@@ -89,7 +89,7 @@ fn exponent(m: f64) -> i64 {
 }
 
 /// 1/m to a power of two.
-fn inverse(m: f64) -> f64 {
+pub(super) fn inverse(m: f64) -> f64 {
     f64::from_bits(((1023 - exponent(m)).clamp(1, 2046) as u64) << 52)
 }
 

@@ -49,7 +49,7 @@ pub trait LinearSolver: Send {
     /// If the description does not fit the pattern, or memory is short.
     fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError>;
 
-    /// Factors `a`, once per kept Jacobian, and probes the factors with a known solution.
+    /// Factors `a`, once per kept Jacobian, and probes the factors with a known solution if asked to.
     ///
     /// # Errors
     /// If `a` is singular, nearly so, or the factors turn out to be inaccurate.
@@ -82,7 +82,8 @@ pub struct Cost {
 pub struct FactorReport {
     /// Size of the factors and work done.
     pub cost: Cost,
-    /// Relative error of the probe, ‖x − x*‖∞ / ‖x*‖∞ in scaled variables, without refinement.
+    /// Relative error of the probe, ‖x − x*‖∞ / ‖x*‖∞ in scaled variables, without refinement; NaN
+    /// without a probe.
     pub probe_error: f64,
     /// Lower estimate of the condition number in scaled variables; only looked at where the probe
     /// lost half of the digits.

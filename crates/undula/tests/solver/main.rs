@@ -5,8 +5,8 @@ mod matrices;
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;
 use undula::algebra::{
-    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SOLVERS, SolverError, Unknown, norm_inf,
-    solver,
+    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SOLVERS, SingleLu, SolverError, Unknown,
+    norm_inf, solver,
 };
 
 /// Refinement as far as it goes: errors are compared with 1e-10.
@@ -296,6 +296,104 @@ fn threads_do_not_change_a_bit_of_large_fronts() {
     let one = bits(new(), &system, 1);
     for threads in [2, 5] {
         assert!(bits(new(), &system, threads) == one, "{threads} threads");
+    }
+}
+
+fn single() -> SingleLu {
+    SingleLu::single(Options { target: 1e-15, ..Options::single() })
+}
+
+/// Factors in single precision, refined, are as good as those in double precision.
+#[test]
+fn single_precision_refined_is_double() {
+    for System { a, unknowns } in &systems() {
+        let known = known_solution(unknowns);
+        let (mut b, mut x) = (vec![0.0; known.len()], vec![0.0; known.len()]);
+        a.mul(&known, &mut b);
+        let mut solver = single();
+        solver.analyse(&a.pattern, unknowns).unwrap();
+        let factor = solver.factor(a).unwrap();
+        let report = solver.solve(a, &b, &mut x).unwrap();
+        let error = error(unknowns, &x, &known);
+        println!("{} {factor:?} {report:?} {error:e}", a.pattern.n);
+        assert!(report.backward_error < 1e-14 && error < 1e-9, "{report:?} {error:e}");
+    }
+}
+
+#[test]
+fn single_precision_sees_singular_matrices() {
+    for pressure in [Pressure::P1dc, Pressure::Q1] {
+        for (nx, ny) in [(4, 2), (12, 8), (48, 24)] {
+            let setup = Setup { outflow: false, ..Setup::flow(nx, ny, pressure) };
+            let found = factor(&mut single(), &setup.system());
+            let is_pressure = |e: &SolverError| matches!(e, SolverError::Singular { unknown, .. } if unknown.kind == Kind::Pressure);
+            assert!(found.as_ref().is_err_and(is_pressure), "{nx} x {ny}: {found:?}");
+        }
+    }
+}
+
+#[test]
+fn threads_do_not_change_a_bit_in_single_precision() {
+    for setup in
+        [Setup::fsi(40, 24, Pressure::P1dc), Setup { cells: [8, 7, 7], ..Setup::flow(0, 0, Pressure::P1dc) }]
+    {
+        let system = setup.system();
+        let one = bits(Box::new(single()), &system, 1);
+        for threads in [2, 5] {
+            assert!(bits(Box::new(single()), &system, threads) == one, "{threads} threads");
+        }
+    }
+}
+
+/// Any size of the right-hand side; numbers beyond single precision among them.
+#[test]
+fn single_precision_has_no_smallest_number() {
+    let System { a, unknowns } = Setup::fsi(20, 12, Pressure::P1dc).system();
+    let mut solver = SingleLu::single(Options::unprobed());
+    solver.analyse(&a.pattern, &unknowns).unwrap();
+    solver.factor(&a).unwrap();
+    let b: Vec<f64> = (0..a.pattern.n).map(|i| (i as f64).sin()).collect();
+    let mut x = vec![0.0; b.len()];
+    solver.apply(&b, &mut x);
+    for power in [-900, -60, 60, 900] {
+        let scale = 2.0_f64.powi(power);
+        let scaled: Vec<f64> = b.iter().map(|b| b * scale).collect();
+        let mut y = vec![0.0; b.len()];
+        solver.apply(&scaled, &mut y);
+        assert!(x.iter().zip(&y).all(|(x, y)| x * scale == *y), "2^{power}");
+    }
+}
+
+/// Without a probe what can be factored is factored, and only zeros and infinities are refused.
+#[test]
+fn factors_without_probe() {
+    let System { mut a, unknowns } = Setup::fsi(20, 12, Pressure::P1dc).system();
+    let known = known_solution(&unknowns);
+    let (mut b, mut x) = (vec![0.0; known.len()], vec![0.0; known.len()]);
+    a.mul(&known, &mut b);
+    let mut double = MultifrontalLu::multifrontal(Options::unprobed());
+    let mut single = SingleLu::single(Options { refinement: 30, ..Options::unprobed() });
+    for (solver, allowed) in [(&mut double as &mut dyn LinearSolver, 1e-8), (&mut single, 0.1)] {
+        solver.analyse(&a.pattern, &unknowns).unwrap();
+        solver.apply(&b, &mut x);
+        assert!(x[0].is_nan());
+        assert!(solver.factor(&a).unwrap().probe_error.is_nan());
+        solver.apply(&b, &mut x);
+        let once = error(&unknowns, &x, &known);
+        assert!(once < allowed, "{}: error {once:e}", solver.name());
+        solver.solve(&a, &b, &mut x).unwrap();
+        let refined = error(&unknowns, &x, &known);
+        assert!(refined < 1e-7, "{}: error {refined:e}", solver.name());
+        let before = std::mem::replace(&mut a.values[11], f64::INFINITY);
+        assert!(matches!(solver.factor(&a), Err(SolverError::NotFinite { .. })));
+        a.values[11] = before;
+    }
+    // Two equations for one unknown.
+    let pattern = Arc::new(Pattern::from_rows(&[[0, 1], [0, 1]]));
+    let a = Csr { pattern, values: vec![1.0; 4] };
+    for solver in [&mut double as &mut dyn LinearSolver, &mut single] {
+        solver.analyse(&a.pattern, &unknowns[..2]).unwrap();
+        assert!(matches!(solver.factor(&a), Err(SolverError::Singular { .. })));
     }
 }
 

@@ -1,23 +1,26 @@
 //! Memory aligned to cache lines.
 
+use super::real::Real;
+
 /// Numbers at an address that suits whole cache lines; resizing leaves them unspecified.
 #[derive(Debug, Default)]
-pub(super) struct Buffer {
-    memory: Vec<f64>,
+pub(super) struct Buffer<T> {
+    memory: Vec<T>,
     len: usize,
 }
 
-impl Buffer {
-    const LINE: usize = 64;
+impl<T: Real> Buffer<T> {
+    /// Numbers in a cache line.
+    const LINE: usize = 64 / size_of::<T>();
 
     /// An empty buffer with memory for `n` numbers.
     pub fn with_capacity(n: usize) -> Self {
-        Self { memory: vec![0.0; n + Self::LINE / 8], len: 0 }
+        Self { memory: vec![T::ZERO; n + Self::LINE], len: 0 }
     }
 
     /// Numbers there is memory for.
     pub fn capacity(&self) -> usize {
-        self.memory.len().saturating_sub(Self::LINE / 8)
+        self.memory.len().saturating_sub(Self::LINE)
     }
 
     /// Makes it `n` numbers, whatever they are.
@@ -29,22 +32,22 @@ impl Buffer {
     }
 
     fn start(&self) -> usize {
-        self.memory.as_ptr().align_offset(Self::LINE).min(Self::LINE / 8)
+        self.memory.as_ptr().align_offset(64).min(Self::LINE)
     }
 }
 
-impl std::ops::Deref for Buffer {
-    type Target = [f64];
+impl<T: Real> std::ops::Deref for Buffer<T> {
+    type Target = [T];
 
     #[inline(always)]
-    fn deref(&self) -> &[f64] {
+    fn deref(&self) -> &[T] {
         if self.len == 0 { &[] } else { &self.memory[self.start()..][..self.len] }
     }
 }
 
-impl std::ops::DerefMut for Buffer {
+impl<T: Real> std::ops::DerefMut for Buffer<T> {
     #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [f64] {
+    fn deref_mut(&mut self) -> &mut [T] {
         let start = self.start();
         if self.len == 0 { &mut [] } else { &mut self.memory[start..][..self.len] }
     }

@@ -13,6 +13,7 @@
 use super::buffer::Buffer;
 use super::kernels::{gemm_sub, gemv_sub, max_abs};
 use super::large;
+use super::real::Real;
 use faer::{MatMut, MatRef};
 use pulp::Simd;
 
@@ -35,7 +36,7 @@ pub(super) fn padded(n: usize) -> usize {
 
 /// Numbers of one front; the memory stays from factorisation to factorisation.
 #[derive(Debug, Default)]
-pub(super) struct Front {
+pub(super) struct Front<T> {
     /// Pivots to try: own and delayed by children.
     pub k: usize,
     /// Rows behind the pivots.
@@ -43,12 +44,12 @@ pub(super) struct Front {
     /// Pivots eliminated; the others are delayed.
     pub e: usize,
     /// F11 over F21, leading dimension [`Front::ld`].
-    pub panel: Buffer,
+    pub panel: Buffer<T>,
     /// F12ᵀ, leading dimension `padded(r)`.
-    pub upper: Buffer,
+    pub upper: Buffer<T>,
     /// F22, leading dimension `padded(r)`; lent from the pool until the parent has added it. Children
     /// are added last.
-    pub rest: Buffer,
+    pub rest: Buffer<T>,
     /// Which of the assembled rows (columns) is at each place among the pivots.
     pub row_from: Vec<u32>,
     /// The same for columns.
@@ -56,21 +57,21 @@ pub(super) struct Front {
     /// Place of the first delayed pivot among the pivots of the parent.
     pub delayed_to: usize,
     /// Vector of the triangular solves, one number per row.
-    pub work: Vec<f64>,
+    pub work: Vec<T>,
     /// Memory to permute it.
-    pub spare: Vec<f64>,
+    pub spare: Vec<T>,
 }
 
 /// Memory shared by the fronts of one thread.
 #[derive(Debug, Default)]
-pub(super) struct Scratch {
-    pub column: Vec<f64>,
-    pub block: Vec<f64>,
+pub(super) struct Scratch<T> {
+    pub column: Vec<T>,
+    pub block: Vec<T>,
     pub row_scale: Vec<f64>,
     pub col_scale: Vec<f64>,
 }
 
-impl Front {
+impl<T: Real> Front<T> {
     /// Leading dimension of `panel`.
     pub fn ld(&self) -> usize {
         self.k + padded(self.r)
@@ -82,11 +83,11 @@ impl Front {
     }
 
     /// Sets all numbers to zero for `k` pivots and `r` rows, but not those of the given `rest`.
-    pub fn reset(&mut self, k: usize, r: usize, rest: Buffer) {
+    pub fn reset(&mut self, k: usize, r: usize, rest: Buffer<T>) {
         (self.k, self.r, self.e, self.rest) = (k, r, 0, rest);
-        let zeros = |v: &mut Buffer, n: usize| {
+        let zeros = |v: &mut Buffer<T>, n: usize| {
             v.resize(n);
-            v.fill(0.0);
+            v.fill(T::ZERO);
         };
         let ld = self.ld();
         zeros(&mut self.panel, k * ld);
@@ -100,7 +101,7 @@ impl Front {
 
     /// Eliminates what can be eliminated.
     #[inline(always)]
-    pub fn eliminate<S: Simd>(&mut self, simd: S, scratch: &mut Scratch) {
+    pub fn eliminate<S: Simd>(&mut self, simd: S, scratch: &mut Scratch<T>) {
         // Columns from `end` on have been tried in vain, after `tried` pivots.
         let (mut end, mut tried) = (self.k, 0);
         let block = if self.k >= 2 * BLOCK { BLOCK } else { PANEL };
@@ -136,7 +137,7 @@ impl Front {
     /// Factors the next columns. A column without an acceptable pivot changes places with the last one
     /// before `limit`.
     #[inline(always)]
-    fn factor_panel<S: Simd>(&mut self, simd: S, limit: &mut usize, column: &mut Vec<f64>) {
+    fn factor_panel<S: Simd>(&mut self, simd: S, limit: &mut usize, column: &mut Vec<T>) {
         let (ld, start) = (self.ld(), self.e);
         while self.e < (start + PANEL).min(*limit) {
             let (j, q) = (self.e, self.e - start);
@@ -145,14 +146,14 @@ impl Front {
             self.apply_pivots(simd, start, q, column);
             let (pivots, below) = column[q..].split_at(self.k - j);
             let best = max_abs(simd, pivots);
-            if best > 0.0 && best >= THRESHOLD * max_abs(simd, below) {
-                let row = if pivots[0].abs() >= KEEP_DIAGONAL * best {
+            if best > T::ZERO && best.finite() && best >= T::of(THRESHOLD) * max_abs(simd, below) {
+                let row = if pivots[0].size() >= T::of(KEEP_DIAGONAL) * best {
                     0
                 } else {
-                    pivots.iter().position(|v| v.abs() == best).unwrap_or(0)
+                    pivots.iter().position(|v| v.size() == best).unwrap_or(0)
                 };
                 column.swap(q, q + row);
-                let inverse = 1.0 / column[q];
+                let inverse = T::ONE / column[q];
                 for v in &mut column[q + 1..] {
                     *v *= inverse;
                 }
@@ -170,13 +171,13 @@ impl Front {
 
     /// Applies the `q` pivots of a panel that starts at `start` to a column below `start`.
     #[inline(always)]
-    fn apply_pivots<S: Simd>(&self, simd: S, start: usize, q: usize, column: &mut [f64]) {
+    fn apply_pivots<S: Simd>(&self, simd: S, start: usize, q: usize, column: &mut [T]) {
         let ld = self.ld();
         for p in 0..q {
             let lower = &self.panel[(start + p) * ld + start + p + 1..][..q - p - 1];
             let factor = column[p];
             for (v, l) in column[p + 1..q].iter_mut().zip(lower) {
-                *v -= l * factor;
+                *v -= *l * factor;
             }
         }
         let (done, below) = column.split_at_mut(q);
@@ -202,7 +203,7 @@ impl Front {
 
     /// Applies the pivots from `start` on to the columns from the next one to `stop`.
     #[inline(always)]
-    fn update<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+    fn update<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<T>) {
         let (ld, e, q) = (self.ld(), self.e, self.e - start);
         if q == 0 || e >= stop {
             return;
@@ -211,7 +212,7 @@ impl Front {
         let (done, left) = self.panel.split_at_mut(e * ld);
         let left = &mut left[..n * ld];
         solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
-        gemm_sub::<S, false>(
+        gemm_sub::<T, S, false>(
             simd,
             [ld - e, n, q],
             (&done[start * ld + e..], ld),
@@ -222,13 +223,13 @@ impl Front {
 
     /// Applies the pivots from `start` on to the columns from `stop` on.
     #[inline(always)]
-    fn update_behind<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<f64>) {
+    fn update_behind<S: Simd>(&mut self, simd: S, start: usize, stop: usize, block: &mut Vec<T>) {
         let (ld, e, q) = (self.ld(), self.e, self.e - start);
         if q <= PANEL {
             let n = self.k - stop;
             let (done, left) = self.panel.split_at_mut(stop * ld);
             solve_lower(simd, (&done[start * ld + start..], ld), q, (&mut left[start..], ld), n, block);
-            gemm_sub::<S, false>(
+            gemm_sub::<T, S, false>(
                 simd,
                 [ld - e, n, q],
                 (&done[start * ld + e..], ld),
@@ -244,7 +245,7 @@ impl Front {
             let (done, left) = self.panel.split_at_mut(stop * ld);
             solve_lower(simd, (&done[p * ld + p..], ld), width, (&mut left[p..], ld), n, block);
             let rows = e - p - width;
-            gemm_sub::<S, false>(
+            gemm_sub::<T, S, false>(
                 simd,
                 [rows, n, width],
                 (&done[p * ld + p + width..], ld),
@@ -277,10 +278,10 @@ impl Front {
         while j < e {
             let width = (e - j).min(8);
             let (done, left) = self.upper.split_at_mut(j * ldu);
-            gemm_sub::<S, false>(simd, [ldu, width, j], (done, ldu), (&self.panel[j..], ld), (left, ldu));
+            gemm_sub::<T, S, false>(simd, [ldu, width, j], (done, ldu), (&self.panel[j..], ld), (left, ldu));
             for p in 1..width {
                 let (before, now) = left.split_at_mut(p * ldu);
-                let mut row = [0.0; 8];
+                let mut row = [T::ZERO; 8];
                 for q in 0..p {
                     row[q] = self.panel[(j + q) * ld + j + p];
                 }
@@ -289,7 +290,13 @@ impl Front {
             j += width;
         }
         let (done, delayed) = self.upper.split_at_mut(e * ldu);
-        gemm_sub::<S, false>(simd, [ldu, self.k - e, e], (done, ldu), (&self.panel[e..], ld), (delayed, ldu));
+        gemm_sub::<T, S, false>(
+            simd,
+            [ldu, self.k - e, e],
+            (done, ldu),
+            (&self.panel[e..], ld),
+            (delayed, ldu),
+        );
     }
 
     /// `rest ← −L21 U12`.
@@ -304,7 +311,7 @@ impl Front {
             large::product(rest, below, upper.transpose());
         } else if r > 0 {
             let below = &self.panel[k.min(self.panel.len())..];
-            gemm_sub::<S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));
+            gemm_sub::<T, S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));
         }
     }
 }
@@ -312,16 +319,16 @@ impl Front {
 /// `X ← L⁻¹ X` with `L` unit lower triangular of `q ≤ PANEL` and `X` of `q × n`; also leaves X by rows in
 /// `block`.
 #[inline(always)]
-fn solve_lower<S: Simd>(
+fn solve_lower<T: Real, S: Simd>(
     simd: S,
-    (lower, ldl): (&[f64], usize),
+    (lower, ldl): (&[T], usize),
     q: usize,
-    (x, ldx): (&mut [f64], usize),
+    (x, ldx): (&mut [T], usize),
     n: usize,
-    block: &mut Vec<f64>,
+    block: &mut Vec<T>,
 ) {
     block.clear();
-    block.resize(q * n, 0.0);
+    block.resize(q * n, T::ZERO);
     for c in 0..n {
         for (p, v) in x[c * ldx..][..q].iter().enumerate() {
             block[p * n + c] = *v;
@@ -329,7 +336,7 @@ fn solve_lower<S: Simd>(
     }
     for p in 1..q {
         let (before, now) = block.split_at_mut(p * n);
-        let mut row = [0.0; PANEL];
+        let mut row = [T::ZERO; PANEL];
         for s in 0..p {
             row[s] = lower[s * ldl + p];
         }
@@ -343,7 +350,7 @@ fn solve_lower<S: Simd>(
 }
 
 /// Exchanges two chunks of equal size.
-fn swap_chunks(v: &mut [f64], size: usize, a: usize, b: usize) {
+fn swap_chunks<T>(v: &mut [T], size: usize, a: usize, b: usize) {
     if a != b {
         let (low, high) = v.split_at_mut(a.max(b) * size);
         low[a.min(b) * size..][..size].swap_with_slice(&mut high[..size]);

@@ -3,24 +3,25 @@
 //! Everything is generic over the instruction set and inlined into one entry per front; the order of
 //! additions depends on sizes only.
 
+use super::real::Real;
 use pulp::Simd;
 
 /// `C ← C − A B`, or `C ← −A B` where `REPLACE`, with `A` of `rows × depth` and `C` of `rows × columns`; entry (p, j) of `B` is at
 /// `b[p * ldb + j]`, so that `B` is stored by rows.
 #[inline(always)]
-pub(super) fn gemm_sub<S: Simd, const REPLACE: bool>(
+pub(super) fn gemm_sub<T: Real, S: Simd, const REPLACE: bool>(
     simd: S,
     [rows, columns, depth]: [usize; 3],
-    (a, lda): (&[f64], usize),
-    b: (&[f64], usize),
-    (c, ldc): (&mut [f64], usize),
+    (a, lda): (&[T], usize),
+    b: (&[T], usize),
+    (c, ldc): (&mut [T], usize),
 ) {
     if columns == 0 || depth == 0 && !REPLACE {
         return;
     }
     let mut i = 0;
     while i < rows {
-        let size = (rows - i).min(3 * S::F64_LANES);
+        let size = (rows - i).min(3 * T::lanes::<S>());
         let strip = Strip { simd, size, depth, a: (&a[i..], lda), b };
         strip.multiply::<REPLACE>(columns, &mut c[i..], ldc);
         i += size;
@@ -29,19 +30,19 @@ pub(super) fn gemm_sub<S: Simd, const REPLACE: bool>(
 
 /// Up to three vectors of rows of `A`.
 #[derive(Clone, Copy)]
-struct Strip<'a, S> {
+struct Strip<'a, T, S> {
     simd: S,
     size: usize,
     depth: usize,
-    a: (&'a [f64], usize),
-    b: (&'a [f64], usize),
+    a: (&'a [T], usize),
+    b: (&'a [T], usize),
 }
 
-impl<S: Simd> Strip<'_, S> {
+impl<T: Real, S: Simd> Strip<'_, T, S> {
     #[inline(always)]
-    fn multiply<const R: bool>(self, columns: usize, c: &mut [f64], ldc: usize) {
-        let vectors = self.size.div_ceil(S::F64_LANES);
-        match (vectors, self.size == vectors * S::F64_LANES) {
+    fn multiply<const R: bool>(self, columns: usize, c: &mut [T], ldc: usize) {
+        let vectors = self.size.div_ceil(T::lanes::<S>());
+        match (vectors, self.size == vectors * T::lanes::<S>()) {
             (3, true) => self.columns::<3, true, R>(columns, c, ldc),
             (3, false) => self.columns::<3, false, R>(columns, c, ldc),
             (2, true) => self.columns::<2, true, R>(columns, c, ldc),
@@ -56,11 +57,11 @@ impl<S: Simd> Strip<'_, S> {
     fn columns<const V: usize, const WHOLE: bool, const R: bool>(
         self,
         columns: usize,
-        c: &mut [f64],
+        c: &mut [T],
         ldc: usize,
     ) {
         let mut j = 0;
-        if S::F64_LANES >= 8 {
+        if T::lanes::<S>() >= 8 {
             while j + 8 <= columns {
                 self.block::<V, 8, WHOLE, R>(j, &mut c[j * ldc..], ldc);
                 j += 8;
@@ -80,150 +81,155 @@ impl<S: Simd> Strip<'_, S> {
     fn block<const V: usize, const N: usize, const WHOLE: bool, const R: bool>(
         self,
         j: usize,
-        c: &mut [f64],
+        c: &mut [T],
         ldc: usize,
     ) {
         let Self { simd, size, depth, a: (a, lda), b: (b, ldb) } = self;
-        let mut sum = [[simd.splat_f64s(0.0); V]; N];
+        let mut sum = [[T::splat(simd, T::ZERO); V]; N];
         for p in 0..depth {
-            let column = load::<S, V, WHOLE>(simd, &a[p * lda..][..size]);
+            let column = load::<T, S, V, WHOLE>(simd, &a[p * lda..][..size]);
             let row = &b[p * ldb + j..][..N];
             for n in 0..N {
-                let factor = simd.splat_f64s(row[n]);
+                let factor = T::splat(simd, row[n]);
                 for v in 0..V {
-                    sum[n][v] = simd.mul_add_f64s(factor, column[v], sum[n][v]);
+                    sum[n][v] = T::mul_add(simd, factor, column[v], sum[n][v]);
                 }
             }
         }
         for n in 0..N {
             let column = &mut c[n * ldc..][..size];
-            let mut value = if R { [simd.splat_f64s(0.0); V] } else { load::<S, V, WHOLE>(simd, column) };
+            let mut value =
+                if R { [T::splat(simd, T::ZERO); V] } else { load::<T, S, V, WHOLE>(simd, column) };
             for v in 0..V {
-                value[v] = simd.sub_f64s(value[v], sum[n][v]);
+                value[v] = T::subtract(simd, value[v], sum[n][v]);
             }
-            store::<S, V, WHOLE>(simd, column, value);
+            store::<T, S, V, WHOLE>(simd, column, value);
         }
     }
 }
 
 /// V vectors from a slice; of the last, only what is there unless WHOLE.
 #[inline(always)]
-fn load<S: Simd, const V: usize, const WHOLE: bool>(simd: S, x: &[f64]) -> [S::f64s; V] {
-    let (whole, rest) = S::as_simd_f64s(x);
-    let mut out = [simd.splat_f64s(0.0); V];
+fn load<T: Real, S: Simd, const V: usize, const WHOLE: bool>(simd: S, x: &[T]) -> [T::Vector<S>; V] {
+    let (whole, rest) = T::vectors::<S>(x);
+    let mut out = [T::splat(simd, T::ZERO); V];
     if WHOLE {
         out.copy_from_slice(&whole[..V]);
     } else {
         out[..V - 1].copy_from_slice(&whole[..V - 1]);
-        out[V - 1] = simd.partial_load_f64s(rest);
+        out[V - 1] = T::load(simd, rest);
     }
     out
 }
 
 #[inline(always)]
-fn store<S: Simd, const V: usize, const WHOLE: bool>(simd: S, x: &mut [f64], value: [S::f64s; V]) {
-    let (whole, rest) = S::as_mut_simd_f64s(x);
+fn store<T: Real, S: Simd, const V: usize, const WHOLE: bool>(
+    simd: S,
+    x: &mut [T],
+    value: [T::Vector<S>; V],
+) {
+    let (whole, rest) = T::vectors_mut::<S>(x);
     if WHOLE {
         whole[..V].copy_from_slice(&value);
     } else {
         whole[..V - 1].copy_from_slice(&value[..V - 1]);
-        simd.partial_store_f64s(rest, value[V - 1]);
+        T::store(simd, rest, value[V - 1]);
     }
 }
 
 /// `y ← y − A x` with `A` of `y.len() × x.len()`.
 #[inline(always)]
-pub(super) fn gemv_sub<S: Simd>(simd: S, (a, lda): (&[f64], usize), x: &[f64], y: &mut [f64]) {
+pub(super) fn gemv_sub<T: Real, S: Simd>(simd: S, (a, lda): (&[T], usize), x: &[T], y: &mut [T]) {
     if x.is_empty() {
         return;
     }
     let rows = y.len();
-    let strip = 4 * S::F64_LANES;
+    let strip = 4 * T::lanes::<S>();
     let mut i = 0;
     while i + strip <= rows {
-        gemv_strip::<S, 4, true>(simd, (&a[i..], lda), x, &mut y[i..i + strip]);
+        gemv_strip::<T, S, 4, true>(simd, (&a[i..], lda), x, &mut y[i..i + strip]);
         i += strip;
     }
-    while i + S::F64_LANES <= rows {
-        gemv_strip::<S, 1, true>(simd, (&a[i..], lda), x, &mut y[i..i + S::F64_LANES]);
-        i += S::F64_LANES;
+    while i + T::lanes::<S>() <= rows {
+        gemv_strip::<T, S, 1, true>(simd, (&a[i..], lda), x, &mut y[i..i + T::lanes::<S>()]);
+        i += T::lanes::<S>();
     }
     if i < rows {
-        gemv_strip::<S, 1, false>(simd, (&a[i..], lda), x, &mut y[i..]);
+        gemv_strip::<T, S, 1, false>(simd, (&a[i..], lda), x, &mut y[i..]);
     }
 }
 
 #[inline(always)]
-fn gemv_strip<S: Simd, const V: usize, const WHOLE: bool>(
+fn gemv_strip<T: Real, S: Simd, const V: usize, const WHOLE: bool>(
     simd: S,
-    (a, lda): (&[f64], usize),
-    x: &[f64],
-    y: &mut [f64],
+    (a, lda): (&[T], usize),
+    x: &[T],
+    y: &mut [T],
 ) {
-    let mut value = load::<S, V, WHOLE>(simd, y);
+    let mut value = load::<T, S, V, WHOLE>(simd, y);
     for (p, x) in x.iter().enumerate() {
-        let column = load::<S, V, WHOLE>(simd, &a[p * lda..][..y.len()]);
-        let factor = simd.splat_f64s(-x);
+        let column = load::<T, S, V, WHOLE>(simd, &a[p * lda..][..y.len()]);
+        let factor = T::splat(simd, -*x);
         for v in 0..V {
-            value[v] = simd.mul_add_f64s(factor, column[v], value[v]);
+            value[v] = T::mul_add(simd, factor, column[v], value[v]);
         }
     }
-    store::<S, V, WHOLE>(simd, y, value);
+    store::<T, S, V, WHOLE>(simd, y, value);
 }
 
 /// `y[p] ← y[p] − Σ_i A[i, p] x[i]`, that is `y ← y − Aᵀ x` with `A` of `x.len() × y.len()`.
 #[inline(always)]
-pub(super) fn gemv_transposed_sub<S: Simd>(simd: S, (a, lda): (&[f64], usize), x: &[f64], y: &mut [f64]) {
+pub(super) fn gemv_transposed_sub<T: Real, S: Simd>(simd: S, (a, lda): (&[T], usize), x: &[T], y: &mut [T]) {
     let n = y.len();
     let mut p = 0;
     while p + 4 <= n {
-        let dots = dots::<S, 4>(simd, &a[p * lda..], lda, x);
+        let dots = dots::<T, S, 4>(simd, &a[p * lda..], lda, x);
         for q in 0..4 {
             y[p + q] -= dots[q];
         }
         p += 4;
     }
     while p < n {
-        y[p] -= dots::<S, 1>(simd, &a[p * lda..], lda, x)[0];
+        y[p] -= dots::<T, S, 1>(simd, &a[p * lda..], lda, x)[0];
         p += 1;
     }
 }
 
 /// Products of N neighbouring columns with a vector.
 #[inline(always)]
-fn dots<S: Simd, const N: usize>(simd: S, a: &[f64], lda: usize, x: &[f64]) -> [f64; N] {
-    let (x, rest) = S::as_simd_f64s(x);
-    let size = x.len() * S::F64_LANES;
-    let mut sum = [simd.splat_f64s(0.0); N];
+fn dots<T: Real, S: Simd, const N: usize>(simd: S, a: &[T], lda: usize, x: &[T]) -> [T; N] {
+    let (x, rest) = T::vectors::<S>(x);
+    let size = x.len() * T::lanes::<S>();
+    let mut sum = [T::splat(simd, T::ZERO); N];
     let mut columns = [x; N];
     for n in 0..N {
-        columns[n] = S::as_simd_f64s(&a[n * lda..][..size]).0;
+        columns[n] = T::vectors::<S>(&a[n * lda..][..size]).0;
     }
     for (i, x) in x.iter().enumerate() {
         for n in 0..N {
-            sum[n] = simd.mul_add_f64s(columns[n][i], *x, sum[n]);
+            sum[n] = T::mul_add(simd, columns[n][i], *x, sum[n]);
         }
     }
     if !rest.is_empty() {
-        let x = simd.partial_load_f64s(rest);
+        let x = T::load(simd, rest);
         for n in 0..N {
-            let a = simd.partial_load_f64s(&a[n * lda + size..][..rest.len()]);
-            sum[n] = simd.mul_add_f64s(a, x, sum[n]);
+            let a = T::load(simd, &a[n * lda + size..][..rest.len()]);
+            sum[n] = T::mul_add(simd, a, x, sum[n]);
         }
     }
-    sum.map(|s| simd.reduce_sum_f64s(s))
+    sum.map(|s| T::sum(simd, s))
 }
 
 /// max |x[i]|; entries that are not numbers do not count.
 #[inline(always)]
-pub(super) fn max_abs<S: Simd>(simd: S, x: &[f64]) -> f64 {
-    let (whole, rest) = S::as_simd_f64s(x);
-    let mut max = simd.splat_f64s(0.0);
+pub(super) fn max_abs<T: Real, S: Simd>(simd: S, x: &[T]) -> T {
+    let (whole, rest) = T::vectors::<S>(x);
+    let mut max = T::splat(simd, T::ZERO);
     for &v in whole {
-        max = simd.max_f64s(simd.abs_f64s(v), max);
+        max = T::larger(simd, v, max);
     }
-    let max = simd.max_f64s(simd.abs_f64s(simd.partial_load_f64s(rest)), max);
-    simd.reduce_max_f64s(max)
+    let max = T::larger(simd, T::load(simd, rest), max);
+    T::max(simd, max)
 }
 
 #[cfg(test)]
@@ -239,51 +245,64 @@ mod tests {
         type Output = ();
 
         fn with_simd<S: Simd>(self, simd: S) {
-            let x: Vec<f64> = (0..4000).map(|i| pseudo_random_sign(i) * (1.0 + i as f64 / 4000.0)).collect();
-            for rows in (0..34).chain([48, 57]) {
-                check_vectors(simd, &x, rows);
-                for (columns, depth) in [(0, 3), (1, 1), (3, 7), (4, 16), (7, 0), (13, 5), (19, 20)] {
-                    check_product::<S, false>(simd, &x, [rows, columns, depth]);
-                    check_product::<S, true>(simd, &x, [rows, columns, depth]);
-                }
+            check::<f64, S>(simd, 1e-12);
+            check::<f32, S>(simd, 1e-4);
+        }
+    }
+
+    fn check<T: Real, S: Simd>(simd: S, allowed: f64) {
+        let value = |i: usize| T::of(pseudo_random_sign(i) * (1.0 + i as f64 / 4000.0));
+        let x: Vec<T> = (0..4000).map(value).collect();
+        for rows in (0..34).chain([48, 57, 64, 67, 96]) {
+            check_vectors(simd, &x, rows, allowed);
+            for (columns, depth) in [(0, 3), (1, 1), (3, 7), (4, 16), (7, 0), (13, 5), (19, 20)] {
+                check_product::<T, S, false>(simd, &x, [rows, columns, depth], allowed);
+                check_product::<T, S, true>(simd, &x, [rows, columns, depth], allowed);
             }
         }
     }
 
-    fn check_product<S: Simd, const REPLACE: bool>(simd: S, x: &[f64], [rows, columns, depth]: [usize; 3]) {
+    fn check_product<T: Real, S: Simd, const REPLACE: bool>(
+        simd: S,
+        x: &[T],
+        [rows, columns, depth]: [usize; 3],
+        allowed: f64,
+    ) {
         let (lda, ldb, ldc) = (rows + 2, columns + 1, rows + 3);
         let mut c = x[..ldc * (columns + 1)].to_vec();
         let b = &x[500..];
-        gemm_sub::<S, REPLACE>(simd, [rows, columns, depth], (x, lda), (b, ldb), (&mut c, ldc));
+        gemm_sub::<T, S, REPLACE>(simd, [rows, columns, depth], (x, lda), (b, ldb), (&mut c, ldc));
         for (at, (c, before)) in c.iter().zip(x).enumerate() {
             let (i, j) = (at % ldc, at / ldc);
-            let product: f64 = (0..depth).map(|p| x[p * lda + i] * b[p * ldb + j.min(columns)]).sum();
+            let term = |p: usize| x[p * lda + i].double() * b[p * ldb + j.min(columns)].double();
+            let product: f64 = (0..depth).map(term).sum();
             let inside = i < rows && j < columns;
             let expected = match (inside, REPLACE) {
-                (false, _) => *before,
+                (false, _) => before.double(),
                 (true, true) => -product,
-                (true, false) => before - product,
+                (true, false) => before.double() - product,
             };
-            assert!((c - expected).abs() < 1e-12, "{rows} {columns} {depth}: {c} {expected}");
+            assert!((c.double() - expected).abs() < allowed, "{rows} {columns} {depth}: {c:?} {expected}");
         }
     }
 
-    fn check_vectors<S: Simd>(simd: S, x: &[f64], rows: usize) {
-        assert_eq!(max_abs(simd, &x[..rows]), x[..rows].iter().fold(0.0, |m: f64, v| m.max(v.abs())));
+    fn check_vectors<T: Real, S: Simd>(simd: S, x: &[T], rows: usize, allowed: f64) {
+        let max = x[..rows].iter().fold(0.0, |m: f64, v| m.max(v.double().abs()));
+        assert_eq!(max_abs(simd, &x[..rows]).double(), max);
         for columns in [0, 1, 4, 7] {
-            let a = |i: usize, p: usize| x[p * (rows + 1) + i];
+            let a = |i: usize, p: usize| x[p * (rows + 1) + i].double();
             let (v, start) = (&x[700..], &x[900..]);
             let mut y = start[..rows].to_vec();
             gemv_sub(simd, (x, rows + 1), &v[..columns], &mut y);
             for i in 0..rows {
-                let product: f64 = (0..columns).map(|p| a(i, p) * v[p]).sum();
-                assert!((y[i] - (start[i] - product)).abs() < 1e-12);
+                let product: f64 = (0..columns).map(|p| a(i, p) * v[p].double()).sum();
+                assert!((y[i].double() - (start[i].double() - product)).abs() < allowed);
             }
             let mut y = start[..columns].to_vec();
             gemv_transposed_sub(simd, (x, rows + 1), &v[..rows], &mut y);
             for p in 0..columns {
-                let product: f64 = (0..rows).map(|i| a(i, p) * v[i]).sum();
-                assert!((y[p] - (start[p] - product)).abs() < 1e-12);
+                let product: f64 = (0..rows).map(|i| a(i, p) * v[i].double()).sum();
+                assert!((y[p].double() - (start[p].double() - product)).abs() < allowed);
             }
         }
     }

@@ -2,6 +2,7 @@
 //!
 //! Tiles depend on sizes only, and faer works on each alone; so threads change nothing in the result.
 
+use super::real::Real;
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;
 use faer::{Accum, MatMut, MatRef, Par};
@@ -16,28 +17,28 @@ pub(super) const SOLVE: (usize, usize) = (128, 256);
 const TILE: usize = 256;
 
 /// `C ← −A B`.
-pub(super) fn product(c: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>) {
+pub(super) fn product<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
     multiply(c, Accum::Replace, a, b);
 }
 
 /// `C ← C − A B`.
-pub(super) fn subtract(c: MatMut<f64>, a: MatRef<f64>, b: MatRef<f64>) {
+pub(super) fn subtract<T: Real>(c: MatMut<T>, a: MatRef<T>, b: MatRef<T>) {
     multiply(c, Accum::Add, a, b);
 }
 
-fn multiply(c: MatMut<f64>, accum: Accum, a: MatRef<f64>, b: MatRef<f64>) {
+fn multiply<T: Real>(c: MatMut<T>, accum: Accum, a: MatRef<T>, b: MatRef<T>) {
     if let Some(at) = split(c.ncols()) {
         let (c_left, c_right) = c.split_at_col_mut(at);
         let (b_left, b_right) = b.split_at_col(at);
         rayon::join(|| multiply(c_left, accum, a, b_left), || multiply(c_right, accum, a, b_right));
     } else {
-        matmul(c, accum, a, b, -1.0, Par::Seq);
+        matmul(c, accum, a, b, -T::ONE, Par::Seq);
     }
 }
 
 /// Eliminates the rows of `X`: its first ones by the square on top of `lower`, the others by what is
 /// below it.
-pub(super) fn solve_upper(lower: MatRef<f64>, x: MatMut<f64>) {
+pub(super) fn solve_upper<T: Real>(lower: MatRef<T>, x: MatMut<T>) {
     if let Some(at) = split(x.ncols()) {
         let (left, right) = x.split_at_col_mut(at);
         rayon::join(|| solve_upper(lower, left), || solve_upper(lower, right));
@@ -47,7 +48,7 @@ pub(super) fn solve_upper(lower: MatRef<f64>, x: MatMut<f64>) {
     let (mut done, rest) = x.split_at_row_mut(pivots);
     solve_unit_lower_triangular_in_place(lower.subrows(0, pivots), done.as_mut(), Par::Seq);
     if delayed > 0 {
-        matmul(rest, Accum::Add, lower.subrows(pivots, delayed), done.as_ref(), -1.0, Par::Seq);
+        matmul(rest, Accum::Add, lower.subrows(pivots, delayed), done.as_ref(), -T::ONE, Par::Seq);
     }
 }
 

@@ -13,16 +13,19 @@ mod kernels;
 mod large;
 mod numeric;
 mod ordering;
+mod real;
 mod separator;
 mod solve;
 mod symbolic;
 mod tree;
 
 use super::direct::Failure;
-use super::{Backend, Cost, Csr, Direct, Options, Pattern, Scaling, SolverError, Unknown};
+use super::scaling::inverse;
+use super::{Backend, Cost, Csr, Direct, Options, Pattern, Scaling, SolverError, Unknown, norm_inf};
 use front::Front;
 use numeric::{Numeric, Pool};
 use pulp::Arch;
+use real::Real;
 use solve::{Parent, Solve};
 use std::sync::Arc;
 use symbolic::Symbolic;
@@ -37,17 +40,40 @@ impl MultifrontalLu {
     }
 }
 
-/// Backend of [`MultifrontalLu`].
-#[derive(Debug, Default)]
-pub struct MultifrontalBackend {
-    symbolic: Symbolic,
-    fronts: Vec<Front>,
-    pool: Pool,
-    arch: Arch,
-    permuted: Vec<f64>,
+/// The same with factors in single precision, half as large: for iterations that see their own
+/// residual, or with refinement.
+pub type SingleLu = Direct<MultifrontalBackend<f32>>;
+
+impl SingleLu {
+    /// A solver that knows no matrix yet.
+    pub fn single(options: Options) -> Self {
+        Self::new(MultifrontalBackend::default(), options)
+    }
 }
 
-impl MultifrontalBackend {
+/// Backend of [`MultifrontalLu`] and [`SingleLu`]: factors and substitutes in the precision of `T`.
+#[derive(Debug)]
+pub struct MultifrontalBackend<T = f64> {
+    symbolic: Symbolic,
+    fronts: Vec<Front<T>>,
+    pool: Pool<T>,
+    arch: Arch,
+    permuted: Vec<T>,
+}
+
+impl<T: Real> Default for MultifrontalBackend<T> {
+    fn default() -> Self {
+        Self {
+            symbolic: Symbolic::default(),
+            fronts: Vec::new(),
+            pool: Pool::new(),
+            arch: Arch::new(),
+            permuted: Vec::new(),
+        }
+    }
+}
+
+impl<T: Real> MultifrontalBackend<T> {
     /// Entries of the factors and operations, as analysed: without delayed pivots.
     pub fn predicted(&self) -> Cost {
         Cost { fill: Some(self.symbolic.fill), flops: Some(self.symbolic.flops), delayed: 0 }
@@ -64,9 +90,9 @@ impl MultifrontalBackend {
     }
 }
 
-impl Backend for MultifrontalBackend {
+impl<T: Real> Backend for MultifrontalBackend<T> {
     fn name(&self) -> &'static str {
-        "multifrontal"
+        T::NAME
     }
 
     fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
@@ -74,7 +100,7 @@ impl Backend for MultifrontalBackend {
         self.fronts.clear();
         self.fronts.resize_with(self.symbolic.fronts.len(), Front::default);
         self.pool = Pool::new();
-        self.permuted = vec![0.0; pattern.n];
+        self.permuted = vec![T::ZERO; pattern.n];
         Ok(())
     }
 
@@ -95,14 +121,21 @@ impl Backend for MultifrontalBackend {
 
     fn solve(&mut self, y: &mut [f64]) {
         let Self { symbolic, fronts, arch, permuted, .. } = self;
+        // Powers of two round nothing, and no right-hand side is too small or too large for factors in
+        // single precision.
+        let scale = inverse(norm_inf(y).max(f64::MIN_POSITIVE));
         for (p, &old) in permuted.iter_mut().zip(&symbolic.old) {
-            *p = y[old as usize];
+            *p = T::of(y[old as usize] * scale);
         }
         let solve = Solve { symbolic, arch: *arch };
         solve.forward(&symbolic.roots, fronts, permuted);
         solve.backward(&symbolic.roots, fronts, permuted, Parent { known: &[], k: 0, shift: 0 });
         for (p, &old) in permuted.iter().zip(&symbolic.old) {
-            y[old as usize] = *p;
+            y[old as usize] = p.double() / scale;
         }
+    }
+
+    fn roundoff(&self) -> f64 {
+        T::ROUNDOFF
     }
 }

@@ -3,16 +3,17 @@
 use super::super::{Csr, Scaling};
 use super::buffer::Buffer;
 use super::front::{Front, Scratch, padded};
+use super::real::Real;
 use super::symbolic::{Entry, Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};
 
 /// Memory for contributions and scratch, returned after use.
-#[derive(Debug, Default)]
-pub(super) struct Pool {
+#[derive(Debug)]
+pub(super) struct Pool<T> {
     /// By size: class `c` holds vectors of capacity `class_size(c)` at least.
-    rest: Vec<Mutex<Vec<Buffer>>>,
-    scratch: Mutex<Vec<Scratch>>,
+    rest: Vec<Mutex<Vec<Buffer<T>>>>,
+    scratch: Mutex<Vec<Scratch<T>>>,
 }
 
 /// Sizes grow by quarters of powers of two.
@@ -34,12 +35,12 @@ fn push<T>(stack: &Mutex<Vec<T>>, value: T) {
     stack.lock().unwrap_or_else(PoisonError::into_inner).push(value);
 }
 
-impl Pool {
+impl<T: Real> Pool<T> {
     pub fn new() -> Self {
         Self { rest: (0..256).map(|_| Mutex::default()).collect(), scratch: Mutex::default() }
     }
 
-    fn lend(&self, n: usize) -> Buffer {
+    fn lend(&self, n: usize) -> Buffer<T> {
         if n == 0 {
             return Buffer::default();
         }
@@ -47,7 +48,7 @@ impl Pool {
         pop(&self.rest[class]).unwrap_or_else(|| Buffer::with_capacity(class_size(class)))
     }
 
-    fn give_back(&self, v: Buffer) {
+    fn give_back(&self, v: Buffer<T>) {
         if v.capacity() > 0 {
             // Rounded down: the capacity may be larger than asked for.
             let mut class = class_of(v.capacity());
@@ -60,21 +61,21 @@ impl Pool {
 }
 
 /// One factorisation.
-pub(super) struct Numeric<'a> {
+pub(super) struct Numeric<'a, T> {
     pub symbolic: &'a Symbolic,
     pub a: &'a Csr,
     /// Scales of rows and columns.
     pub scaling: &'a Scaling,
-    pub pool: &'a Pool,
+    pub pool: &'a Pool<T>,
     pub arch: Arch,
 }
 
-impl Numeric<'_> {
+impl<T: Real> Numeric<'_, T> {
     /// Factors the subtree that ends with front `f`; `fronts` are its fronts.
     ///
     /// Subtrees run in any order on any thread; but every front adds its children in their order, so
     /// that all numbers are the same.
-    pub fn subtree(&self, f: usize, fronts: &mut [Front]) {
+    pub fn subtree(&self, f: usize, fronts: &mut [Front<T>]) {
         let shape = &self.symbolic.fronts[f];
         let start = shape.subtree.0;
         if shape.is_task {
@@ -93,7 +94,7 @@ impl Numeric<'_> {
     }
 
     /// Factors neighbouring subtrees, given by their last fronts.
-    pub fn subtrees(&self, ends: &[u32], fronts: &mut [Front]) {
+    pub fn subtrees(&self, ends: &[u32], fronts: &mut [Front<T>]) {
         match ends {
             [] => {}
             [f] => self.subtree(*f as usize, fronts),
@@ -107,22 +108,22 @@ impl Numeric<'_> {
     }
 
     /// Assembles and eliminates front `f`, the last of `fronts`; the others include its children.
-    fn front(&self, f: usize, fronts: &mut [Front], scratch: &mut Scratch) {
+    fn front(&self, f: usize, fronts: &mut [Front<T>], scratch: &mut Scratch<T>) {
         if let Some((front, below)) = fronts.split_last_mut() {
             self.arch.dispatch(FrontStep { numeric: self, f, front, below, scratch });
         }
     }
 }
 
-struct FrontStep<'a, 'b> {
-    numeric: &'a Numeric<'b>,
+struct FrontStep<'a, 'b, T> {
+    numeric: &'a Numeric<'b, T>,
     f: usize,
-    front: &'a mut Front,
-    below: &'a mut [Front],
-    scratch: &'a mut Scratch,
+    front: &'a mut Front<T>,
+    below: &'a mut [Front<T>],
+    scratch: &'a mut Scratch<T>,
 }
 
-impl WithSimd for FrontStep<'_, '_> {
+impl<T: Real> WithSimd for FrontStep<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -156,14 +157,14 @@ impl WithSimd for FrontStep<'_, '_> {
 
 /// Adds the scaled entries of the matrix that belong to a front.
 #[inline(always)]
-fn add_entries(
+fn add_entries<T: Real>(
     shape: &Shape,
-    front: &mut Front,
+    front: &mut Front<T>,
     delayed: usize,
     symbolic: &Symbolic,
     a: &Csr,
     scaling: &Scaling,
-    scratch: &mut Scratch,
+    scratch: &mut Scratch<T>,
 ) {
     let (k, ld, ldu) = (shape.k, front.ld(), padded(front.r));
     let Scratch { row_scale, col_scale, .. } = scratch;
@@ -176,7 +177,7 @@ fn add_entries(
     }
     let value = |entry: &Entry| {
         let (i, j) = (usize::from(entry.row), usize::from(entry.col));
-        (i, j, a.values[entry.source as usize] * row_scale[i] * col_scale[j])
+        (i, j, T::of(a.values[entry.source as usize] * row_scale[i] * col_scale[j]))
     };
     let panel = &mut front.panel[..];
     for (i, j, value) in shape.left.iter().map(value) {
@@ -190,7 +191,13 @@ fn add_entries(
 
 /// Adds the contribution of a child to rows and columns of pivots.
 #[inline(always)]
-fn add_to_pivots(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
+fn add_to_pivots<T: Real>(
+    shape: &Shape,
+    front: &mut Front<T>,
+    delayed: usize,
+    runs: &[Run],
+    child: &Front<T>,
+) {
     let (k, ld, ldu, ldc) = (shape.k, front.ld(), padded(front.r), padded(child.r));
     let (pivot_runs, rest_runs) = split_runs(runs, k);
     for columns in pivot_runs {
@@ -208,7 +215,7 @@ fn add_to_pivots(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run],
             for columns in rest_runs {
                 let to = &mut to[columns.to as usize - k..][..columns.len as usize];
                 let from = from[columns.from as usize * ldc..].iter().step_by(ldc);
-                to.iter_mut().zip(from).for_each(|(t, f)| *t += f);
+                to.iter_mut().zip(from).for_each(|(t, f)| *t += *f);
             }
         }
     }
@@ -219,7 +226,7 @@ fn add_to_pivots(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run],
 
 /// Adds the contribution of a child to what is left behind the pivots.
 #[inline(always)]
-fn add_to_rest(shape: &Shape, front: &mut Front, runs: &[Run], child: &Front) {
+fn add_to_rest<T: Real>(shape: &Shape, front: &mut Front<T>, runs: &[Run], child: &Front<T>) {
     let (k, ldu, ldc) = (shape.k, padded(front.r), padded(child.r));
     let (_, rest_runs) = split_runs(runs, k);
     for columns in rest_runs {
@@ -241,7 +248,7 @@ fn split_runs(runs: &[Run], k: usize) -> (&[Run], &[Run]) {
 }
 
 #[inline(always)]
-fn add_runs(runs: &[Run], shift: usize, from: &[f64], to: &mut [f64]) {
+fn add_runs<T: Real>(runs: &[Run], shift: usize, from: &[T], to: &mut [T]) {
     for run in runs {
         let len = run.len as usize;
         add(&from[run.from as usize..][..len], &mut to[run.to as usize + shift..][..len]);
@@ -249,15 +256,15 @@ fn add_runs(runs: &[Run], shift: usize, from: &[f64], to: &mut [f64]) {
 }
 
 #[inline(always)]
-fn add(from: &[f64], to: &mut [f64]) {
+fn add<T: Real>(from: &[T], to: &mut [T]) {
     for (t, f) in to.iter_mut().zip(from) {
-        *t += f;
+        *t += *f;
     }
 }
 
 /// Adds the rows and columns of the pivots that a child has delayed.
 #[cold]
-fn add_delayed(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], child: &Front) {
+fn add_delayed<T: Real>(shape: &Shape, front: &mut Front<T>, delayed: usize, runs: &[Run], child: &Front<T>) {
     let (k, ld, ldu) = (shape.k, front.ld(), padded(front.r));
     let (ld_child, ldu_child) = (child.ld(), padded(child.r));
     for d in 0..child.delayed() {
@@ -275,9 +282,9 @@ fn add_delayed(shape: &Shape, front: &mut Front, delayed: usize, runs: &[Run], c
             for (i, value) in row[run.from as usize..][..run.len as usize].iter().enumerate() {
                 let j = run.to as usize + i;
                 if j < k {
-                    front.panel[j * ld + place] += value;
+                    front.panel[j * ld + place] += *value;
                 } else {
-                    front.upper[place * ldu + j - k] += value;
+                    front.upper[place * ldu + j - k] += *value;
                 }
             }
         }

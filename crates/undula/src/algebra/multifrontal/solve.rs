@@ -5,6 +5,7 @@
 
 use super::front::{Front, padded};
 use super::kernels::{gemv_sub, gemv_transposed_sub};
+use super::real::Real;
 use super::symbolic::{Run, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 
@@ -20,7 +21,7 @@ pub(super) struct Solve<'a> {
 impl Solve<'_> {
     /// Forward substitution in the subtrees that end with the given fronts; `b` belongs to them, as do
     /// `fronts`. The result stays in the fronts.
-    pub fn forward(&self, ends: &[u32], fronts: &mut [Front], b: &[f64]) {
+    pub fn forward<T: Real>(&self, ends: &[u32], fronts: &mut [Front<T>], b: &[T]) {
         match ends {
             [] => {}
             [f] => {
@@ -48,7 +49,7 @@ impl Solve<'_> {
 
     /// Backward substitution, from the fronts to `x`; `parent` is what the parent of the subtrees knows,
     /// by its assembled columns.
-    pub fn backward(&self, ends: &[u32], fronts: &mut [Front], x: &mut [f64], parent: Parent) {
+    pub fn backward<T: Real>(&self, ends: &[u32], fronts: &mut [Front<T>], x: &mut [T], parent: Parent<T>) {
         match ends {
             [] => {}
             [f] => {
@@ -88,21 +89,21 @@ impl Solve<'_> {
 
 /// Solution on the columns of a front, in the order in which they were assembled.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Parent<'a> {
-    pub known: &'a [f64],
+pub(super) struct Parent<'a, T> {
+    pub known: &'a [T],
     /// Pivots of its own; delayed ones follow and shift the rest.
     pub k: usize,
     pub shift: usize,
 }
 
-struct ForwardTask<'a, 'b> {
+struct ForwardTask<'a, 'b, T> {
     solve: &'a Solve<'b>,
     f: usize,
-    fronts: &'a mut [Front],
-    b: &'a [f64],
+    fronts: &'a mut [Front<T>],
+    b: &'a [T],
 }
 
-impl WithSimd for ForwardTask<'_, '_> {
+impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -116,14 +117,14 @@ impl WithSimd for ForwardTask<'_, '_> {
     }
 }
 
-struct ForwardStep<'a, 'b> {
+struct ForwardStep<'a, 'b, T> {
     solve: &'a Solve<'b>,
     f: usize,
-    fronts: &'a mut [Front],
-    b: &'a [f64],
+    fronts: &'a mut [Front<T>],
+    b: &'a [T],
 }
 
-impl WithSimd for ForwardStep<'_, '_> {
+impl<T: Real> WithSimd for ForwardStep<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -132,15 +133,15 @@ impl WithSimd for ForwardStep<'_, '_> {
     }
 }
 
-struct BackwardTask<'a, 'b> {
+struct BackwardTask<'a, 'b, T> {
     solve: &'a Solve<'b>,
     f: usize,
-    fronts: &'a mut [Front],
-    x: &'a mut [f64],
-    parent: Parent<'a>,
+    fronts: &'a mut [Front<T>],
+    x: &'a mut [T],
+    parent: Parent<'a, T>,
 }
 
-impl WithSimd for BackwardTask<'_, '_> {
+impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -164,15 +165,15 @@ impl WithSimd for BackwardTask<'_, '_> {
     }
 }
 
-struct BackwardStep<'a, 'b> {
+struct BackwardStep<'a, 'b, T> {
     solve: &'a Solve<'b>,
     f: usize,
-    fronts: &'a mut [Front],
-    x: &'a mut [f64],
-    parent: Parent<'a>,
+    fronts: &'a mut [Front<T>],
+    x: &'a mut [T],
+    parent: Parent<'a, T>,
 }
 
-impl WithSimd for BackwardStep<'_, '_> {
+impl<T: Real> WithSimd for BackwardStep<'_, '_, T> {
     type Output = ();
 
     #[inline(always)]
@@ -185,14 +186,14 @@ impl WithSimd for BackwardStep<'_, '_> {
 
 /// Front `f`, the last of `fronts`, whose right-hand side is the end of `b`.
 #[inline(always)]
-fn forward<S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front], b: &[f64]) {
+fn forward<T: Real, S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front<T>], b: &[T]) {
     let shape = &symbolic.fronts[f];
     let Some((front, below)) = fronts.split_last_mut() else { return };
     let offset = f - below.len();
     let (k, r, e, ld) = (front.k, front.r, front.e, front.ld());
     let mut x = std::mem::take(&mut front.work);
     x.clear();
-    x.resize(k + padded(r), 0.0);
+    x.resize(k + padded(r), T::ZERO);
     x[..shape.k].copy_from_slice(&b[b.len() - shape.k..]);
     for &c in &shape.children {
         let child = &below[c as usize - offset];
@@ -201,7 +202,7 @@ fn forward<S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front]
         for run in &symbolic.fronts[c as usize].runs {
             let to = place(run, shape.k, k - shape.k);
             let from = &rows[run.from as usize..][..run.len as usize];
-            x[to..][..from.len()].iter_mut().zip(from).for_each(|(x, v)| *x += v);
+            x[to..][..from.len()].iter_mut().zip(from).for_each(|(x, v)| *x += *v);
         }
     }
     gather(&front.row_from, &mut x, &mut front.spare);
@@ -212,7 +213,7 @@ fn forward<S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front]
         for p in 0..width {
             let factor = now[p];
             let lower = &front.panel[(j + p) * ld + j + p + 1..][..width - p - 1];
-            now[p + 1..].iter_mut().zip(lower).for_each(|(x, l)| *x -= l * factor);
+            now[p + 1..].iter_mut().zip(lower).for_each(|(x, l)| *x -= *l * factor);
         }
         gemv_sub(simd, (&front.panel[j * ld + j + width..], ld), now, later);
         j += width;
@@ -222,13 +223,13 @@ fn forward<S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front]
 
 /// Front `f`; its solution goes to the end of `x`.
 #[inline(always)]
-fn backward<S: Simd>(
+fn backward<T: Real, S: Simd>(
     simd: S,
     symbolic: &Symbolic,
     f: usize,
-    front: &mut Front,
-    x: &mut [f64],
-    parent: Parent,
+    front: &mut Front<T>,
+    x: &mut [T],
+    parent: Parent<T>,
 ) {
     let shape = &symbolic.fronts[f];
     let (k, r, e, ld) = (front.k, front.r, front.e, front.ld());
@@ -251,7 +252,7 @@ fn backward<S: Simd>(
             let column = &front.panel[(j + p) * ld + j..][..p + 1];
             now[p] /= column[p];
             let factor = now[p];
-            now[..p].iter_mut().zip(column).for_each(|(x, u)| *x -= u * factor);
+            now[..p].iter_mut().zip(column).for_each(|(x, u)| *x -= *u * factor);
         }
         gemv_sub(simd, (&front.panel[j * ld..], ld), now, before);
         end = j;
@@ -271,7 +272,7 @@ fn place(run: &Run, k: usize, shift: usize) -> usize {
 
 /// x[i] ← x[from[i]] for the pivots.
 #[inline(always)]
-fn gather(from: &[u32], x: &mut [f64], spare: &mut Vec<f64>) {
+fn gather<T: Real>(from: &[u32], x: &mut [T], spare: &mut Vec<T>) {
     spare.clear();
     spare.extend(from.iter().map(|&i| x[i as usize]));
     x[..from.len()].copy_from_slice(spare);
@@ -279,7 +280,7 @@ fn gather(from: &[u32], x: &mut [f64], spare: &mut Vec<f64>) {
 
 /// x[from[i]] ← x[i] for the pivots.
 #[inline(always)]
-fn scatter(from: &[u32], x: &mut [f64], spare: &mut Vec<f64>) {
+fn scatter<T: Real>(from: &[u32], x: &mut [T], spare: &mut Vec<T>) {
     spare.clear();
     spare.extend_from_slice(&x[..from.len()]);
     for (&i, v) in from.iter().zip(spare) {
