@@ -189,20 +189,21 @@ impl Newton {
         norm
     }
 
-    /// Iterate until the scaled residual is `tolerance` times `reference`, or below the floor.
+    /// Iterate until the scaled residual is `tolerance` times `reference`, or below the floor; `norm` is that
+    /// at the start, the last evaluated.
     ///
     /// # Errors
     /// [`NewtonError`]; the iterate of `system` is then somewhere on the way.
     pub fn solve(
         &mut self,
         system: &mut impl NonlinearSystem,
+        mut norm: f64,
         reference: f64,
     ) -> Result<NewtonReport, NewtonError> {
         let target = (self.settings.tolerance * reference).max(self.settings.floor);
-        let mut norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
         let mut fresh = false;
-        self.secants.cut();
+        self.secants.clear();
         let economic = self.settings.rate_max.is_none();
         let due = economic && self.age.is_due(system.price());
         while norm > target {

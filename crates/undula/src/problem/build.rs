@@ -1,5 +1,6 @@
 //! From a checked case to spaces, equations and solvers.
 
+use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
     MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
@@ -7,7 +8,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
-use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
+use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu, SingleLu};
 use crate::assembly::{self, Assembler, Physics};
 use crate::error::Error;
 use crate::functional::Functional;
@@ -19,7 +20,7 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Material, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
-use crate::time::{self, Force, Linear, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -138,11 +139,16 @@ impl Case {
         options.threads = threads;
         let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
-        let kind = self.linear.solver;
-        let make: MakeSolver = Box::new(move |_| -> Box<dyn LinearSolver> {
-            match kind {
-                LinearSolverKind::Multifrontal => Box::new(MultifrontalLu::multifrontal(linear)),
-                LinearSolverKind::Faer => Box::new(FaerLu::faer(linear)),
+        let (kind, precision) = (self.linear.solver, self.linear.precision);
+        let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
+            let options = match purpose {
+                Purpose::Exact => linear,
+                Purpose::Correction => algebra::Options::unprobed(),
+            };
+            match (kind, precision, purpose) {
+                (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
+                (_, Precision::Single, Purpose::Correction) => Box::new(SingleLu::single(options)),
+                _ => Box::new(MultifrontalLu::multifrontal(options)),
             }
         });
         let linear = Linear::new(self.linearization(), make);

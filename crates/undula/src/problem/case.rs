@@ -294,7 +294,7 @@ impl Default for NewtonSpec {
 
 impl Default for LinearSpec {
     fn default() -> Self {
-        LinearSpec { solver: LinearSolverKind::Multifrontal, refinement: 2 }
+        LinearSpec { solver: LinearSolverKind::Multifrontal, refinement: 2, precision: Precision::Single }
     }
 }
 
@@ -323,6 +323,17 @@ pub struct LinearSpec {
     pub solver: LinearSolverKind,
     /// Steps of iterative refinement at most.
     pub refinement: usize,
+    /// Precision of the factors that only make corrections.
+    pub precision: Precision,
+}
+
+/// Precision of factors.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits: half the memory and half the time of a solve.
+    Single,
+    /// 64 bits.
+    Double,
 }
 
 /// Linear solver by name.

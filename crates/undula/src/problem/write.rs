@@ -2,7 +2,7 @@
 
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    MotionModel, Precision, PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
 use super::expression::Expression;
 
@@ -218,6 +218,13 @@ impl Case {
             match self.linear.solver {
                 LinearSolverKind::Multifrontal => "multifrontal",
                 LinearSolverKind::Faer => "faer",
+            },
+        );
+        out.word(
+            "precision",
+            match self.linear.precision {
+                Precision::Single => "single",
+                Precision::Double => "double",
             },
         );
         out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");

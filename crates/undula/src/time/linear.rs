@@ -31,10 +31,15 @@ pub enum Linearization {
     Condensed,
 }
 
+/// Steps with the whole Jacobian after one that the condensed system could not do.
+const DETOUR: u32 = 10;
+
 /// Both, each made when first needed.
 pub struct Linear {
     /// The one in use.
     pub active: Linearization,
+    /// Steps to go with the whole Jacobian after the condensed one has failed.
+    pub detour: u32,
     make: MakeSolver,
     full: Option<Full>,
     condensed: Option<Condensed>,
@@ -67,7 +72,28 @@ struct Extension {
 impl Linear {
     /// Nothing is prepared yet.
     pub fn new(active: Linearization, make: MakeSolver) -> Linear {
-        Linear { active, make, full: None, condensed: None }
+        Linear { active, detour: 0, make, full: None, condensed: None }
+    }
+
+    /// Take the whole Jacobian for some steps; `false` if it is in use already.
+    pub fn fall_back(&mut self) -> bool {
+        if self.active == Linearization::Newton {
+            return false;
+        }
+        (self.active, self.detour) = (Linearization::Newton, DETOUR);
+        true
+    }
+
+    /// A step is done; `true` if the condensed system takes over again.
+    pub fn count_step(&mut self) -> bool {
+        if self.detour == 0 {
+            return false;
+        }
+        self.detour -= 1;
+        if self.detour == 0 {
+            self.active = Linearization::Condensed;
+        }
+        self.detour == 0
     }
 
     /// Assemble and factorise at the iterate of `view`.

@@ -89,6 +89,40 @@ pub struct Stepper<const D: usize> {
     pub source: Option<Source>,
 }
 
+/// How the iteration of a step begins.
+struct Start<'a> {
+    /// The solution before the old one and the ratio of the steps, to extrapolate.
+    older: Option<(&'a State, f64)>,
+    /// Residual at the old solution.
+    reference: f64,
+    /// Step \[s\].
+    k: f64,
+}
+
+impl Start<'_> {
+    /// The extrapolated solution, or the old one where that is no good, with the boundary data.
+    /// Returns the residual there; `None` if not even the old solution is admissible.
+    fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
+        if let Some((older, ratio)) = self.older {
+            system.new.extrapolate(older, system.old, ratio);
+            self.complete(system);
+            let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
+            if norm.is_some() {
+                return norm;
+            }
+        }
+        system.new.copy_from(system.old);
+        self.complete(system);
+        newton.norm(system)
+    }
+
+    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>) {
+        let assembler = &*system.assembler;
+        assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
+        system.linear.start(&assembler.space, self.k, system.rule.theta, system.new, system.old);
+    }
+}
+
 /// Where a Jacobian was taken: with it a resumed run repeats the same bits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JacobianPoint {
@@ -257,18 +291,18 @@ impl<const D: usize> Stepper<D> {
         };
         // The criterion refers to the old solution with the new boundary data, whatever the start value.
         let reference = self.newton.norm(&mut system).ok_or(NewtonError::Inadmissible)?;
-        if extrapolate {
-            system.new.extrapolate(&self.older, &self.old, ratio);
-            let assembler = &*system.assembler;
-            assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
-            if self.newton.norm(&mut system).is_none_or(|norm| norm > GROWTH * reference) {
-                system.new.copy_from(&self.old);
-                let assembler = &*system.assembler;
-                assembler.constraints.apply(&assembler.space, t, &mut system.new.v, &mut system.new.u);
-            }
+        let start = Start { older: extrapolate.then_some((&self.older, ratio)), reference, k };
+        let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
+        let mut solved = self.newton.solve(&mut system, norm, reference);
+        if solved.is_err() && system.linear.fall_back() {
+            self.newton.forget();
+            let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
+            solved = self.newton.solve(&mut system, norm, reference);
         }
-        system.linear.start(&system.assembler.space, k, rule.theta, system.new, &self.old);
-        let report = self.newton.solve(&mut system, reference)?;
+        let report = solved?;
+        if system.linear.count_step() {
+            self.newton.forget();
+        }
         Ok((report, system.norms, system.min_j))
     }
 
@@ -348,7 +382,7 @@ impl<const D: usize> Stepper<D> {
             norms: BlockNorms::default(),
         };
         let solved = match self.newton.norm(&mut system) {
-            Some(reference) => self.newton.solve(&mut system, reference),
+            Some(reference) => self.newton.solve(&mut system, reference, reference),
             None => Err(NewtonError::Inadmissible),
         };
         let (norms, min_j) = (system.norms, system.min_j);

@@ -2,7 +2,7 @@
 
 use crate::problem::case::{
     FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec, Linearization, NewtonSpec, OutputSpec,
-    TimeScheme, TimeSpec,
+    Precision, TimeScheme, TimeSpec,
 };
 use crate::problem::error::suggestion;
 use crate::problem::expression::Expression;
@@ -157,8 +157,10 @@ pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
     let known = [("multifrontal", LinearSolverKind::Multifrontal), ("faer", LinearSolverKind::Faer)];
     let solver = s.choice("solver", &known, &["gmres", "umfpack", "mumps"]);
     let refinement = s.integer("refinement", 2, 0..=20);
+    let precisions = [("single", Precision::Single), ("double", Precision::Double)];
+    let precision = s.choice("precision", &precisions, &[]).unwrap_or(Precision::Single);
     s.finish();
-    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement }
+    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement, precision }
 }
 
 /// `names` are all functionals of the file, `present` those that are evaluated.
