@@ -1,0 +1,173 @@
+//! Condensed Newton: the system it solves, and that it arrives where the whole Jacobian does.
+
+mod common;
+#[path = "common/manufactured.rs"]
+mod manufactured;
+
+use common::builtin;
+use manufactured::*;
+use std::sync::Arc;
+use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
+use undula::assembly::{Assembler, Options, Physics, StepView};
+use undula::nonlinear::Seconds;
+use undula::physics::StepRule;
+use undula::physics::step::SECANT;
+use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
+use undula::simulation::Simulation;
+use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::{PsiOwner, Region, State};
+use undula::tangent::Tangent;
+use undula::time::{Linear, Linearization, Purpose};
+
+const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT };
+
+fn coupled(physics: Physics, pressure: PressureKind) -> Manufactured {
+    let zero = number(0.0);
+    let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
+    problem(
+        &square(4, Cells::Curved, Body::Block),
+        physics,
+        pressure,
+        nothing,
+        InTime::Difference,
+        QUADRATURE,
+    )
+}
+
+fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
+    let (space, mut random) = (&problem.space, Random(seed));
+    let mut list = |n: usize, size: f64| (0..n).map(|_| size * random.next()).collect();
+    State { v: list(space.n_v(), sizes[0]), u: list(space.n_u(), sizes[1]), p: list(space.n_p(), sizes[2]) }
+}
+
+fn linear(kind: Linearization) -> Linear {
+    Linear::new(kind, Box::new(|_: Purpose| Box::new(MultifrontalLu::multifrontal(LinearOptions::default()))))
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// A right-hand side `[v, u, p]` without given rows and without the velocity-deformation relation.
+fn right_hand_side(problem: &Manufactured, assembler: &Assembler<2>) -> Vec<f64> {
+    let space = &problem.space;
+    let State { v, u, p } = random(problem, 5, [1.0, 1.0, 1.0]);
+    let mut r = [v, u, p].concat();
+    assembler.zero_given(&mut r);
+    for node in (0..space.nodes.len()).filter(|&n| space.deforms && space.owner[n] == PsiOwner::Relation) {
+        r[space.n_v() + 2 * node..][..2].fill(0.0);
+    }
+    r
+}
+
+fn correction(assembler: &mut Assembler<2>, kind: Linearization, view: &StepView<'_>, r: &[f64]) -> Vec<f64> {
+    let (mut linear, mut delta) = (linear(kind), vec![0.0; r.len()]);
+    linear.renew(assembler, view, Tangent::Analytic, &mut Seconds::default()).unwrap();
+    linear.correct(assembler, view, r, &mut delta).unwrap();
+    delta
+}
+
+/// The condensed correction δ solves J δ = r without the derivatives of the flow with respect to u, and
+/// δu = kθ δv at the nodes of the solid.
+fn check(physics: Physics, pressure: PressureKind, rule: StepRule, options: &Options) {
+    let problem = coupled(physics, pressure);
+    let space = problem.space.clone();
+    let mut assembler = problem.assembler(options);
+    let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));
+    let view = StepView { rule, new: &new, old: &old };
+    let r = right_hand_side(&problem, &assembler);
+    let delta = correction(&mut assembler, Linearization::Condensed, &view, &r);
+
+    let mut matrix = Csr::zeros(&assembler.pattern());
+    assembler.jacobian(&view, Tangent::Analytic, &mut matrix);
+    let mut product = vec![0.0; r.len()];
+    matrix.mul(&delta, &mut product);
+    let (n_v, n_u, size) = (space.n_v(), space.n_u(), largest(&product));
+    if physics.fluid.is_some() && space.deforms {
+        let mut moved = |by: f64| {
+            let mut new = new.clone();
+            new.u.iter_mut().zip(&delta[n_v..]).for_each(|(u, d)| *u += by * d);
+            let mut out = vec![0.0; r.len()];
+            assembler.region_residual(&StepView { rule, new: &new, old: &old }, Region::Fluid, &mut out);
+            assembler.zero_given(&mut out);
+            out
+        };
+        let h = 1e-5 / largest(&delta[n_v..n_v + n_u]);
+        let (plus, minus) = (moved(h), moved(-h));
+        for i in (0..n_v).chain(n_v + n_u..r.len()) {
+            product[i] -= (plus[i] - minus[i]) / (2.0 * h);
+        }
+    }
+    let given = {
+        let mut m = vec![1.0; r.len()];
+        assembler.zero_given(&mut m);
+        m
+    };
+    for node in (0..space.nodes.len()).filter(|&n| space.deforms && space.owner[n] == PsiOwner::Relation) {
+        for i in 2 * node..2 * node + 2 {
+            product[n_v + i] = 0.0;
+            let expected = if given[n_v + i] == 0.0 { 0.0 } else { rule.theta / rule.per_k * delta[i] };
+            assert!((delta[n_v + i] - expected).abs() < 1e-12 * largest(&delta), "δu = kθ δv at node {node}");
+        }
+    }
+    let gap = product.iter().zip(&r).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs()));
+    assert!(gap < 1e-8 * size, "{physics:?} {pressure:?} {rule:?}: {gap:e} of {size:e}");
+}
+
+#[test]
+fn the_correction_solves_the_condensed_system() {
+    for pressure in [P1dc, Continuous(1)] {
+        for physics in [FSI, FLOW, BODY] {
+            check(physics, pressure, RULE, &options());
+        }
+        check(FLOW, pressure, StepRule::STATIONARY, &options());
+    }
+}
+
+#[test]
+fn any_lanes_solve_it() {
+    for lanes in [1, 4, 8] {
+        check(FSI, P1dc, RULE, &Options { lanes, threads: 1, quadrature: QUADRATURE });
+    }
+}
+
+/// Without deformation, and in a solid alone, nothing is left out.
+#[test]
+fn without_coupling_it_is_newton() {
+    for (physics, rule) in [(FLOW, RULE), (FLOW, StepRule::STATIONARY), (BODY, RULE)] {
+        let problem = coupled(physics, P1dc);
+        let mut assembler = problem.assembler(&options());
+        let (new, old) = (random(&problem, 7, [2.0, 0.02, 4.0]), random(&problem, 8, [2.0, 0.02, 4.0]));
+        let view = StepView { rule, new: &new, old: &old };
+        let r = right_hand_side(&problem, &assembler);
+        let [condensed, full] = [Linearization::Condensed, Linearization::Newton]
+            .map(|kind| correction(&mut assembler, kind, &view, &r));
+        let gap = condensed.iter().zip(&full).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs()));
+        assert!(gap < 1e-9 * largest(&full), "{gap:e} of {:e}", largest(&full));
+    }
+}
+
+fn run(overrides: &[&str]) -> Simulation {
+    let mut simulation = Simulation::new(builtin("fsi3", overrides), 1).unwrap();
+    while !simulation.finished() {
+        simulation.step().unwrap();
+    }
+    simulation
+}
+
+#[test]
+fn every_linearization_and_precision_has_the_same_solution() {
+    let common = ["mesh.refine=0", "time.end=0.1", "time.step=0.01", "newton.tolerance=1e-10"];
+    let with = |more: &[&'static str]| run(&[&common[..], more].concat());
+    let reference = with(&["newton.linearization=newton"]);
+    for more in [&["newton.linearization=condensed"][..], &["linear.precision=double"], &["newton.secants=0"]]
+    {
+        let other = with(more);
+        let (a, b) = (&reference.stepper.new, &other.stepper.new);
+        for (field, a, b) in [("v", &a.v, &b.v), ("u", &a.u, &b.u), ("p", &a.p, &b.p)] {
+            let gap = a.iter().zip(b).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(a);
+            println!("{more:?} {field}: {gap:.1e}");
+            assert!(gap < 1e-7, "{more:?} {field}: {gap:e}");
+        }
+    }
+}
