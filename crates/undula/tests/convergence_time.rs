@@ -33,7 +33,7 @@ const NAMES: [&str; 6] = ["v", "u", "p", "force", "p read at t", "force read at 
 
 /// From 0 to 1.2 s with `steps` steps, alternating between k and k/2 if `uneven`.
 fn errors(problem: &Manufactured, scheme: Scheme, steps: usize, uneven: bool) -> [f64; 6] {
-    let mut stepper = problem.stepper(scheme, 0.0, false, &options()).unwrap();
+    let mut stepper = problem.stepper(scheme, 0.0, false, &options());
     let drag = ForceByResidual::new(&problem.space, &["interface".into()], 0, 1.0, "N/m");
     let n = problem.space.n_unknowns();
     let (mut residual, mut worst) = (vec![0.0; n], [0.0f64; 6]);

@@ -1,7 +1,6 @@
 //! Cells of one region, `L` at a time.
 
-use super::colour::colour;
-use super::scatter::DROP;
+use super::chunks::chunks;
 use crate::element::{BasisTable, Quadrature};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::space::FsiSpace;
@@ -18,14 +17,14 @@ pub struct Point<const D: usize, const L: usize> {
     pub stiffness: Lanes<L>,
 }
 
-/// All cells of one region in batches, sorted by colour.
+/// All cells of one region in batches.
 pub struct Batches<const D: usize, const L: usize> {
     /// Cells of every batch; the last cell repeats in padded lanes.
     pub cells: Vec<[u32; L]>,
     /// How many lanes of a batch are real.
     pub active: Vec<usize>,
-    /// Batches of each colour.
-    pub colours: Vec<Range<usize>>,
+    /// Batches that belong to one thread's work.
+    pub chunks: Vec<Range<usize>>,
     /// Nodes, `[batch][basis]`.
     pub nodes: Vec<[u32; L]>,
     /// Pressure unknowns, `[batch][basis]`; empty in the solid.
@@ -60,13 +59,10 @@ impl<const D: usize, const L: usize> Batches<D, L> {
         let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
         let (n_basis, n_points) = (table.n_basis, table.n_points);
         let n_pressure = if with_pressure { space.pressure.per_cell } else { 0 };
-        let chunks: Vec<&[usize]> = list.chunks(L).collect();
-        let touched: Vec<Vec<u32>> = chunks.iter().map(|c| touched(space, c, with_pressure)).collect();
-        let (order, colours) = colour(&touched, space.nodes.len() + space.pressure.n);
         let mut batches = Batches {
             cells: vec![],
             active: vec![],
-            colours,
+            chunks: chunks(list.len().div_ceil(L)),
             nodes: vec![],
             pressure: vec![],
             points: vec![],
@@ -77,8 +73,8 @@ impl<const D: usize, const L: usize> Batches<D, L> {
             n_points,
             positions: vec![],
         };
-        for &chunk in &order {
-            batches.push(space, chunks[chunk], &rule, stiffness);
+        for cells in list.chunks(L) {
+            batches.push(space, cells, &rule, stiffness);
         }
         batches
     }
@@ -140,19 +136,6 @@ impl<const D: usize, const L: usize> Batches<D, L> {
     pub fn is_empty(&self) -> bool {
         self.cells.is_empty()
     }
-}
-
-/// What a batch writes: nodes, then pressure unknowns behind them.
-fn touched<const D: usize>(space: &FsiSpace<D>, cells: &[usize], with_pressure: bool) -> Vec<u32> {
-    let mut list = vec![];
-    for &c in cells {
-        list.extend(space.nodes.cell(c));
-        if with_pressure {
-            list.extend(space.pressure.cell(c).iter().map(|&p| p + space.nodes.len() as u32));
-        }
-    }
-    debug_assert!(!list.contains(&DROP));
-    list
 }
 
 /// `[point][basis][1 + D]` from values and gradients.

@@ -4,6 +4,7 @@
 //! along. In the fluid the derivatives with respect to u are left out. Without deformation nothing is
 //! left out: the matrix is then the Jacobian.
 
+use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Test, Trial};
 use super::interior::{BackwardTask, CondenseTask, FacetBlocks, ForwardTask, Interior, Layout, Sweep};
 use super::kernel::{Kernel, StepView};
@@ -95,7 +96,7 @@ where
     }
 
     /// Remember where every outer entry goes.
-    pub fn set_condensed_slots(&mut self, number: &[u32], find: impl Fn(u32, u32) -> u32) {
+    pub fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: impl Fn(u32, u32) -> u32) {
         let mut slots: Vec<[u32; L]> = vec![];
         self.condensed_entries(number, |l, row, column| {
             if l == 0 {
@@ -106,6 +107,9 @@ where
             }
         });
         if let Some(interior) = &mut self.interior {
+            let per_batch = interior.layout.outer.pow(2) * L;
+            let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
+            interior.copies = Copies::new(n_entries, &self.batches.chunks, &mut writes);
             interior.slots = slots;
         }
     }
@@ -121,12 +125,19 @@ where
         }
     }
 
+    /// Where a batch adds to momentum and divergence rows.
+    fn writes(&self, batch: usize) -> (&[[u32; L]], &[[u32; L]]) {
+        let (n, m) = (self.batches.n_basis, self.batches.n_pressure);
+        (&self.write_phi[batch * n..(batch + 1) * n], &self.write_xi[batch * m..(batch + 1) * m])
+    }
+
     /// Add the outer matrix to the entries `out` and keep the factors of the inner blocks.
     pub fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
         let Some(mut interior) = self.interior.take() else { return };
         let (kept, _) = interior.sizes();
         let mut factors = std::mem::take(&mut interior.factors);
-        let (shared, pieces) = (Shared::new(out), Pieces::new(&mut factors, kept));
+        let mut copies = std::mem::take(&mut interior.copies);
+        let (shared, pieces) = (copies.share(out), Pieces::new(&mut factors, kept));
         let outer = interior.layout.outer;
         let coupling = if Self::RELATION { step.rule.theta / step.rule.per_k } else { 0.0 };
         self.for_each_batch(|batch| {
@@ -149,7 +160,8 @@ where
                 });
             });
         });
-        interior.factors = factors;
+        copies.gather(out);
+        (interior.factors, interior.copies) = (factors, copies);
         self.interior = Some(interior);
     }
 
@@ -158,14 +170,23 @@ where
         let Some(mut interior) = self.interior.take() else { return };
         let mut inner = std::mem::take(&mut interior.inner);
         let (_, size) = interior.sizes();
-        let (shared, kept) = (Shared::new(b), Pieces::new(&mut inner, size));
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let (shared, kept) = (copies.share(b), Pieces::new(&mut inner, size));
         self.for_each_batch(|batch| {
             self.scratch.with(|s| {
                 let sweep = self.sweep(&interior, batch);
                 let inner = kept.of(batch);
-                Lanes::<L>::dispatch(ForwardTask { sweep, inner, work: &mut s.outer, out: &shared });
+                Lanes::<L>::dispatch(ForwardTask {
+                    sweep,
+                    inner,
+                    write: self.writes(batch),
+                    work: &mut s.outer,
+                    out: &shared,
+                });
             });
         });
+        copies.gather(b);
+        self.row_copies = copies;
         interior.inner = inner;
         self.interior = Some(interior);
     }

@@ -11,6 +11,7 @@
 //! equation and then by its definite Schur complement.
 
 use super::batch::Batches;
+use super::chunks::Copies;
 use super::contract::{Piece, Tangents, Test, Trial};
 use super::scatter::Shared;
 use super::simd::Task;
@@ -80,6 +81,8 @@ pub struct Interior<const D: usize, const L: usize> {
     pub layout: Layout,
     /// Where the outer entries go, `[batch][row][column]`.
     pub slots: Vec<[u32; L]>,
+    /// Copies where chunks write the same of them.
+    pub copies: Copies,
     /// Blocks of facets to be added before the elimination: (batch, lane, facet), by batch.
     pub facets: Vec<(u32, u32, u32)>,
     /// `[batch][inner unknown]`: inverse pivot, then (row, column) entries of the others.
@@ -94,6 +97,7 @@ impl<const D: usize, const L: usize> Interior<D, L> {
         let (kept, inner) = (layout.kept(), layout.all - layout.outer);
         Interior {
             slots: vec![],
+            copies: Copies::default(),
             facets: vec![],
             factors: vec![Lanes::zero(); batches * kept],
             inner: vec![Lanes::zero(); batches * inner],
@@ -236,6 +240,8 @@ impl<const D: usize, const L: usize> Sweep<'_, D, L> {
 pub(super) struct ForwardTask<'a, const D: usize, const L: usize> {
     pub(super) sweep: Sweep<'a, D, L>,
     pub(super) inner: &'a mut [Lanes<L>],
+    /// Where it adds to momentum and divergence rows.
+    pub(super) write: (&'a [[u32; L]], &'a [[u32; L]]),
     pub(super) work: &'a mut [Lanes<L>],
     pub(super) out: &'a Shared<'a>,
 }
@@ -266,13 +272,19 @@ impl<const D: usize, const L: usize> Task for ForwardTask<'_, D, L> {
             }
         }
         self.inner.copy_from_slice(&x[outer..]);
-        self.sweep.visit(|place, dofs| {
-            if place < outer {
+        let (nodes, pressures) = self.write;
+        for (rows, &place) in nodes.iter().zip(&layout.node).filter(|(_, place)| **place < outer) {
+            for i in 0..D {
                 for l in 0..active {
-                    self.out.add(dofs[l], x[place].0[l]);
+                    self.out.add(rows[l] + i as u32, x[place + i].0[l]);
                 }
             }
-        });
+        }
+        for (rows, &place) in pressures.iter().zip(&layout.pressure).filter(|(_, place)| **place < outer) {
+            for l in 0..active {
+                self.out.add(rows[l], x[place].0[l]);
+            }
+        }
     }
 }
 

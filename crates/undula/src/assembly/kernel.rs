@@ -1,6 +1,7 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::batch::Batches;
+use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
 use super::interior::Interior;
@@ -47,7 +48,7 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
 /// A region with its equations `F`, `L` cells at a time.
 pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) form: F,
-    /// Cells, geometry, colours.
+    /// Cells and geometry.
     pub batches: Batches<D, L>,
     /// Body force at the new time.
     pub force: ForceField<D, L>,
@@ -57,6 +58,13 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     /// Where the entries of each piece go, `[batch][piece][row basis][column basis]`.
     pub(super) slots: Vec<[u32; L]>,
     pub(super) slots_per_batch: usize,
+    /// Copies where chunks write the same entries of the matrix.
+    slot_copies: Copies,
+    /// Where the element vectors go in `[v, u, p]`, or copies of it.
+    pub(super) write_phi: Vec<[u32; L]>,
+    pub(super) write_psi: Vec<[u32; L]>,
+    pub(super) write_xi: Vec<[u32; L]>,
+    pub(super) row_copies: Copies,
     pub(super) rows_phi: Vec<[u32; L]>,
     pub(super) rows_psi: Vec<[u32; L]>,
     pub(super) rows_xi: Vec<[u32; L]>,
@@ -108,10 +116,20 @@ where
         let psi_row = |node: u32| {
             if space.deforms && space.owner[node as usize] == owner { n_v + node * D as u32 } else { DROP }
         };
-        let rows_phi = batches.nodes.iter().map(|l| l.map(|node| node * D as u32)).collect();
-        let rows_psi = batches.nodes.iter().map(|l| l.map(psi_row)).collect();
-        let rows_xi = batches.pressure.iter().map(|l| l.map(|p| n_v + n_u + p)).collect();
+        let rows_phi: Vec<[u32; L]> = batches.nodes.iter().map(|l| l.map(|node| node * D as u32)).collect();
+        let rows_psi: Vec<[u32; L]> = batches.nodes.iter().map(|l| l.map(psi_row)).collect();
+        let rows_xi: Vec<[u32; L]> = batches.pressure.iter().map(|l| l.map(|p| n_v + n_u + p)).collect();
         let min_j = vec![f64::INFINITY; batches.len() * L];
+        let (mut write_phi, mut write_psi, mut write_xi) =
+            (rows_phi.clone(), rows_psi.clone(), rows_xi.clone());
+        let mut writes = [(&mut write_phi, n, D), (&mut write_psi, n, D), (&mut write_xi, m, 1)].map(
+            |(list, per_batch, width)| Writes {
+                indices: list.as_flattened_mut(),
+                per_batch: per_batch * L,
+                width,
+            },
+        );
+        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes);
         let pieces = pieces(&F::COUPLINGS, D, space.deforms);
         Kernel {
             form,
@@ -121,6 +139,11 @@ where
             pieces,
             slots: vec![],
             slots_per_batch: 0,
+            slot_copies: Copies::default(),
+            write_phi,
+            write_psi,
+            write_xi,
+            row_copies,
             rows_phi,
             rows_psi,
             rows_xi,
@@ -173,7 +196,12 @@ where
     }
 
     /// Remember where every entry of the element matrices goes.
-    pub fn set_slots(&mut self, constraints: &Constraints<D>, find: impl Fn(u32, u32) -> u32) {
+    pub fn set_slots(
+        &mut self,
+        constraints: &Constraints<D>,
+        n_entries: usize,
+        find: impl Fn(u32, u32) -> u32,
+    ) {
         let mut slots: Vec<[u32; L]> = vec![];
         self.entries(constraints, |_, l, row, col| {
             if l == 0 {
@@ -184,23 +212,26 @@ where
             }
         });
         self.slots_per_batch = if self.batches.is_empty() { 0 } else { slots.len() / self.batches.len() };
+        let per_batch = self.slots_per_batch * L;
+        let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
+        self.slot_copies = Copies::new(n_entries, &self.batches.chunks, &mut writes);
         self.slots = slots;
     }
 
-    /// Run `work` on every batch, colour by colour.
+    /// Run `work` on every batch, the batches of a chunk in their order on one thread.
     pub(super) fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
-        for colour in &self.batches.colours {
-            if self.threads == 1 || colour.len() == 1 {
-                colour.clone().for_each(&work);
-            } else {
-                colour.clone().into_par_iter().for_each(&work);
-            }
+        let chunks = &self.batches.chunks;
+        if self.threads == 1 {
+            chunks.iter().for_each(|chunk| chunk.clone().for_each(&work));
+        } else {
+            chunks.par_iter().with_max_len(1).for_each(|chunk| chunk.clone().for_each(&work));
         }
     }
 
     /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
-        let shared = Shared::new(out);
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
         let mut min_j = std::mem::take(&mut self.min_j);
         let slots = Shared::new(&mut min_j);
         self.for_each_batch(|batch| {
@@ -215,29 +246,37 @@ where
                 });
             });
         });
+        copies.gather(out);
+        self.row_copies = copies;
         let smallest = min_j.iter().copied().fold(f64::INFINITY, f64::min);
         self.min_j = min_j;
         smallest
     }
 
     /// Add the explicit part to `out`.
-    pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
-        let shared = Shared::new(out);
+    pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
                 Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
             });
         });
+        copies.gather(out);
+        self.row_copies = copies;
     }
 
     /// Add the Jacobian to the entries `out` of the matrix.
-    pub fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
-        let shared = Shared::new(out);
+    pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
+        let mut copies = std::mem::take(&mut self.slot_copies);
+        let shared = copies.share(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
                 JacobianTask { kernel: self, step, tangent, batch, scratch, out: &shared }.run();
             });
         });
+        copies.gather(out);
+        self.slot_copies = copies;
     }
 
     /// Smallest J of the last residual with its cell, and all cells where J is not positive.

@@ -1,11 +1,11 @@
 //! E B D Bᵀ over all cells: residual and Jacobian of one step.
 //!
-//! Cells are processed `L` at a time, one per vector lane, and colour by colour, so that threads never
-//! write the same row and every sum has one order: the result does not depend on the number of threads.
+//! Cells are processed `L` at a time, one per vector lane, in chunks that threads share out; every sum has
+//! one order, so that the result does not depend on the number of threads.
 //! After the first call nothing is allocated.
 
 pub mod batch;
-pub mod colour;
+pub mod chunks;
 mod condense;
 pub mod contract;
 pub mod evaluate;
@@ -165,7 +165,7 @@ impl<const D: usize> Assembler<D> {
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        kernels.set_slots(constraints, &find);
+        kernels.set_slots(constraints, pattern.nnz(), &find);
         outflow.set_slots(constraints, find);
         let diagonals = given.iter().map(|&row| find(row, row)).collect();
         *full = Some((Arc::clone(&pattern), diagonals));
@@ -197,7 +197,7 @@ impl<const D: usize> Assembler<D> {
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        self.kernels.set_condensed_slots(&number, &find);
+        self.kernels.set_condensed_slots(&number, pattern.nnz(), &find);
         let system = Arc::new(CondensedSystem { pattern, places, unknowns });
         self.condensed = Some(Arc::clone(&system));
         system
@@ -260,7 +260,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
-    pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
+    pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
         if step.rule.theta < 1.0 {
             self.kernels.explicit(step, None, out);
@@ -332,16 +332,16 @@ fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>)
 /// The kernels of both regions with their number of lanes hidden.
 trait Kernels<const D: usize>: Send + Sync {
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
-    fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32);
+    fn set_slots(&mut self, constraints: &Constraints<D>, n_entries: usize, find: &dyn Fn(u32, u32) -> u32);
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>);
-    fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
+    fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
-    fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
+    fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
     fn worst(&self) -> Worst;
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
     fn inner(&self, visit: &mut dyn FnMut(u32));
     fn condensed_entries(&self, number: &[u32], visit: &mut dyn FnMut(u32, u32));
-    fn set_condensed_slots(&mut self, number: &[u32], find: &dyn Fn(u32, u32) -> u32);
+    fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: &dyn Fn(u32, u32) -> u32);
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]);
     fn eliminate(&mut self, b: &mut [f64]);
     fn recover(&self, x: &mut [f64]);
@@ -418,12 +418,12 @@ where
         }
     }
 
-    fn set_slots(&mut self, constraints: &Constraints<D>, find: &dyn Fn(u32, u32) -> u32) {
+    fn set_slots(&mut self, constraints: &Constraints<D>, n_entries: usize, find: &dyn Fn(u32, u32) -> u32) {
         if let Some(k) = &mut self.fluid {
-            k.set_slots(constraints, find);
+            k.set_slots(constraints, n_entries, find);
         }
         if let Some(k) = &mut self.solid {
-            k.set_slots(constraints, find);
+            k.set_slots(constraints, n_entries, find);
         }
     }
 
@@ -434,11 +434,11 @@ where
         };
     }
 
-    fn explicit(&self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) {
-        if let (Some(k), true) = (&self.fluid, only != Some(Region::Solid)) {
+    fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) {
+        if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
             k.explicit(step, out);
         }
-        if let (Some(k), true) = (&self.solid, only != Some(Region::Fluid)) {
+        if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
             k.explicit(step, out);
         }
     }
@@ -455,11 +455,11 @@ where
         min_j.unwrap_or(1.0)
     }
 
-    fn jacobian(&self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
-        if let Some(k) = &self.fluid {
+    fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
+        if let Some(k) = &mut self.fluid {
             k.jacobian(step, tangent, out);
         }
-        if let Some(k) = &self.solid {
+        if let Some(k) = &mut self.solid {
             k.jacobian(step, tangent, out);
         }
     }
@@ -488,8 +488,8 @@ where
         both!(self, k, k.condensed_entries(number, &mut visit));
     }
 
-    fn set_condensed_slots(&mut self, number: &[u32], find: &dyn Fn(u32, u32) -> u32) {
-        both!(mut self, k, k.set_condensed_slots(number, find));
+    fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: &dyn Fn(u32, u32) -> u32) {
+        both!(mut self, k, k.set_condensed_slots(number, n_entries, find));
     }
 
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {

@@ -6,15 +6,18 @@ use std::marker::PhantomData;
 /// Marks a row or entry that is not there: a constrained unknown, or a row of another owner.
 pub const DROP: u32 = u32::MAX;
 
-/// An array that batches of one colour write at the same time, at places that never coincide.
+/// An array that several threads write at the same time, at places that never coincide, and copies of
+/// its entries behind it, see [`super::chunks`].
 #[derive(Copy, Clone)]
 pub struct Shared<'a> {
     start: *mut f64,
     len: usize,
+    copies: *mut f64,
+    n_copies: usize,
     array: PhantomData<&'a mut [f64]>,
 }
 
-// SAFETY: colouring keeps concurrent writers apart, see `Shared::add`.
+// SAFETY: concurrent writers are kept apart, see `Shared::add`.
 unsafe impl Send for Shared<'_> {}
 // SAFETY: as above.
 unsafe impl Sync for Shared<'_> {}
@@ -22,20 +25,35 @@ unsafe impl Sync for Shared<'_> {}
 impl<'a> Shared<'a> {
     /// Share `array` for the length of its borrow.
     pub fn new(array: &'a mut [f64]) -> Shared<'a> {
-        Shared { start: array.as_mut_ptr(), len: array.len(), array: PhantomData }
+        Self::with_copies(array, &mut [])
     }
 
-    /// `array[at] += x`, nothing for [`DROP`].
+    /// Share `array` and `copies`, whose first one has the number behind the last entry.
+    pub fn with_copies(array: &'a mut [f64], copies: &'a mut [f64]) -> Shared<'a> {
+        Shared {
+            start: array.as_mut_ptr(),
+            len: array.len(),
+            copies: copies.as_mut_ptr(),
+            n_copies: copies.len(),
+            array: PhantomData,
+        }
+    }
+
+    /// `array[at] += x` or that of a copy, nothing for [`DROP`].
     ///
-    /// Two threads never call this with the same `at` at the same time: batches of one colour share no
-    /// node and no pressure unknown, hence no row.
+    /// Two threads never call this with the same `at` at the same time: what several chunks of batches
+    /// write has a copy for each.
     #[inline(always)]
     pub fn add(&self, at: u32, x: f64) {
-        if at != DROP {
-            debug_assert!((at as usize) < self.len);
-            // SAFETY: indices are made at set-up and lie within the array (asserted there and, in debug
-            // builds, here); no other thread touches this entry now.
-            unsafe { *self.start.add(at as usize) += x };
+        let at = at as usize;
+        if at < self.len {
+            // SAFETY: within bounds; no other thread touches this entry now.
+            unsafe { *self.start.add(at) += x };
+        } else if at - self.len < self.n_copies {
+            // SAFETY: as above.
+            unsafe { *self.copies.add(at - self.len) += x };
+        } else {
+            debug_assert!(at == DROP as usize);
         }
     }
 
@@ -76,7 +94,7 @@ impl<'a, T> Pieces<'a, T> {
         Pieces { start: array.as_mut_ptr(), len: array.len(), size, array: PhantomData }
     }
 
-    /// The piece of `batch`, which is worked on by one thread at a time and asked for once in that work.
+    /// The piece of `batch`, which is worked on by one thread and asked for once in that work.
     #[inline(always)]
     #[allow(clippy::mut_from_ref)]
     pub fn of(&self, batch: usize) -> &mut [T] {

@@ -53,11 +53,11 @@ where
             }
         }
         let (n, m, active) = (b.n_basis, b.n_pressure, b.active[batch]);
-        scatter(&k.rows_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
+        scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
         if k.deforms {
-            scatter(&k.rows_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
+            scatter(&k.write_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
         }
-        for (rows, xi) in k.rows_xi[batch * m..(batch + 1) * m].iter().zip(&s.xi) {
+        for (rows, xi) in k.write_xi[batch * m..(batch + 1) * m].iter().zip(&s.xi) {
             for l in 0..active {
                 self.out.add(rows[l], xi.0[l]);
             }
@@ -99,9 +99,9 @@ where
             }
         }
         let (n, active) = (b.n_basis, b.active[batch]);
-        scatter(&k.rows_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
+        scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
         if k.deforms {
-            scatter(&k.rows_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
+            scatter(&k.write_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
         }
     }
 }

@@ -11,20 +11,29 @@ use crate::algebra::dot;
 /// Share of a Δz that must be new against the others for it to be used.
 const INDEPENDENT: f64 = 1e-4;
 
-/// Pairs of differences under one P.
+/// Pairs of differences under one P. Their memory is taken once.
 #[derive(Clone, Debug, Default)]
 pub struct Secants {
     depth: usize,
     /// Entries of a vector that the norm sees: its first ones.
     measured: usize,
-    /// Δz, measured part, newest last.
-    dz: Vec<Vec<f64>>,
-    /// Δz − Δx.
-    both: Vec<Vec<f64>>,
+    /// Pairs in use, newest last.
+    pairs: Vec<Pair>,
+    /// Memory of others.
+    spare: Vec<Pair>,
     /// Products of the Δz.
     gram: Vec<Vec<f64>>,
-    /// Correction and update of the last iterate, if the next one completes a pair.
-    last: Option<(Vec<f64>, Vec<f64>)>,
+    /// Correction and update of the last iterate.
+    last: Pair,
+    /// Whether the next correction completes a pair with them.
+    complete: bool,
+}
+
+/// First the correction and update of an iterate, then Δz and Δz − Δx.
+#[derive(Clone, Debug, Default)]
+struct Pair {
+    z: Vec<f64>,
+    update: Vec<f64>,
 }
 
 impl Secants {
@@ -33,27 +42,11 @@ impl Secants {
         Secants { depth, measured, ..Secants::default() }
     }
 
-    /// Forget all pairs, as for a new P.
+    /// Forget all pairs, as for a new P or another problem.
     pub fn clear(&mut self) {
-        self.dz.clear();
-        self.both.clear();
+        self.spare.append(&mut self.pairs);
         self.gram.clear();
-        self.last = None;
-    }
-
-    /// The next correction belongs to another problem: no pair with the last one.
-    pub fn cut(&mut self) {
-        self.last = None;
-    }
-
-    /// Number of pairs.
-    pub fn len(&self) -> usize {
-        self.dz.len()
-    }
-
-    /// Whether there is no pair.
-    pub fn is_empty(&self) -> bool {
-        self.dz.is_empty()
+        self.complete = false;
     }
 
     /// Improve the correction `z` in place: the iterate will be x − z.
@@ -61,43 +54,48 @@ impl Secants {
         if self.depth == 0 {
             return;
         }
-        let raw = z.to_vec();
-        if let Some((before, update)) = self.last.take() {
-            self.add(&raw, before, update);
+        if self.complete {
+            self.add(z);
         }
-        if !self.is_empty() {
-            let right: Vec<f64> = self.dz.iter().map(|dz| -dot(dz, &z[..self.measured])).collect();
+        self.last.z.clear();
+        self.last.z.extend_from_slice(z);
+        if !self.pairs.is_empty() {
+            let of = |pair: &Pair| -dot(&pair.z[..self.measured], &z[..self.measured]);
+            let right: Vec<f64> = self.pairs.iter().map(of).collect();
             let beta = least_squares(&self.gram, &right);
-            for (both, beta) in self.both.iter().zip(beta).filter(|(_, beta)| *beta != 0.0) {
-                for (z, both) in z.iter_mut().zip(both) {
-                    *z += beta * both;
+            for (pair, beta) in self.pairs.iter().zip(beta).filter(|(_, beta)| *beta != 0.0) {
+                for (z, update) in z.iter_mut().zip(&pair.update) {
+                    *z += beta * update;
                 }
             }
         }
-        self.last = Some((raw, z.to_vec()));
+        self.last.update.clear();
+        self.last.update.extend_from_slice(z);
+        self.complete = true;
     }
 
     /// The pair of the last update: Δx = −update, Δz = z − before.
-    fn add(&mut self, z: &[f64], before: Vec<f64>, update: Vec<f64>) {
-        if self.dz.len() == self.depth {
-            self.dz.remove(0);
-            self.both.remove(0);
+    fn add(&mut self, z: &[f64]) {
+        if self.pairs.len() == self.depth {
+            self.spare.push(self.pairs.remove(0));
             self.gram.remove(0);
-            self.gram.iter_mut().for_each(|row| {
+            for row in &mut self.gram {
                 row.remove(0);
-            });
+            }
         }
-        let dz: Vec<f64> = z.iter().zip(&before).map(|(z, b)| z - b).collect();
-        let both = dz.iter().zip(&update).map(|(dz, u)| dz + u).collect();
-        let dz = dz[..self.measured].to_vec();
-        let mut row: Vec<f64> = self.dz.iter().map(|other| dot(other, &dz)).collect();
-        row.push(dot(&dz, &dz));
+        let mut pair = std::mem::replace(&mut self.last, self.spare.pop().unwrap_or_default());
+        for ((before, update), z) in pair.z.iter_mut().zip(&mut pair.update).zip(z) {
+            *before = z - *before;
+            *update += *before;
+        }
+        let product = |other: &Pair| dot(&other.z[..self.measured], &pair.z[..self.measured]);
+        let mut row: Vec<f64> = self.pairs.iter().map(product).collect();
+        row.push(product(&pair));
         for (other, product) in self.gram.iter_mut().zip(&row) {
             other.push(*product);
         }
         self.gram.push(row);
-        self.dz.push(dz);
-        self.both.push(both);
+        self.pairs.push(pair);
     }
 }
 
@@ -135,4 +133,30 @@ fn least_squares(gram: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
     let mut beta = vec![0.0; n];
     used.iter().zip(y).for_each(|(&j, y)| beta[j] = y);
     beta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// P J = I + a matrix of rank two: three corrections, and the fourth is exact.
+    #[test]
+    fn directions_once_seen_are_solved_for() {
+        let n = 20;
+        let (a, b): (Vec<f64>, Vec<f64>) = (0..n).map(|i| ((i as f64).sin(), (1.7 * i as f64).cos())).unzip();
+        let solution: Vec<f64> = (0..n).map(|i| 1.0 / (1.0 + i as f64)).collect();
+        let mut x = vec![0.0; n];
+        let mut secants = Secants::new(4, n);
+        let mut errors = vec![];
+        for _ in 0..5 {
+            let e: Vec<f64> = x.iter().zip(&solution).map(|(x, s)| x - s).collect();
+            errors.push(dot(&e, &e).sqrt());
+            let (along_a, along_b) = (0.3 * dot(&a, &e), 0.2 * dot(&b, &e));
+            let mut z: Vec<f64> = (0..n).map(|i| e[i] + along_a * b[i] + along_b * a[i]).collect();
+            secants.improve(&mut z);
+            x.iter_mut().zip(&z).for_each(|(x, z)| *x -= z);
+        }
+        assert!(errors[4] < 1e-12 * errors[0], "{errors:?}");
+        assert!(errors[3] > 1e-6 * errors[0], "too easy: {errors:?}");
+    }
 }

@@ -1,0 +1,192 @@
+//! Chunks of batches for the threads, and sums where chunks meet.
+//!
+//! Every chunk is worked on by one thread from its first batch to its last. What only one chunk adds to,
+//! it adds to directly; where several meet, each has a copy of its own, and copies are added up afterwards
+//! in the order of the chunks. Chunks depend on the mesh alone, and so do all sums, whatever the threads.
+
+use super::scatter::{DROP, Shared};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Batches of a chunk at least: where chunks meet there is work twice.
+const BATCHES: usize = 8;
+
+/// Chunks at most: enough for any number of threads to share evenly.
+const CHUNKS: usize = 64;
+
+/// Sums per task.
+const TARGETS: usize = 4096;
+
+/// Consecutive batches, about equally many in each chunk.
+pub fn chunks(batches: usize) -> Vec<Range<usize>> {
+    let n = (batches / BATCHES).clamp(1, CHUNKS);
+    (0..n).map(|c| c * batches / n..(c + 1) * batches / n).collect()
+}
+
+/// Where the batches write: consecutive indices of each batch, each standing for `width` entries from it on.
+pub struct Writes<'a> {
+    /// First entries, or [`DROP`].
+    pub indices: &'a mut [u32],
+    /// How many of them belong to a batch.
+    pub per_batch: usize,
+    /// Entries behind each index.
+    pub width: usize,
+}
+
+/// Copies of the entries at which chunks meet.
+#[derive(Debug, Default)]
+pub struct Copies {
+    values: Vec<f64>,
+    /// Entries with copies, ascending.
+    targets: Vec<u32>,
+    /// End of the copies of each target in `places`.
+    ends: Vec<u32>,
+    /// Places of the copies, those of a target in the order of the chunks.
+    places: Vec<u32>,
+}
+
+/// Marks an entry that no chunk has met, one of several chunks, and a copy for the present chunk.
+const FREE: u32 = u32::MAX;
+const SHARED: u32 = COPY - 1;
+const COPY: u32 = 1 << 31;
+
+impl Copies {
+    /// Redirect `writes` into an array of `n` entries: an index beyond n is a copy.
+    ///
+    /// # Panics
+    /// If entries and copies together are too many for 32 bits.
+    pub fn new(n: usize, chunks: &[Range<usize>], writes: &mut [Writes<'_>]) -> Copies {
+        let mut owner = vec![FREE; n];
+        for (c, chunk) in chunks.iter().enumerate() {
+            for w in writes.iter() {
+                for &at in &w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
+                    if at != DROP {
+                        let owner = &mut owner[at as usize];
+                        *owner = if *owner == FREE || *owner == c as u32 { c as u32 } else { SHARED };
+                    }
+                }
+            }
+        }
+        // From now on `owner` of a shared entry is where its copy for the present chunk is.
+        let mut found: Vec<(u32, u32)> = vec![];
+        let mut next = 0;
+        for chunk in chunks {
+            let first = next;
+            let mut of_chunk: Vec<(u32, u32)> = vec![];
+            for w in writes.iter_mut() {
+                for at in &mut w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
+                    // Chunks have small numbers: the entry is this one's alone.
+                    if *at == DROP || owner[*at as usize] < SHARED {
+                        continue;
+                    }
+                    let place = &mut owner[*at as usize];
+                    if *place == SHARED {
+                        *place = COPY | (next - first);
+                        for i in 0..w.width as u32 {
+                            of_chunk.push((*at + i, next + i));
+                        }
+                        next += w.width as u32;
+                    }
+                    *at = n as u32 + first + (*place & !COPY);
+                }
+            }
+            for &(target, _) in &of_chunk {
+                owner[target as usize] = SHARED;
+            }
+            found.extend(of_chunk);
+        }
+        assert!(n as u64 + u64::from(next) < u64::from(COPY), "too many entries: {n} and {next} copies");
+        found.sort_by_key(|&(target, _)| target);
+        let mut copies = Copies { values: vec![0.0; next as usize], ..Copies::default() };
+        for (target, place) in found {
+            if copies.targets.last() != Some(&target) {
+                copies.targets.push(target);
+                copies.ends.push(copies.places.len() as u32);
+            }
+            copies.places.push(place);
+            if let Some(end) = copies.ends.last_mut() {
+                *end += 1;
+            }
+        }
+        copies
+    }
+
+    /// Share `out` and the copies among the chunks.
+    pub fn share<'a>(&'a mut self, out: &'a mut [f64]) -> Shared<'a> {
+        Shared::with_copies(out, &mut self.values)
+    }
+
+    /// Add all copies to `out`, and make them zero again.
+    pub fn gather(&mut self, out: &mut [f64]) {
+        let Copies { values, targets, ends, places } = self;
+        let (out, values) = (Shared::new(out), Shared::new(values));
+        let sum = |(task, targets): (usize, &[u32])| {
+            let first = task * TARGETS;
+            let mut start = if first == 0 { 0 } else { ends[first - 1] };
+            for (&target, &end) in targets.iter().zip(&ends[first..]) {
+                let mut sum = 0.0;
+                for &place in &places[start as usize..end as usize] {
+                    sum += values.get(place);
+                    values.set(place as usize, 0.0);
+                }
+                out.add(target, sum);
+                start = end;
+            }
+        };
+        if targets.len() <= TARGETS {
+            targets.chunks(TARGETS).enumerate().for_each(sum);
+        } else {
+            targets.par_chunks(TARGETS).enumerate().for_each(sum);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_cover_all_batches() {
+        for n in [0, 1, 7, 16, 100, 5000] {
+            let list = chunks(n);
+            assert_eq!((list[0].start, list[list.len() - 1].end), (0, n));
+            assert!(list.windows(2).all(|w| w[0].end == w[1].start && !w[0].is_empty()));
+            assert!(list.len() <= CHUNKS);
+        }
+    }
+
+    #[test]
+    fn copies_add_up_to_direct_sums() {
+        // Two arrays of indices: pairs and single entries; batch b writes 4 and 1 of them.
+        let batches = 40;
+        let pairs: Vec<u32> =
+            (0..4 * batches).map(|i| if i % 11 == 0 { DROP } else { 2 * (i * 7 % 23) }).collect();
+        let single: Vec<u32> = (0..batches).map(|i| 46 + i * 5 % 13).collect();
+        let list = chunks(batches as usize);
+        assert!(list.len() > 2);
+        let n = 60;
+        let mut expected = vec![0.0; n];
+        for (i, &at) in pairs.iter().enumerate().filter(|(_, at)| **at != DROP) {
+            expected[at as usize] += i as f64;
+            expected[at as usize + 1] -= i as f64;
+        }
+        single.iter().for_each(|&at| expected[at as usize] += 1.0);
+        let (mut to_pairs, mut to_single) = (pairs, single);
+        let mut writes = [
+            Writes { indices: &mut to_pairs, per_batch: 4, width: 2 },
+            Writes { indices: &mut to_single, per_batch: 1, width: 1 },
+        ];
+        let mut copies = Copies::new(n, &list, &mut writes);
+        for _ in 0..2 {
+            let mut out = vec![0.0; n];
+            let shared = copies.share(&mut out);
+            for (i, &at) in to_pairs.iter().enumerate().filter(|(_, at)| **at != DROP) {
+                shared.add(at, i as f64);
+                shared.add(at + 1, -(i as f64));
+            }
+            to_single.iter().for_each(|&at| shared.add(at, 1.0));
+            copies.gather(&mut out);
+            assert_eq!(out, expected);
+        }
+    }
+}
