@@ -1,10 +1,12 @@
-//! Medians of factorisation and solve on matrices of the coupled problem, in seconds: processor time
-//! of all threads where the system tells (so that other programs do not count), and wall time.
+//! Medians of factorisation, substitution (`apply`) and refined solve on matrices of the coupled
+//! problem, in seconds of wall time; of factorisations also processor time of all threads where the
+//! system tells (so that other programs do not count). No probe. `once` is ‖b − A x‖ / ‖b‖ after one
+//! `apply`.
 //!
 //!     cargo bench --bench factor                        # generated matrices
 //!     cargo bench --bench factor -- FILE.bin...         # stored systems
 //!     cargo bench --bench factor -- 88x44               # generated ones of this name
-//!     cargo bench --bench factor -- faer                # faer too
+//!     cargo bench --bench factor -- single faer         # these solvers; all but faer are the usual ones
 //!     RAYON_NUM_THREADS=1 cargo bench --bench factor
 //!
 //! A stored system is, in little endian: u64 n, u64 nnz, row_ptr u64[n + 1], col u32[nnz],
@@ -16,15 +18,23 @@ mod matrices;
 
 use matrices::{Pressure, Setup, System};
 use std::{fs, sync::Arc, time::Instant};
-use undula::algebra::{Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, Unknown};
+use undula::algebra::{
+    Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SingleLu, Unknown, norm_inf,
+};
 
 fn main() {
+    // On a thread of the pool, as in the program: from outside, every call would wake one.
+    rayon::scope(|_| measure_all());
+}
+
+fn measure_all() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with("--")).collect();
     let (files, words): (Vec<String>, Vec<String>) = arguments.into_iter().partition(|a| a.ends_with(".bin"));
-    let (faer, words): (Vec<String>, Vec<String>) = words.into_iter().partition(|a| a == "faer");
-    let faer = !faer.is_empty();
+    let (names, words): (Vec<String>, Vec<String>) =
+        words.into_iter().partition(|a| SOLVERS.contains(&a.as_str()));
+    let names = if names.is_empty() { vec!["single".into(), "double".into()] } else { names };
     println!(
-        "{:<26} {:<13} {:>7} {:>9} | {:>8} {:>8} {:>8} {:>8} {:>8} | {:>9} {:>9} {:>7} {:>2} {:>8} {:>8}",
+        "{:<26} {:<19} {:>7} {:>9} | {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} | {:>9} {:>9} {:>7} {:>6} {:>2} {:>8} {:>8}",
         "matrix",
         "solver",
         "n",
@@ -32,18 +42,26 @@ fn main() {
         "analyse",
         "factor",
         "wall",
+        "apply",
+        "least",
         "solve",
-        "wall",
         "fill",
         "flops",
         "delayed",
+        "MB",
         "ir",
         "error",
-        "probe"
+        "once"
     );
     if files.is_empty() {
         use Pressure::{P1dc, Q1};
         let setups = [
+            ("v-p", Setup::flow(38, 19, P1dc)),
+            ("v-p", Setup::flow(76, 38, P1dc)),
+            ("v-p", Setup::flow(156, 78, P1dc)),
+            ("v-p", Setup::flow(350, 175, P1dc)),
+            ("extension", Setup::flow(38, 19, P1dc)),
+            ("extension", Setup::flow(156, 78, P1dc)),
             ("flow Q2-P1dc", Setup::flow(52, 26, P1dc)),
             ("flow Q2-P1dc", Setup::flow(84, 42, P1dc)),
             ("fsi Q2-P1dc", Setup::fsi(39, 20, P1dc)),
@@ -53,28 +71,43 @@ fn main() {
             ("fsi Q2-P1dc", Setup::fsi(156, 78, P1dc)),
             ("flow Q2-P1dc 3D", Setup { cells: [12, 8, 8], ..Setup::flow(0, 0, P1dc) }),
         ];
-        for (name, setup) in setups {
+        for (kind, setup) in setups {
             let [x, y, z] = setup.cells;
-            let name = format!("{name} {x}x{y}x{z}");
+            let name = format!("{kind} {x}x{y}x{z}");
             if !words.is_empty() && !words.iter().any(|w| name.contains(w)) {
                 continue;
             }
-            let system = setup.system();
+            let system = match kind {
+                "v-p" => setup.condensed(),
+                "extension" => setup.velocities(),
+                _ => setup.system(),
+            };
             let mut b = vec![0.0; system.a.pattern.n];
             system.a.mul(&vec![1.0; b.len()], &mut b);
-            run(&name, &system, &b, faer);
+            run(&name, &system, &b, &names);
         }
     }
     for file in files {
         let (system, b) = read(&file);
-        run(file.rsplit('/').next().unwrap_or(&file), &system, &b, faer);
+        run(file.rsplit('/').next().unwrap_or(&file), &system, &b, &names);
     }
 }
 
-fn run(name: &str, system: &System, b: &[f64], faer: bool) {
-    measure(name, system, b, &mut MultifrontalLu::multifrontal(Options::default()), 11);
-    if faer {
-        measure(name, system, b, &mut FaerLu::faer(Options::default()), 1);
+/// What can be measured.
+const SOLVERS: [&str; 3] = ["single", "double", "faer"];
+
+fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
+    let times = (1_000_000 / b.len()).clamp(5, 101) | 1;
+    let double = Options::unprobed();
+    for solver in solvers {
+        match solver.as_str() {
+            "single" => {
+                let options = Options { refinement: 30, ..double };
+                measure(name, system, b, &mut SingleLu::single(options), times);
+            }
+            "double" => measure(name, system, b, &mut MultifrontalLu::multifrontal(double), times),
+            _ => measure(name, system, b, &mut FaerLu::faer(double), 1),
+        }
     }
 }
 
@@ -89,37 +122,55 @@ fn measure(
     solver.analyse(&a.pattern, unknowns).unwrap();
     let analyse = start.elapsed().as_secs_f64();
     let mut x = vec![0.0; b.len()];
-    let (mut factors, mut solves, mut reports) = (vec![], vec![], None);
+    let (mut factors, mut applies, mut solves, mut factor) = (vec![], vec![], vec![], None);
     for _ in 0..times {
         let start = Clock::now();
-        let factor = match solver.factor(a) {
-            Ok(report) => report,
-            Err(e) => return println!("{name:<26} {:<13} {e}", solver.name()),
-        };
+        match solver.factor(a) {
+            Ok(report) => factor = Some(report),
+            Err(e) => return println!("{name:<26} {:<19} {e}", solver.name()),
+        }
         factors.push(start.elapsed());
-        let start = Clock::now();
-        let solve = solver.solve(a, b, &mut x);
-        solves.push(start.elapsed());
-        reports = Some((factor, solve));
     }
-    let Some((factor, solve)) = reports else { return };
-    let solve = match solve {
+    let Some(factor) = factor else { return };
+    for _ in 0..4 * times {
+        let start = Clock::now();
+        solver.apply(b, &mut x);
+        applies.push(start.elapsed());
+    }
+    let once = residual(a, b, &x);
+    let mut solve = None;
+    for _ in 0..times {
+        let start = Clock::now();
+        solve = Some(solver.solve(a, b, &mut x));
+        solves.push(start.elapsed());
+    }
+    let solve = match solve.unwrap() {
         Ok(solve) => solve,
-        Err(e) => return println!("{name:<26} {:<13} {e}", solver.name()),
+        Err(e) => return println!("{name:<26} {:<19} {e}", solver.name()),
     };
-    let ([factor_time, factor_wall], [solve_time, solve_wall]) = (median(&factors), median(&solves));
+    let ([factor_time, factor_wall], [_, solve_wall]) = (median(&factors), median(&solves));
     println!(
-        "{name:<26} {:<13} {:>7} {:>9} | {analyse:8.4} {factor_time:8.4} {factor_wall:8.4} {solve_time:8.4} {solve_wall:8.4} | {:9.3e} {:9.3e} {:>7} {:>2} {:8.1e} {:8.1e}",
+        "{name:<26} {:<19} {:>7} {:>9} | {analyse:8.4} {factor_time:8.4} {factor_wall:8.5} {:8.5} {:8.5} {solve_wall:8.5} | {:9.3e} {:9.3e} {:>7} {:6.1} {:>2} {:8.1e} {:8.1e}",
         solver.name(),
         b.len(),
         a.pattern.nnz(),
+        median(&applies)[1],
+        applies.iter().map(|t| t[1]).fold(f64::INFINITY, f64::min),
         factor.cost.fill.unwrap_or(0) as f64,
         factor.cost.flops.unwrap_or(0.0),
         factor.cost.delayed,
+        factor.cost.bytes.unwrap_or(0) as f64 / 1e6,
         solve.refinements,
         solve.backward_error,
-        factor.probe_error,
+        once,
     );
+}
+
+/// ‖b − A x‖ / ‖b‖.
+fn residual(a: &Csr, b: &[f64], x: &[f64]) -> f64 {
+    let mut r = vec![0.0; b.len()];
+    a.residual(b, x, &mut r);
+    norm_inf(&r) / norm_inf(b)
 }
 
 struct Clock {

@@ -64,6 +64,11 @@ pub trait Backend: Send {
     /// Overwrites `y` by `(R A C)⁻¹ y`.
     fn solve(&mut self, y: &mut [f64]);
 
+    /// What a factorisation will cost; `None` where that is not known.
+    fn predicted(&self) -> Option<Cost> {
+        None
+    }
+
     /// Relative error of one rounding in the factors.
     fn roundoff(&self) -> f64 {
         0.5 * f64::EPSILON
@@ -333,6 +338,10 @@ impl<B: Backend> LinearSolver for Direct<B> {
 
     fn apply(&mut self, b: &[f64], x: &mut [f64]) {
         if self.factored { self.substitute(b, x) } else { x.fill(f64::NAN) }
+    }
+
+    fn predicted(&self) -> Option<Cost> {
+        self.pattern.as_ref().and_then(|_| self.backend.predicted())
     }
 }
 

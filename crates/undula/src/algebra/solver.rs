@@ -64,6 +64,12 @@ pub trait LinearSolver: Send {
     /// The factors applied once, `x ← A⁻¹ b` as well as they are: no refinement and no judgement, for
     /// iterations that see their own residual. Without factors `x` becomes NaN.
     fn apply(&mut self, b: &[f64], x: &mut [f64]);
+
+    /// What a factorisation will cost, as far as the pattern tells: without delayed pivots. `None` before
+    /// the analysis and where the backend does not know.
+    fn predicted(&self) -> Option<Cost> {
+        None
+    }
 }
 
 /// What a factorisation has cost; `None` where the backend does not tell.
@@ -75,6 +81,8 @@ pub struct Cost {
     pub flops: Option<f64>,
     /// Pivots that were refused in their own front and eliminated further up.
     pub delayed: usize,
+    /// Memory held by the factors; in a prediction, by their entries alone.
+    pub bytes: Option<usize>,
 }
 
 /// Outcome of [`LinearSolver::factor`].

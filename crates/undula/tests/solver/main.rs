@@ -28,6 +28,7 @@ fn systems() -> Vec<System> {
         })
         .chain([three_d(P1dc, false), three_d(P1dc, true), three_d(Q1, true)])
         .map(|setup| setup.system())
+        .chain([Setup::flow(20, 10, P1dc).condensed()])
         .collect()
 }
 
@@ -394,6 +395,59 @@ fn factors_without_probe() {
     for solver in [&mut double as &mut dyn LinearSolver, &mut single] {
         solver.analyse(&a.pattern, &unknowns[..2]).unwrap();
         assert!(matches!(solver.factor(&a), Err(SolverError::Singular { .. })));
+    }
+}
+
+/// Where the right-hand side is zero, forward substitution is left out; numbers that are too small to
+/// count are not.
+#[test]
+fn zeros_of_the_right_hand_side_may_be_skipped() {
+    let setup = Setup::flow(40, 20, Pressure::P1dc);
+    for System { a, unknowns } in [setup.condensed(), setup.velocities()] {
+        let near = |u: &Unknown| u.at[0] < 0.3 && u.at[1] < 0.3;
+        let of = |far: f64| -> Vec<f64> {
+            unknowns.iter().enumerate().map(|(i, u)| if near(u) { (i as f64).sin() } else { far }).collect()
+        };
+        let mut double = MultifrontalLu::multifrontal(Options::unprobed());
+        let mut single = SingleLu::single(Options::unprobed());
+        let apply = |solver: &mut dyn LinearSolver, b: &[f64]| {
+            let mut x = vec![f64::NAN; b.len()];
+            solver.apply(b, &mut x);
+            x
+        };
+        for solver in [&mut double as &mut dyn LinearSolver, &mut single] {
+            solver.analyse(&a.pattern, &unknowns).unwrap();
+            solver.factor(&a).unwrap();
+            // The second time after something else.
+            let first = apply(solver, &of(0.0));
+            apply(solver, &of(1.0));
+            assert!(apply(solver, &of(0.0)) == first);
+            assert!(apply(solver, &vec![0.0; first.len()]).iter().all(|x| *x == 0.0));
+        }
+        let (skipped, whole) = (apply(&mut double, &of(0.0)), apply(&mut double, &of(1e-320)));
+        let size = norm_inf(&skipped);
+        assert!(skipped.iter().zip(&whole).all(|(x, y)| x == y || (x - y).abs() < 1e-290 * size));
+        let rounded = apply(&mut single, &of(0.0));
+        let difference: Vec<f64> = skipped.iter().zip(&rounded).map(|(x, y)| x - y).collect();
+        assert!(norm_inf(&difference) < 1e-2 * size, "{:e}", norm_inf(&difference) / size);
+    }
+}
+
+/// What the pattern tells before anything is factored.
+#[test]
+fn costs_are_predicted() {
+    let System { a, unknowns } = Setup::flow(40, 20, Pressure::P1dc).velocities();
+    let mut double = MultifrontalLu::multifrontal(options());
+    let mut single = single();
+    assert!(double.predicted().is_none());
+    for (solver, size) in [(&mut double as &mut dyn LinearSolver, 8), (&mut single, 4)] {
+        solver.analyse(&a.pattern, &unknowns).unwrap();
+        let predicted = solver.predicted().unwrap();
+        let cost = solver.factor(&a).unwrap().cost;
+        assert_eq!((predicted.fill, predicted.flops), (cost.fill, cost.flops));
+        let bytes = size * predicted.fill.unwrap();
+        assert_eq!(predicted.bytes, Some(bytes));
+        assert!((bytes..4 * bytes).contains(&cost.bytes.unwrap()), "{bytes} {cost:?}");
     }
 }
 

@@ -61,6 +61,86 @@ impl Setup {
     }
 }
 
+impl Setup {
+    /// The flow without what belongs to one cell alone, the velocity in its middle and the slopes of its
+    /// pressure: a Schur complement with one pressure per cell, of zero diagonal.
+    pub fn condensed(&self) -> System {
+        let space = Space::new(self);
+        let inner = |cell: usize| -> Vec<u32> {
+            let nodes = space.nodes(cell);
+            let (v, p) = (space.v[nodes[nodes.len() / 2]], space.p[cell]);
+            let d = space.d as u32;
+            (v..v + d).chain(p + 1..p + 1 + d).collect()
+        };
+        let System { mut a, unknowns } = self.system();
+        let mut keep = vec![true; unknowns.len()];
+        for cell in 0..space.n_cells() {
+            let inner = inner(cell);
+            eliminate(&inner, &mut a);
+            inner.iter().for_each(|&i| keep[i as usize] = false);
+        }
+        restrict(&System { a, unknowns }, &keep)
+    }
+
+    /// The velocities alone: as an extension, two components per node and no zero on the diagonal.
+    pub fn velocities(&self) -> System {
+        let system = self.system();
+        let keep: Vec<bool> = system.unknowns.iter().map(|u| u.kind == Kind::Velocity).collect();
+        restrict(&system, &keep)
+    }
+}
+
+/// Subtracts from the rows of the neighbours what makes the columns of a few unknowns zero there.
+fn eliminate(inner: &[u32], a: &mut Csr) {
+    let pattern = Arc::clone(&a.pattern);
+    let mut all: Vec<u32> =
+        inner.iter().flat_map(|&i| pattern.col[pattern.row(i as usize)].to_vec()).collect();
+    all.sort_unstable();
+    all.dedup();
+    let entry = |a: &Csr, i: u32, j: u32| pattern.find(i as usize, j as usize).map_or(0.0, |k| a.values[k]);
+    let mut rows: Vec<Vec<f64>> =
+        inner.iter().map(|&i| all.iter().map(|&j| entry(a, i, j)).collect()).collect();
+    let place = |j: u32| all.binary_search(&j).expect("column of its own row");
+    for (p, &i) in inner.iter().enumerate() {
+        let at = place(i);
+        let best = (p..rows.len()).max_by(|&s, &t| rows[s][at].abs().total_cmp(&rows[t][at].abs())).unwrap();
+        rows.swap(p, best);
+        let pivot = rows[p].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(s, _)| *s != p) {
+            let factor = row[at] / pivot[at];
+            row.iter_mut().zip(&pivot).for_each(|(v, w)| *v -= factor * w);
+        }
+        rows[p].iter_mut().for_each(|v| *v /= pivot[at]);
+    }
+    for &i in all.iter().filter(|i| !inner.contains(i)) {
+        let factors: Vec<f64> = inner.iter().map(|&g| entry(a, i, g)).collect();
+        for (&j, at) in all.iter().zip(0..) {
+            if let Some(k) = pattern.find(i as usize, j as usize) {
+                a.values[k] -= factors.iter().zip(&rows).map(|(f, row)| f * row[at]).sum::<f64>();
+            }
+        }
+    }
+}
+
+/// Rows and columns of some unknowns; diagonals stay even if they are zero.
+fn restrict(System { a, unknowns }: &System, keep: &[bool]) -> System {
+    let mut new = vec![0; keep.len()];
+    let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
+    kept.iter().zip(0..).for_each(|(&i, k)| new[i] = k);
+    let columns = |i: usize| a.pattern.row(i).filter(|&k| keep[a.pattern.col[k] as usize]);
+    let rows: Vec<Vec<u32>> = kept
+        .iter()
+        .map(|&i| columns(i).map(|k| new[a.pattern.col[k] as usize]).chain([new[i]]).collect())
+        .collect();
+    let mut small = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
+    for &i in &kept {
+        for k in columns(i) {
+            add(&mut small, new[i], 0, new[a.pattern.col[k] as usize], 0, a.values[k]);
+        }
+    }
+    System { a: small, unknowns: kept.iter().map(|&i| unknowns[i]).collect() }
+}
+
 /// Q2 shape functions and derivatives at the Gauss points of [0, 1]: `[point][function]`.
 fn q2() -> ([f64; 3], [[f64; 3]; 3], [[f64; 3]; 3]) {
     let g = 0.5 * 0.6_f64.sqrt();

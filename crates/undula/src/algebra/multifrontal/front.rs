@@ -6,12 +6,12 @@
 //!     [ F11 F12 ]      panel = [ F11 ]  m × k      upper = F12ᵀ  r × k      rest = F22  r × r
 //!     [ F21 F22 ]              [ F21 ]
 //! ```
-//! all by columns. After elimination, `panel` holds L and the part of U that belongs to pivots,
-//! `upper` the rest of U, `rest` the contribution to the parent. Pivots that are too small are left:
+//! all by columns. After elimination, `panel` holds L and the part of U that belongs to pivots, with
+//! the diagonal inverted, `upper` the rest of U, `rest` the contribution to the parent. Pivots that are too small are left:
 //! the last `k − e` columns of `panel` and `upper` then belong to the contribution too.
 
 use super::buffer::Buffer;
-use super::kernels::{gemm_sub, gemv_sub, max_abs};
+use super::kernels::{flush, flushed, gemm_sub, gemv_sub, max_abs};
 use super::large;
 use super::real::Real;
 use faer::{MatMut, MatRef};
@@ -28,6 +28,9 @@ const PANEL: usize = 16;
 
 /// Columns between updates of all columns behind, in fronts of more than twice as many.
 const BLOCK: usize = 64;
+
+/// Numbers behind matrices and vectors that may be read, so that all vectors are whole.
+pub(super) const SLACK: usize = 16;
 
 /// Rounded up to whole vectors.
 pub(super) fn padded(n: usize) -> usize {
@@ -58,6 +61,8 @@ pub(super) struct Front<T> {
     pub delayed_to: usize,
     /// Vector of the triangular solves, one number per row.
     pub work: Vec<T>,
+    /// Whether it is zero after forward substitution.
+    pub is_zero: bool,
     /// Memory to permute it.
     pub spare: Vec<T>,
 }
@@ -90,8 +95,8 @@ impl<T: Real> Front<T> {
             v.fill(T::ZERO);
         };
         let ld = self.ld();
-        zeros(&mut self.panel, k * ld);
-        zeros(&mut self.upper, k * padded(r));
+        zeros(&mut self.panel, k * ld + SLACK);
+        zeros(&mut self.upper, k * padded(r) + SLACK);
         self.rest.resize(r * padded(r));
         for from in [&mut self.row_from, &mut self.col_from] {
             from.clear();
@@ -155,8 +160,9 @@ impl<T: Real> Front<T> {
                 column.swap(q, q + row);
                 let inverse = T::ONE / column[q];
                 for v in &mut column[q + 1..] {
-                    *v *= inverse;
+                    *v = flushed(*v * inverse);
                 }
+                column[q] = inverse;
                 if row > 0 {
                     self.swap_rows(j, j + row);
                 }
@@ -175,7 +181,8 @@ impl<T: Real> Front<T> {
         let ld = self.ld();
         for p in 0..q {
             let lower = &self.panel[(start + p) * ld + start + p + 1..][..q - p - 1];
-            let factor = column[p];
+            let factor = flushed(column[p]);
+            column[p] = factor;
             for (v, l) in column[p + 1..q].iter_mut().zip(lower) {
                 *v -= *l * factor;
             }
@@ -188,7 +195,7 @@ impl<T: Real> Front<T> {
 
     fn swap_rows(&mut self, a: usize, b: usize) {
         let (ld, ldu) = (self.ld(), padded(self.r));
-        for column in self.panel.chunks_exact_mut(ld) {
+        for column in self.panel[..self.k * ld].chunks_exact_mut(ld) {
             column.swap(a, b);
         }
         swap_chunks(&mut self.upper, ldu, a, b);
@@ -272,6 +279,7 @@ impl<T: Real> Front<T> {
             let panel = MatRef::from_column_major_slice_with_stride(&self.panel, ld, self.k, ld);
             let upper = MatMut::from_column_major_slice_with_stride_mut(&mut self.upper, self.r, self.k, ldu);
             large::solve_upper(panel.subcols(0, e), upper.transpose_mut());
+            flush(&mut self.upper[..e * ldu]);
             return;
         }
         let mut j = 0;
@@ -286,6 +294,7 @@ impl<T: Real> Front<T> {
                     row[q] = self.panel[(j + q) * ld + j + p];
                 }
                 gemv_sub(simd, (before, ldu), &row[..p], &mut now[..ldu]);
+                flush(&mut now[..ldu]);
             }
             j += width;
         }
@@ -341,6 +350,7 @@ fn solve_lower<T: Real, S: Simd>(
             row[s] = lower[s * ldl + p];
         }
         gemv_sub(simd, (before, n), &row[..p], &mut now[..n]);
+        flush(&mut now[..n]);
     }
     for c in 0..n {
         for (p, v) in x[c * ldx..][..q].iter_mut().enumerate() {

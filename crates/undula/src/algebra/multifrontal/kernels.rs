@@ -150,13 +150,47 @@ pub(super) fn gemv_sub<T: Real, S: Simd>(simd: S, (a, lda): (&[T], usize), x: &[
         gemv_strip::<T, S, 4, true>(simd, (&a[i..], lda), x, &mut y[i..i + strip]);
         i += strip;
     }
-    while i + T::lanes::<S>() <= rows {
-        gemv_strip::<T, S, 1, true>(simd, (&a[i..], lda), x, &mut y[i..i + T::lanes::<S>()]);
-        i += T::lanes::<S>();
+    let left = rows - i;
+    let (a, y) = (&a[i..], &mut y[i..]);
+    match (left.div_ceil(T::lanes::<S>()), left.is_multiple_of(T::lanes::<S>())) {
+        (0, _) => {}
+        (1, true) => gemv_strip::<T, S, 1, true>(simd, (a, lda), x, y),
+        (1, false) => gemv_strip::<T, S, 1, false>(simd, (a, lda), x, y),
+        (2, true) => gemv_strip::<T, S, 2, true>(simd, (a, lda), x, y),
+        (2, false) => gemv_strip::<T, S, 2, false>(simd, (a, lda), x, y),
+        (3, true) => gemv_strip::<T, S, 3, true>(simd, (a, lda), x, y),
+        (3, false) => gemv_strip::<T, S, 3, false>(simd, (a, lda), x, y),
+        _ => gemv_strip::<T, S, 4, false>(simd, (a, lda), x, y),
     }
-    if i < rows {
-        gemv_strip::<T, S, 1, false>(simd, (&a[i..], lda), x, &mut y[i..]);
+}
+
+/// `x ← L⁻¹ x` for the unit lower triangle of the first W rows and columns.
+#[inline(always)]
+pub(super) fn substitute_lower<T: Real, const W: usize>((a, lda): (&[T], usize), x: &mut [T]) {
+    let mut v = [T::ZERO; W];
+    v.copy_from_slice(x);
+    for p in 0..W {
+        let column = &a[p * lda..][..W];
+        for i in p + 1..W {
+            v[i] -= column[i] * v[p];
+        }
     }
+    x.copy_from_slice(&v);
+}
+
+/// `x ← U⁻¹ x` for the upper triangle of the first W rows and columns, its diagonal inverted.
+#[inline(always)]
+pub(super) fn substitute_upper<T: Real, const W: usize>((a, lda): (&[T], usize), x: &mut [T]) {
+    let mut v = [T::ZERO; W];
+    v.copy_from_slice(x);
+    for p in (0..W).rev() {
+        let column = &a[p * lda..][..W];
+        v[p] *= column[p];
+        for i in 0..p {
+            v[i] -= column[i] * v[p];
+        }
+    }
+    x.copy_from_slice(&v);
 }
 
 #[inline(always)]
@@ -217,7 +251,12 @@ fn dots<T: Real, S: Simd, const N: usize>(simd: S, a: &[T], lda: usize, x: &[T])
             sum[n] = T::mul_add(simd, a, x, sum[n]);
         }
     }
-    sum.map(|s| T::sum(simd, s))
+    // Array::map is not inlined here.
+    let mut out = [T::ZERO; N];
+    for n in 0..N {
+        out[n] = T::sum(simd, sum[n]);
+    }
+    out
 }
 
 /// max |x[i]|; entries that are not numbers do not count.
@@ -230,6 +269,22 @@ pub(super) fn max_abs<T: Real, S: Simd>(simd: S, x: &[T]) -> T {
     }
     let max = T::larger(simd, T::load(simd, rest), max);
     T::max(simd, max)
+}
+
+/// Replaces what is too small to be multiplied safely by zero.
+#[inline(always)]
+pub(super) fn flush<T: Real>(x: &mut [T]) {
+    if T::TINY > 0.0 {
+        for x in x {
+            *x = flushed(*x);
+        }
+    }
+}
+
+/// `x`, or zero if it is too small to be multiplied safely.
+#[inline(always)]
+pub(super) fn flushed<T: Real>(x: T) -> T {
+    if T::TINY > 0.0 && x.size() < T::of(T::TINY) { T::ZERO } else { x }
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@
 //! delayed to the parent.
 
 mod buffer;
+mod dense;
 mod front;
 mod graph;
 mod kernels;
@@ -74,11 +75,6 @@ impl<T: Real> Default for MultifrontalBackend<T> {
 }
 
 impl<T: Real> MultifrontalBackend<T> {
-    /// Entries of the factors and operations, as analysed: without delayed pivots.
-    pub fn predicted(&self) -> Cost {
-        Cost { fill: Some(self.symbolic.fill), flops: Some(self.symbolic.flops), delayed: 0 }
-    }
-
     /// What the last factorisation has cost.
     fn cost(&self) -> Cost {
         let sizes = || self.fronts.iter().map(|f| (f.e, f.k + f.r - f.e, f.delayed()));
@@ -86,7 +82,16 @@ impl<T: Real> MultifrontalBackend<T> {
             fill: Some(sizes().map(|(k, r, _)| k * (k + 2 * r)).sum()),
             flops: Some(sizes().map(|(k, r, _)| tree::flops(k, r)).sum()),
             delayed: sizes().map(|(_, _, delayed)| delayed).sum(),
+            bytes: Some(self.bytes()),
         }
+    }
+
+    /// Memory of factors and vectors. That of contributions depends on how many threads had some at a
+    /// time, which no result may.
+    fn bytes(&self) -> usize {
+        let of =
+            |f: &Front<T>| f.panel.capacity() + f.upper.capacity() + f.work.capacity() + f.spare.capacity();
+        size_of::<T>() * self.fronts.iter().map(of).sum::<usize>()
     }
 }
 
@@ -133,6 +138,11 @@ impl<T: Real> Backend for MultifrontalBackend<T> {
         for (p, &old) in permuted.iter().zip(&symbolic.old) {
             y[old as usize] = p.double() / scale;
         }
+    }
+
+    fn predicted(&self) -> Option<Cost> {
+        let Symbolic { fill, flops, .. } = self.symbolic;
+        Some(Cost { fill: Some(fill), flops: Some(flops), delayed: 0, bytes: Some(size_of::<T>() * fill) })
     }
 
     fn roundoff(&self) -> f64 {

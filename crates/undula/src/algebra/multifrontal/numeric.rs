@@ -3,6 +3,7 @@
 use super::super::{Csr, Scaling};
 use super::buffer::Buffer;
 use super::front::{Front, Scratch, padded};
+use super::kernels::flushed;
 use super::real::Real;
 use super::symbolic::{Entry, Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
@@ -175,17 +176,19 @@ fn add_entries<T: Real>(
         row_scale.push(scaling.row[old]);
         col_scale.push(scaling.col[old]);
     }
-    let value = |entry: &Entry| {
-        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
-        (i, j, T::of(a.values[entry.source as usize] * row_scale[i] * col_scale[j]))
+    let value = |entry: &Entry, i: usize, j: usize| {
+        flushed(T::of(a.values[entry.source as usize] * row_scale[i] * col_scale[j]))
     };
+    // Loops, not adapters: those are not always inlined where vectors are wide.
     let panel = &mut front.panel[..];
-    for (i, j, value) in shape.left.iter().map(value) {
-        panel[j * ld + i + if i < k { 0 } else { delayed }] += value;
+    for entry in &shape.left {
+        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
+        panel[j * ld + i + if i < k { 0 } else { delayed }] += value(entry, i, j);
     }
     let upper = &mut front.upper[..];
-    for (i, j, value) in shape.right.iter().map(value) {
-        upper[i * ldu + j - k] += value;
+    for entry in &shape.right {
+        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
+        upper[i * ldu + j - k] += value(entry, i, j);
     }
 }
 
@@ -215,7 +218,9 @@ fn add_to_pivots<T: Real>(
             for columns in rest_runs {
                 let to = &mut to[columns.to as usize - k..][..columns.len as usize];
                 let from = from[columns.from as usize * ldc..].iter().step_by(ldc);
-                to.iter_mut().zip(from).for_each(|(t, f)| *t += *f);
+                for (t, f) in to.iter_mut().zip(from) {
+                    *t += flushed(*f);
+                }
             }
         }
     }
@@ -258,7 +263,7 @@ fn add_runs<T: Real>(runs: &[Run], shift: usize, from: &[T], to: &mut [T]) {
 #[inline(always)]
 fn add<T: Real>(from: &[T], to: &mut [T]) {
     for (t, f) in to.iter_mut().zip(from) {
-        *t += *f;
+        *t += flushed(*f);
     }
 }
 

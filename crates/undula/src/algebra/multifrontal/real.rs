@@ -14,8 +14,9 @@ pub trait Real: RealField + Copy + Default + Debug + Send + Sync + 'static {
     const ZERO: Self;
     /// One.
     const ONE: Self;
-    /// What is smaller in a matrix whose entries are about one is left out of sums, so that no product
-    /// underflows: arithmetic with subnormal numbers is slow. Zero where nothing is that small.
+    /// Entries of the factors below this are zero, for matrices whose entries are about one; then no
+    /// product of two is subnormal, which processors are slow at: six times for the matrix of an
+    /// implicit step in single precision, whose inverse decays. Zero where nothing gets that small.
     const TINY: f64;
     /// Several numbers in one register.
     type Vector<S: Simd>: Copy;

@@ -2,15 +2,14 @@
 //!
 //! Vectors follow the fronts: each front has a piece of its own, children hand their sums to the
 //! parent and read from it. So subtrees are independent, and sums are always taken in one order.
+//! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
-use super::front::{Front, padded};
-use super::kernels::{gemv_sub, gemv_transposed_sub};
+use super::dense;
+use super::front::{Front, SLACK, padded};
+use super::kernels::flush;
 use super::real::Real;
-use super::symbolic::{Run, Symbolic};
+use super::symbolic::{Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
-
-/// Pivots applied at a time: as many columns of the factors are read side by side.
-const BLOCK: usize = 8;
 
 /// One pass over the tree.
 pub(super) struct Solve<'a> {
@@ -26,12 +25,14 @@ impl Solve<'_> {
             [] => {}
             [f] => {
                 let shape = &self.symbolic.fronts[*f as usize];
-                if shape.is_task {
+                if shape.is_solve_task {
                     self.arch.dispatch(ForwardTask { solve: self, f: *f as usize, fronts, b });
                 } else {
                     let below = fronts.len() - 1;
                     self.forward(&shape.children, &mut fronts[..below], &b[..b.len() - shape.k]);
-                    self.arch.dispatch(ForwardStep { solve: self, f: *f as usize, fronts, b });
+                    if let Some(front) = collect(self.symbolic, *f as usize, fronts, b) {
+                        dense::forward_large(self.arch, front);
+                    }
                 }
             }
             _ => {
@@ -54,12 +55,14 @@ impl Solve<'_> {
             [] => {}
             [f] => {
                 let shape = &self.symbolic.fronts[*f as usize];
-                if shape.is_task {
+                if shape.is_solve_task {
                     self.arch.dispatch(BackwardTask { solve: self, f: *f as usize, fronts, x, parent });
                 } else {
-                    self.arch.dispatch(BackwardStep { solve: self, f: *f as usize, fronts, x, parent });
                     let Some((front, below)) = fronts.split_last_mut() else { return };
+                    look_up(shape, front, parent);
+                    dense::backward_large(self.arch, front);
                     let n = x.len() - shape.k;
+                    hand_out(shape, front, x);
                     let parent = Parent { known: &front.work, k: shape.k, shift: front.k - shape.k };
                     self.backward(&shape.children, below, &mut x[..n], parent);
                 }
@@ -112,24 +115,11 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
         let (start, first) = shape.subtree;
         for g in start..=self.f {
             let end = self.solve.symbolic.fronts[g].first + self.solve.symbolic.fronts[g].k;
-            forward(simd, self.solve.symbolic, g, &mut self.fronts[..=g - start], &self.b[..end - first]);
+            let fronts = &mut self.fronts[..=g - start];
+            if let Some(front) = collect(self.solve.symbolic, g, fronts, &self.b[..end - first]) {
+                dense::forward(simd, front);
+            }
         }
-    }
-}
-
-struct ForwardStep<'a, 'b, T> {
-    solve: &'a Solve<'b>,
-    f: usize,
-    fronts: &'a mut [Front<T>],
-    b: &'a [T],
-}
-
-impl<T: Real> WithSimd for ForwardStep<'_, '_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        forward(simd, self.solve.symbolic, self.f, self.fronts, self.b);
     }
 }
 
@@ -152,115 +142,81 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
         for g in (0..=last).rev() {
             let shape = &symbolic.fronts[start + g];
             let (now, later) = self.fronts.split_at_mut(g + 1);
-            let x = &mut self.x[..shape.first + shape.k - first];
             if g == last {
-                backward(simd, symbolic, start + g, &mut now[g], x, self.parent);
+                look_up(shape, &mut now[g], self.parent);
             } else {
                 let p = shape.parent as usize;
                 let (front, k) = (&later[p - start - g - 1], symbolic.fronts[p].k);
-                let parent = Parent { known: &front.work, k, shift: front.k - k };
-                backward(simd, symbolic, start + g, &mut now[g], x, parent);
+                look_up(shape, &mut now[g], Parent { known: &front.work, k, shift: front.k - k });
             }
+            dense::backward(simd, &mut now[g]);
+            hand_out(shape, &mut now[g], &mut self.x[..shape.first + shape.k - first]);
         }
     }
 }
 
-struct BackwardStep<'a, 'b, T> {
-    solve: &'a Solve<'b>,
+/// Right-hand side of front `f`, the last of `fronts`: the end of `b`, and what its children leave.
+/// Returns the front, or nothing if that is zero and substituted already.
+#[inline(always)]
+fn collect<'a, T: Real>(
+    symbolic: &Symbolic,
     f: usize,
     fronts: &'a mut [Front<T>],
-    x: &'a mut [T],
-    parent: Parent<'a, T>,
-}
-
-impl<T: Real> WithSimd for BackwardStep<'_, '_, T> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        if let Some(front) = self.fronts.last_mut() {
-            backward(simd, self.solve.symbolic, self.f, front, self.x, self.parent);
-        }
-    }
-}
-
-/// Front `f`, the last of `fronts`, whose right-hand side is the end of `b`.
-#[inline(always)]
-fn forward<T: Real, S: Simd>(simd: S, symbolic: &Symbolic, f: usize, fronts: &mut [Front<T>], b: &[T]) {
+    b: &[T],
+) -> Option<&'a mut Front<T>> {
     let shape = &symbolic.fronts[f];
-    let Some((front, below)) = fronts.split_last_mut() else { return };
+    let (front, below) = fronts.split_last_mut()?;
     let offset = f - below.len();
-    let (k, r, e, ld) = (front.k, front.r, front.e, front.ld());
-    let mut x = std::mem::take(&mut front.work);
+    let own = &b[b.len() - shape.k..];
+    let x = &mut front.work;
     x.clear();
-    x.resize(k + padded(r), T::ZERO);
-    x[..shape.k].copy_from_slice(&b[b.len() - shape.k..]);
+    x.resize(front.k + padded(front.r) + SLACK, T::ZERO);
+    front.is_zero = own.iter().all(|v| *v == T::ZERO);
+    x[..shape.k].copy_from_slice(own);
     for &c in &shape.children {
         let child = &below[c as usize - offset];
+        if child.is_zero {
+            continue;
+        }
+        front.is_zero = false;
         let (delayed, rows) = child.work[child.e..].split_at(child.delayed());
         x[child.delayed_to..][..delayed.len()].copy_from_slice(delayed);
         for run in &symbolic.fronts[c as usize].runs {
-            let to = place(run, shape.k, k - shape.k);
+            let to = place(run, shape.k, front.k - shape.k);
             let from = &rows[run.from as usize..][..run.len as usize];
-            x[to..][..from.len()].iter_mut().zip(from).for_each(|(x, v)| *x += *v);
+            for (x, v) in x[to..][..from.len()].iter_mut().zip(from) {
+                *x += *v;
+            }
         }
     }
-    gather(&front.row_from, &mut x, &mut front.spare);
-    let mut j = 0;
-    while j < e {
-        let width = (e - j).min(BLOCK);
-        let (now, later) = x[j..].split_at_mut(width);
-        for p in 0..width {
-            let factor = now[p];
-            let lower = &front.panel[(j + p) * ld + j + p + 1..][..width - p - 1];
-            now[p + 1..].iter_mut().zip(lower).for_each(|(x, l)| *x -= *l * factor);
-        }
-        gemv_sub(simd, (&front.panel[j * ld + j + width..], ld), now, later);
-        j += width;
+    if front.is_zero {
+        return None;
     }
-    front.work = x;
+    flush(x);
+    gather(&front.row_from, x, &mut front.spare);
+    Some(front)
 }
 
-/// Front `f`; its solution goes to the end of `x`.
+/// What the parent knows of the solution behind the pivots.
 #[inline(always)]
-fn backward<T: Real, S: Simd>(
-    simd: S,
-    symbolic: &Symbolic,
-    f: usize,
-    front: &mut Front<T>,
-    x: &mut [T],
-    parent: Parent<T>,
-) {
-    let shape = &symbolic.fronts[f];
-    let (k, r, e, ld) = (front.k, front.r, front.e, front.ld());
-    let mut y = std::mem::take(&mut front.work);
-    let (pivots, rest) = y.split_at_mut(e);
-    let (delayed, rows) = rest.split_at_mut(k - e);
-    delayed.copy_from_slice(&parent.known[front.delayed_to..][..k - e]);
+fn look_up<T: Real>(shape: &Shape, front: &mut Front<T>, parent: Parent<T>) {
+    let (delayed, rows) = front.work[front.e..].split_at_mut(front.k - front.e);
+    delayed.copy_from_slice(&parent.known[front.delayed_to..][..delayed.len()]);
     for run in &shape.runs {
         let from = place(run, parent.k, parent.shift);
         let len = run.len as usize;
         rows[run.from as usize..][..len].copy_from_slice(&parent.known[from..][..len]);
     }
-    gemv_transposed_sub(simd, (&front.upper, padded(r)), &rows[..r], pivots);
-    gemv_sub(simd, (&front.panel[e * ld..], ld), delayed, pivots);
-    let mut end = e;
-    while end > 0 {
-        let j = (end - 1) / BLOCK * BLOCK;
-        let (before, now) = pivots[..end].split_at_mut(j);
-        for p in (0..end - j).rev() {
-            let column = &front.panel[(j + p) * ld + j..][..p + 1];
-            now[p] /= column[p];
-            let factor = now[p];
-            now[..p].iter_mut().zip(column).for_each(|(x, u)| *x -= *u * factor);
-        }
-        gemv_sub(simd, (&front.panel[j * ld..], ld), now, before);
-        end = j;
-    }
-    scatter(&front.col_from, &mut y, &mut front.spare);
+    // To the end of the last vector.
+    rows[front.r..].fill(T::ZERO);
+}
+
+/// The solution of a front, to the end of `x`.
+#[inline(always)]
+fn hand_out<T: Real>(shape: &Shape, front: &mut Front<T>, x: &mut [T]) {
+    scatter(&front.col_from, &mut front.work, &mut front.spare);
     let n = x.len();
-    x[n - shape.k..].copy_from_slice(&y[..shape.k]);
-    front.work = y;
+    x[n - shape.k..].copy_from_slice(&front.work[..shape.k]);
 }
 
 /// Place of a run in the parent, behind its delayed pivots if it is not among its own.
@@ -274,7 +230,10 @@ fn place(run: &Run, k: usize, shift: usize) -> usize {
 #[inline(always)]
 fn gather<T: Real>(from: &[u32], x: &mut [T], spare: &mut Vec<T>) {
     spare.clear();
-    spare.extend(from.iter().map(|&i| x[i as usize]));
+    spare.resize(from.len(), T::ZERO);
+    for (v, &i) in spare.iter_mut().zip(from) {
+        *v = x[i as usize];
+    }
     x[..from.len()].copy_from_slice(spare);
 }
 

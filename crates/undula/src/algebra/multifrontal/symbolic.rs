@@ -12,6 +12,10 @@ const PRICE: Price = Price { front: 8000.0, entry: 12.0 };
 /// depend on the number of threads.
 const TASK: f64 = 1.0 / 64.0;
 
+/// Entries of the factors below which a subtree is substituted by one thread: enough for a tenth of a
+/// millisecond.
+const SOLVE_TASK: usize = 1 << 18;
+
 /// Consecutive rows of a child that are consecutive in its parent.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Run {
@@ -55,8 +59,10 @@ pub(super) struct Shape {
     pub subtree: (usize, usize),
     /// Front that this one contributes to; [`NONE`] for a root.
     pub parent: u32,
-    /// Whether the subtree is worked on by one thread.
+    /// Whether the subtree is factored by one thread.
     pub is_task: bool,
+    /// Whether it is substituted by one thread.
+    pub is_solve_task: bool,
 }
 
 /// Result of the analysis.
@@ -215,11 +221,15 @@ impl Symbolic {
     /// Marks subtrees that are small enough for one thread.
     fn find_tasks(&mut self) {
         let mut work: Vec<f64> = Vec::with_capacity(self.fronts.len());
+        let mut fill: Vec<usize> = Vec::with_capacity(self.fronts.len());
         for f in 0..self.fronts.len() {
             let Shape { k, rows, children, .. } = &self.fronts[f];
             let below: f64 = children.iter().map(|&c| work[c as usize]).sum();
             work.push(below + flops(*k, rows.len()));
+            let below: usize = children.iter().map(|&c| fill[c as usize]).sum();
+            fill.push(below + k * (k + 2 * rows.len()));
             self.fronts[f].is_task = work[f] <= TASK * self.flops;
+            self.fronts[f].is_solve_task = fill[f] <= SOLVE_TASK;
         }
     }
 }
