@@ -1,6 +1,7 @@
 //! A computation with its files: history, fields, checkpoints, summary.
 
 use crate::error::Error;
+use crate::nonlinear::Age;
 use crate::output::{
     Array, Breakdown, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases, Precision,
     RunDirectory, Status, Summary, peak_memory, write_vtu,
@@ -83,6 +84,9 @@ struct Metadata {
     clock: [f64; 2],
     /// 1/k, θ and time of the kept Jacobian.
     jacobian: Option<[f64; 3]>,
+    /// Solves, iterations, iterations in the last solve with it, and steps to go with the whole Jacobian.
+    #[serde(default)]
+    age: [u32; 4],
     counters: [u64; 3],
     seconds: [f64; 4],
     wall_seconds: f64,
@@ -215,6 +219,7 @@ impl Run {
             step,
             clock: [clock.time, clock.last_step],
             jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
+            age: point.map_or([0; 4], |p| [p.age.solves, p.age.iterations, p.age.last, p.detour]),
             counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
             seconds: [seconds.assembly, seconds.factorization, seconds.solve, self.output_seconds],
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -357,6 +362,8 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
             time,
             new: state("jacobian_new")?,
             old: state("jacobian_old")?,
+            age: Age { solves: metadata.age[0], iterations: metadata.age[1], last: metadata.age[2] },
+            detour: metadata.age[3],
         }),
         None => None,
     };

@@ -64,7 +64,7 @@ fn fsi3_is_the_published_problem() {
 fn defaults() {
     let case = Case::from_toml(FLUID, "own.toml", &[]).unwrap();
     assert_eq!(case.name, "own");
-    assert_eq!(case.newton.rate_max, 0.2);
+    assert_eq!(case.newton.rate_max, None);
     assert_eq!(case.newton.tolerance, 1e-8);
     assert_eq!(case.newton.max_steps, 30);
     assert!(case.newton.extrapolate);

@@ -3,4 +3,4 @@
 pub mod newton;
 pub mod secants;
 
-pub use newton::{Counters, Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};
+pub use newton::{Age, Counters, Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};

@@ -171,13 +171,18 @@ impl Newton {
         self.keep
     }
 
+    /// How the kept Jacobian has done.
+    pub fn age(&self) -> Age {
+        self.age
+    }
+
     /// Factorise a Jacobian kept by an earlier run, at the iterate of `system`; not counted as work.
     ///
     /// # Errors
     /// If the factorisation fails.
-    pub fn recall(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {
+    pub fn recall(&mut self, system: &mut impl NonlinearSystem, age: Age) -> Result<(), NewtonError> {
         system.renew(&mut Seconds::default())?;
-        self.keep = true;
+        (self.keep, self.age) = (true, age);
         Ok(())
     }
 

@@ -1,6 +1,6 @@
 //! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p).
 
-use crate::algebra::{Csr, LinearSolver, SolverError};
+use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::nonlinear::Seconds;
@@ -33,6 +33,16 @@ pub enum Linearization {
 
 /// Steps with the whole Jacobian after one that the condensed system could not do.
 const DETOUR: u32 = 10;
+
+/// A new Jacobian in iterations where the solver does not tell what it does.
+const TYPICAL_PRICE: f64 = 5.0;
+
+/// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and for the residual and vectors
+/// of an iteration; operations and bytes of the factors per nanosecond.
+const JACOBIAN: f64 = 125.0;
+const ITERATION: f64 = 25.0;
+const OPERATIONS: f64 = 30.0;
+const BYTES: f64 = 10.0;
 
 /// Both, each made when first needed.
 pub struct Linear {
@@ -82,6 +92,13 @@ impl Linear {
         }
         (self.active, self.detour) = (Linearization::Newton, DETOUR);
         true
+    }
+
+    /// As it was when a run was left.
+    pub fn set_detour(&mut self, steps: u32) {
+        if steps > 0 {
+            (self.active, self.detour) = (Linearization::Newton, steps);
+        }
     }
 
     /// A step is done; `true` if the condensed system takes over again.
@@ -158,9 +175,22 @@ impl Linear {
         }
     }
 
-    /// What a new Jacobian costs, in iterations.
+    /// What a new Jacobian costs, in iterations: estimated from numbers of unknowns, operations and bytes, so
+    /// that it is the same on every run.
     pub fn price(&self) -> f64 {
-        5.0
+        let (unknowns, factors, others) = match (self.active, &self.full, &self.condensed) {
+            (Linearization::Newton, Some(full), _) => (full.matrix.pattern.n, full.solver.predicted(), None),
+            (Linearization::Condensed, _, Some(condensed)) => {
+                let others = condensed.extension.as_ref().and_then(|e| e.solver.predicted());
+                (condensed.work.len(), condensed.solver.predicted(), others)
+            }
+            _ => return TYPICAL_PRICE,
+        };
+        let (Some(factors), unknowns) = (factors, unknowns as f64) else { return TYPICAL_PRICE };
+        let bytes = |cost: &Cost| cost.bytes.unwrap_or(0) as f64;
+        let renewal = JACOBIAN * unknowns + factors.flops.unwrap_or(0.0) / OPERATIONS;
+        let iteration = ITERATION * unknowns + (bytes(&factors) + others.as_ref().map_or(0.0, bytes)) / BYTES;
+        renewal / iteration
     }
 
     /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes

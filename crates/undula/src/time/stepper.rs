@@ -4,7 +4,7 @@ use super::linear::{Linear, Linearization};
 use super::scheme::Scheme;
 use super::system::{BlockNorms, Scales, StepSystem};
 use crate::assembly::{Assembler, End, StepView, Worst};
-use crate::nonlinear::newton::GROWTH;
+use crate::nonlinear::newton::{Age, GROWTH};
 use crate::nonlinear::{Newton, NewtonError, NewtonReport};
 use crate::physics::StepRule;
 use crate::space::{Region, State};
@@ -134,6 +134,10 @@ pub struct JacobianPoint {
     pub new: State,
     /// The solution at the old time.
     pub old: State,
+    /// How it has done so far.
+    pub age: Age,
+    /// Steps to go with the whole Jacobian before the condensed one takes over again.
+    pub detour: u32,
 }
 
 /// Where a run stands in time.
@@ -300,6 +304,9 @@ impl<const D: usize> Stepper<D> {
             solved = self.newton.solve(&mut system, norm, reference);
         }
         let report = solved?;
+        if let Some(point) = &mut system.point {
+            (point.age, point.detour) = (self.newton.age(), system.linear.detour);
+        }
         if system.linear.count_step() {
             self.newton.forget();
         }
@@ -455,7 +462,8 @@ impl<const D: usize> Stepper<D> {
                 min_j: 1.0,
                 norms: BlockNorms::default(),
             };
-            self.newton.recall(&mut system)?;
+            system.linear.set_detour(point.detour);
+            self.newton.recall(&mut system, point.age)?;
         }
         self.set_forces(End::New, clock.time);
         self.set_forces(End::Old, clock.time);

@@ -4,6 +4,7 @@ use super::linear::Linear;
 use super::stepper::JacobianPoint;
 use crate::algebra::SolverError;
 use crate::assembly::{Assembler, StepView};
+use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, PsiOwner, State};
@@ -120,7 +121,8 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
             }
             None => {
                 let (new, old) = (self.new.clone(), self.old.clone());
-                *self.point = Some(JacobianPoint { rule: self.rule, time: self.time, new, old });
+                let (rule, time) = (self.rule, self.time);
+                *self.point = Some(JacobianPoint { rule, time, new, old, age: Age::default(), detour: 0 });
             }
         }
         self.linear.renew(self.assembler, &view, self.tangent, seconds)
