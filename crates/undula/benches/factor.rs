@@ -7,6 +7,7 @@
 //!     cargo bench --bench factor -- FILE.bin...         # stored systems
 //!     cargo bench --bench factor -- 88x44               # generated ones of this name
 //!     cargo bench --bench factor -- single faer         # these solvers; all but faer are the usual ones
+//!     cargo bench --bench factor --features mumps -- single double mumps     # all orderings of MUMPS
 //!     RAYON_NUM_THREADS=1 cargo bench --bench factor
 //!
 //! A stored system is, in little endian: u64 n, u64 nnz, row_ptr u64[n + 1], col u32[nnz],
@@ -94,7 +95,7 @@ fn measure_all() {
 }
 
 /// What can be measured.
-const SOLVERS: [&str; 3] = ["single", "double", "faer"];
+const SOLVERS: [&str; 4] = ["single", "double", "faer", "mumps"];
 
 fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
     let times = (1_000_000 / b.len()).clamp(5, 101) | 1;
@@ -106,7 +107,15 @@ fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
                 measure(name, system, b, &mut SingleLu::single(options), times);
             }
             "double" => measure(name, system, b, &mut MultifrontalLu::multifrontal(double), times),
-            _ => measure(name, system, b, &mut FaerLu::faer(double), 1),
+            "faer" => measure(name, system, b, &mut FaerLu::faer(double), 1),
+            #[cfg(feature = "mumps")]
+            _ => {
+                for ordering in undula::algebra::Ordering::ALL {
+                    measure(name, system, b, &mut undula::algebra::MumpsLu::mumps(double, ordering), times);
+                }
+            }
+            #[cfg(not(feature = "mumps"))]
+            _ => println!("MUMPS is behind the feature `mumps`"),
         }
     }
 }

@@ -11,6 +11,8 @@ mod csr;
 mod direct;
 mod faer;
 mod multifrontal;
+#[cfg(feature = "mumps")]
+mod mumps;
 mod scaling;
 mod solver;
 mod vector;
@@ -19,6 +21,8 @@ pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu, SingleLu};
+#[cfg(feature = "mumps")]
+pub use mumps::{MumpsBackend, MumpsLu, Ordering};
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
