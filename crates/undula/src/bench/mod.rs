@@ -82,14 +82,14 @@ pub struct Report {
     pub peak_memory_bytes: Option<u64>,
 }
 
-/// Measure `simulation` from the state it is in; time may pass the end of its case.
+/// Measure `simulation` from the state it is in, and leave it there; time may pass the end of its case.
 ///
 /// # Errors
 /// [`Error::Stationary`] without time steps, [`Error::Breakdown`], or if a matrix cannot be factorised.
 pub fn measure(simulation: &mut Simulation, options: &Options) -> Result<Report, Error> {
     let name = simulation.case.name.clone();
     let time = simulation.case.time.as_mut().ok_or(Error::Stationary(name))?;
-    time.end = f64::MAX;
+    let end = std::mem::replace(&mut time.end, f64::MAX);
     let start = Start::of(simulation);
     let steps = match options.steps {
         0 => None,
@@ -101,6 +101,11 @@ pub fn measure(simulation: &mut Simulation, options: &Options) -> Result<Report,
     let step = start.step_length(simulation);
     let kernels =
         if options.kernels { Some(simulation.install(|s| kernels::measure(s, step))?) } else { None };
+    // The kernels have replaced what the kept Jacobian needs.
+    start.restore(simulation)?;
+    if let Some(time) = &mut simulation.case.time {
+        time.end = end;
+    }
     Ok(describe(simulation, step, steps, kernels, machine, peak_memory_bytes))
 }
 
