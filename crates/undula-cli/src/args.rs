@@ -33,6 +33,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Draw the histories of a run
     Plot(PlotArgs),
+    /// Measure what a step costs, and its parts
+    Bench(BenchArgs),
 }
 
 /// Which case, and what to change in it.
@@ -111,6 +113,46 @@ pub struct PlotArgs {
     /// Directory to write the pictures into [default: DIR/plots]
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
+}
+
+/// `undula bench`.
+#[derive(Debug, Args)]
+pub struct BenchArgs {
+    /// Built-in case or TOML file
+    #[arg(default_value = "fsi3")]
+    pub case: String,
+    /// Start from the last checkpoint of the run in this directory, with its case
+    #[arg(long, value_name = "RUN_DIR", conflicts_with = "case")]
+    pub from: Option<PathBuf>,
+    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Number of threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Steps of a repetition; 0 leaves them out
+    #[arg(long, value_name = "N", default_value_t = 200)]
+    pub steps: u16,
+    /// Repetitions, all from the same state
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    pub repeat: u16,
+    /// Do not measure kernels one by one
+    #[arg(long)]
+    pub no_kernels: bool,
+    /// File for the report in JSON [default: standard output]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
+    /// No table on standard error
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// The number of threads asked for, or all cores.
+pub fn threads(asked: Option<u16>) -> usize {
+    match asked {
+        Some(n) => usize::from(n),
+        None => std::thread::available_parallelism().map_or(1, usize::from),
+    }
 }
 
 /// Exit code of a run that broke down.

@@ -1,6 +1,7 @@
 //! The `undula` command.
 
 mod args;
+mod bench;
 mod cases;
 mod check;
 mod compare;
@@ -21,6 +22,7 @@ fn main() -> ExitCode {
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Bench(args) => bench::run(&args),
     };
     result.unwrap_or_else(|error| {
         eprintln!("error: {}", args::with_causes(&error));

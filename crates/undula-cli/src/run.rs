@@ -1,6 +1,6 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, with_causes};
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, threads, with_causes};
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
 use std::io::ErrorKind;
@@ -21,12 +21,12 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         Err(code) => return Ok(code),
     };
     let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join(&case.name));
-    let threads = match args.threads {
-        Some(n) => usize::from(n),
-        None => std::thread::available_parallelism().map_or(1, usize::from),
+    let options = RunOptions {
+        directory: directory.clone(),
+        threads: threads(args.threads),
+        force: args.force,
+        resume: args.resume,
     };
-    let options =
-        RunOptions { directory: directory.clone(), threads, force: args.force, resume: args.resume };
     if !args.quiet {
         for note in case.notes() {
             eprintln!("note: {note}");
@@ -169,10 +169,12 @@ fn no_room(kind: ErrorKind) -> bool {
 }
 
 /// An error: 2 where the input is to blame, else 1.
-fn failed(error: Error) -> anyhow::Result<ExitCode> {
+pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
     match &error {
         Error::Directory(OutputError::Io { source, .. }) if no_room(source.kind()) => Err(error.into()),
-        Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) => bad_input(error),
+        Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
+            bad_input(error)
+        }
         Error::Load(e) if e.is_bad_input() => bad_input(error),
         _ => Err(error.into()),
     }

@@ -37,6 +37,9 @@ pub enum Error {
     /// A step has no solution: the run breaks down.
     #[error(transparent)]
     Breakdown(#[from] StepFailure),
+    /// Time steps are to be measured, and there are none.
+    #[error("the case `{0}` is stationary; expected one with time steps, such as `fsi3`")]
+    Stationary(String),
     /// The thread pool could not be made.
     #[error("cannot start {0} threads")]
     Threads(usize),

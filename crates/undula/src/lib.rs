@@ -31,7 +31,7 @@
 //! From an equation to a step: [`physics::step`] composes the forms in time with the rules of [`time`];
 //! [`tangent`] differentiates them, by dual numbers or by hand (Theorem 5.2, [`physics::theorem_5_2`]);
 //! [`assembly`] sums over cells; [`nonlinear`] is Newton's method with a kept Jacobian (5.20);
-//! [`algebra`] solves; [`simulation`] and [`run`] are the front doors.
+//! [`algebra`] solves; [`simulation`] and [`run`] are the front doors; [`bench`] measures.
 //!
 //! # Symbols
 //!
@@ -53,6 +53,7 @@
 
 pub mod algebra;
 pub mod assembly;
+pub mod bench;
 pub mod element;
 pub mod error;
 pub mod functional;

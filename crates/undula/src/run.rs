@@ -129,16 +129,11 @@ impl Run {
     fn resume(mut simulation: Simulation, path: &Path) -> Result<Run, Error> {
         let extended = ends_later(path, &simulation.case);
         let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
-        let found = Checkpoint::load_latest(directory.checkpoints())?;
-        let latest = found.ok_or_else(|| {
-            Error::Resume(format!("{} holds none; start again with --force", path.display()))
-        })?;
-        let metadata: Metadata =
-            serde_json::from_str(&latest.checkpoint.metadata).map_err(|e| Error::Resume(e.to_string()))?;
+        let (checkpoint, metadata) = latest(&directory, "start again with --force")?;
         if metadata.case != identity(&simulation.case) {
             return Err(Error::Resume("the case has changed in more than its end time and output".into()));
         }
-        restore(&mut simulation, &latest.checkpoint, &metadata)?;
+        restore(&mut simulation, &checkpoint, &metadata)?;
         let (history, before) =
             HistoryWriter::resume(directory.history(), &columns(&simulation), metadata.step)?;
         let n = simulation.names().len();
@@ -337,6 +332,26 @@ fn identity(case: &Case) -> String {
         leading: None,
     };
     case.to_toml()
+}
+
+/// Take `simulation` to the newest checkpoint of the run in `directory`; its case may differ from that of the
+/// run in all but its unknowns.
+///
+/// # Errors
+/// If there is no run or no checkpoint, or if it has other unknowns.
+pub fn restore_latest(simulation: &mut Simulation, directory: impl AsRef<Path>) -> Result<(), Error> {
+    let directory = RunDirectory::open(directory).map_err(Error::Directory)?;
+    let (checkpoint, metadata) = latest(&directory, "expected a run that has written one")?;
+    restore(simulation, &checkpoint, &metadata)
+}
+
+/// The newest sound checkpoint of a run; `advice` is for where there is none.
+fn latest(directory: &RunDirectory, advice: &str) -> Result<(Checkpoint, Metadata), Error> {
+    let found = Checkpoint::load_latest(directory.checkpoints())?;
+    let none = || Error::Resume(format!("{} holds none; {advice}", directory.path().display()));
+    let checkpoint = found.ok_or_else(none)?.checkpoint;
+    let metadata = serde_json::from_str(&checkpoint.metadata).map_err(|e| Error::Resume(e.to_string()))?;
+    Ok((checkpoint, metadata))
 }
 
 fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<(), Error> {

@@ -112,13 +112,18 @@ impl Simulation {
     /// # Errors
     /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
     pub fn step(&mut self) -> Result<Row, Error> {
-        // The pool leaves `self` while it works on it; all loops below run inside.
+        self.install(Simulation::step_here)
+    }
+
+    /// Do `work` on the threads of the simulation, as parallel loops need.
+    pub fn install<R: Send>(&mut self, work: impl FnOnce(&mut Simulation) -> R + Send) -> R {
+        // The pool leaves `self` while it works on it.
         match self.pool.take() {
-            None => self.step_here(),
+            None => work(self),
             Some(pool) => {
-                let row = pool.install(|| self.step_here());
+                let result = pool.install(|| work(self));
                 self.pool = Some(pool);
-                row
+                result
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The program as a user meets it: the real binary, in directories of its own.
 
+mod bench;
 mod endings;
 mod input;
 mod outputs;

@@ -152,7 +152,7 @@ impl Case {
             }
         });
         let linear = Linear::new(self.linearization(), make);
-        let newton = Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v());
+        let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
             tangent: match self.newton.jacobian {
@@ -174,6 +174,11 @@ impl Case {
             self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
         ];
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
+    }
+
+    /// Newton's method on `space`, with nothing kept.
+    pub fn build_newton(&self, space: &FsiSpace<2>) -> Newton {
+        Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v())
     }
 
     fn linearization(&self) -> time::Linearization {

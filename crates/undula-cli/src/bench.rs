@@ -1,0 +1,76 @@
+//! `undula bench`: what a step costs, and its parts.
+
+use crate::args::{BREAKDOWN, BenchArgs, CaseArgs, bad_input, print, threads};
+use crate::{check, run};
+use anyhow::Context;
+use std::process::ExitCode;
+use undula::bench::{Options, Report, measure};
+use undula::error::Error;
+use undula::output::{OutputError, RunDirectory, write_atomic};
+use undula::problem::case::Case;
+use undula::simulation::Simulation;
+
+/// Measures, and writes the report.
+pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
+    if let Some(output) = args.output.as_ref().filter(|output| output.is_dir()) {
+        return bad_input(format_args!("-o {}: this is a directory; a file is needed", output.display()));
+    }
+    let case = match load(args)? {
+        Ok(case) => case,
+        Err(code) => return Ok(code),
+    };
+    match report(args, case) {
+        Ok(report) => write(args, &report),
+        Err(Error::Breakdown(failure)) => {
+            eprintln!("breakdown: {failure}");
+            Ok(ExitCode::from(BREAKDOWN))
+        }
+        Err(error) => run::failed(error),
+    }
+}
+
+/// The case that is asked for, that of the run if there is one.
+fn load(args: &BenchArgs) -> anyhow::Result<Result<Case, ExitCode>> {
+    let set = args.set.clone();
+    let Some(from) = &args.from else {
+        return check::load(&CaseArgs { case: args.case.clone(), set });
+    };
+    match RunDirectory::open(from) {
+        Ok(directory) => {
+            let case = directory.case().to_string_lossy().into_owned();
+            check::load(&CaseArgs { case, set })
+        }
+        Err(error @ OutputError::NoRun { .. }) => {
+            Ok(Err(bad_input(format_args!("{error}; --from expects the output directory of `undula run`"))?))
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
+    let options = Options {
+        steps: usize::from(args.steps),
+        repeat: usize::from(args.repeat),
+        kernels: !args.no_kernels,
+    };
+    let mut simulation = Simulation::new(case, threads(args.threads))?;
+    if let Some(from) = &args.from {
+        undula::run::restore_latest(&mut simulation, from)?;
+    }
+    measure(&mut simulation, &options)
+}
+
+fn write(args: &BenchArgs, report: &Report) -> anyhow::Result<ExitCode> {
+    if !args.quiet {
+        eprint!("{report}");
+    }
+    let text = serde_json::to_string_pretty(report)? + "\n";
+    match &args.output {
+        None => print(&text),
+        Some(path) => {
+            write_atomic(path, |file| std::io::Write::write_all(file, text.as_bytes()))
+                .context("the report could not be written")?;
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}

@@ -1,0 +1,339 @@
+//! The parts of a step, each called alone.
+
+use super::differences::{Differences, deviation};
+use super::median;
+use crate::algebra::{
+    Backend, Cost, Csr, Direct, LinearSolver, MultifrontalLu, Options, SingleLu, SolverError, Unknown,
+};
+use crate::assembly::{Assembler, CondensedSystem, StepView};
+use crate::error::Error;
+use crate::physics::StepRule;
+use crate::simulation::Simulation;
+use crate::space::State;
+use crate::tangent::Tangent;
+use crate::time::Stepper;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::time::Instant;
+
+/// Calls of each kernel, at least.
+const CALLS: usize = 11;
+
+/// Calls go on until they have taken this long together \[s\], or have been [`MANY`].
+const ENOUGH: f64 = 0.1;
+const MANY: usize = 201;
+
+/// Unknowns up to which the whole Jacobian is assembled.
+const LARGEST_JACOBIAN: usize = 300_000;
+
+/// Bytes up to which factors are made.
+const LARGEST_FACTORS: f64 = 2.0 * 1024.0 * 1024.0 * 1024.0;
+
+/// Why they are not.
+const LARGE_FACTORS: &str = "the factors would take more than 2 GiB";
+
+/// A Jacobian by differences that takes longer \[s\] is left out.
+const LONGEST_DIFFERENCES: f64 = 4.0;
+
+/// Median of some calls.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize)]
+pub struct Timing {
+    /// Seconds per call.
+    pub seconds: f64,
+    /// Calls.
+    pub calls: usize,
+    /// Floating point operations of a call, as predicted from the pattern.
+    pub flops: Option<f64>,
+    /// Bytes of the factors written or read by a call, as predicted from the pattern.
+    pub bytes: Option<f64>,
+}
+
+/// Kernels by name; those left out are `None`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Kernels {
+    /// The residual of a step.
+    pub residual: Option<Timing>,
+    /// The explicit part of a step.
+    pub explicit: Option<Timing>,
+    /// The condensed matrix by dual numbers, unknowns inside of cells eliminated.
+    pub condensed_dual: Option<Timing>,
+    /// The same by hand.
+    pub condensed_by_hand: Option<Timing>,
+    /// Forward elimination of the unknowns inside of cells.
+    pub eliminate_inner: Option<Timing>,
+    /// Their back substitution.
+    pub recover_inner: Option<Timing>,
+    /// The whole Jacobian by dual numbers.
+    pub jacobian_dual: Option<Timing>,
+    /// The same by hand, Theorem 5.2.
+    pub jacobian_by_hand: Option<Timing>,
+    /// The same by central differences.
+    pub jacobian_differences: Option<Timing>,
+    /// Ordering and symbolic factorisation of the condensed matrix.
+    pub analyse: Option<Timing>,
+    /// Its multifrontal factorisation in single precision.
+    pub factor_single: Option<Timing>,
+    /// The same in double precision.
+    pub factor_double: Option<Timing>,
+    /// Both substitutions with factors in single precision.
+    pub apply_single: Option<Timing>,
+    /// The same in double precision.
+    pub apply_double: Option<Timing>,
+    /// Factorisation of the extension in single precision, once per run.
+    pub factor_extension: Option<Timing>,
+    /// Both substitutions with its factors.
+    pub apply_extension: Option<Timing>,
+    /// Residuals that a Jacobian by differences takes.
+    pub difference_residuals: Option<usize>,
+    /// Largest deviation of the differences from dual numbers, relative to the largest entry of the row.
+    pub difference_deviation: Option<f64>,
+    /// Why a kernel is left out.
+    pub left_out: BTreeMap<&'static str, String>,
+}
+
+impl Kernels {
+    /// Names and timings, in the order of a step.
+    pub fn named(&self) -> [(&'static str, Option<Timing>); 16] {
+        [
+            ("residual", self.residual),
+            ("explicit", self.explicit),
+            ("condensed_dual", self.condensed_dual),
+            ("condensed_by_hand", self.condensed_by_hand),
+            ("eliminate_inner", self.eliminate_inner),
+            ("recover_inner", self.recover_inner),
+            ("jacobian_dual", self.jacobian_dual),
+            ("jacobian_by_hand", self.jacobian_by_hand),
+            ("jacobian_differences", self.jacobian_differences),
+            ("analyse", self.analyse),
+            ("factor_single", self.factor_single),
+            ("factor_double", self.factor_double),
+            ("apply_single", self.apply_single),
+            ("apply_double", self.apply_double),
+            ("factor_extension", self.factor_extension),
+            ("apply_extension", self.apply_extension),
+        ]
+    }
+
+    fn leave_out(&mut self, names: &[&'static str], reason: &str) {
+        self.left_out.extend(names.iter().map(|name| (*name, reason.to_string())));
+    }
+}
+
+/// Where kernels are called: a step of some length from the present state.
+struct Setting<'a> {
+    assembler: &'a mut Assembler<2>,
+    rule: StepRule,
+    new: &'a State,
+    old: &'a State,
+}
+
+/// Measure all kernels for a step of length `k` \[s\], within the pool of the simulation.
+pub(super) fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
+    let Stepper { assembler, settings, new, old, .. } = &mut simulation.stepper;
+    let mut at = Setting { assembler, rule: settings.scheme.rule(k), new, old };
+    let size = settings.scales.size;
+    let mut kernels = Kernels::default();
+    residuals(&mut at, &mut kernels);
+    condensed(&mut at, &mut kernels)?;
+    extension(&mut at, &mut kernels)?;
+    jacobians(&mut at, size, &mut kernels);
+    Ok(kernels)
+}
+
+impl Setting<'_> {
+    fn view(&self) -> StepView<'_> {
+        StepView { rule: self.rule, new: self.new, old: self.old }
+    }
+
+    fn n(&self) -> usize {
+        self.assembler.space.n_unknowns()
+    }
+
+    fn condensed_matrix(&mut self, tangent: Tangent, out: &mut Csr) {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.assembler.condensed_matrix(&view, tangent, out);
+    }
+
+    fn jacobian(&mut self, tangent: Tangent, out: &mut Csr) {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.assembler.jacobian(&view, tangent, out);
+    }
+
+    /// The residual on top of what is in `r`.
+    fn residual(&mut self, r: &mut [f64]) {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.assembler.residual(&view, r);
+    }
+}
+
+fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
+    let mut explicit = vec![0.0; at.n()];
+    kernels.explicit = Some(timing(|| at.assembler.explicit(&at.view(), &mut explicit)));
+    let mut r = vec![0.0; at.n()];
+    kernels.residual = Some(timing_after(&mut r, |r| r.copy_from_slice(&explicit), |r| at.residual(r)));
+}
+
+fn condensed(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
+    let system = at.assembler.condensed();
+    let mut matrix = Csr::zeros(&system.pattern);
+    kernels.condensed_by_hand = Some(timing(|| at.condensed_matrix(Tangent::Analytic, &mut matrix)));
+    kernels.condensed_dual = Some(timing(|| at.condensed_matrix(Tangent::Automatic, &mut matrix)));
+    let mut r = vec![0.0; at.n()];
+    at.residual(&mut r);
+    let mut b = r.clone();
+    let assembler = &mut *at.assembler;
+    let eliminated = timing_after(&mut b, |b| b.copy_from_slice(&r), |b| assembler.eliminate_inner(b));
+    kernels.eliminate_inner = Some(eliminated);
+    kernels.recover_inner = Some(timing(|| assembler.recover_inner(&mut b)));
+    factorisations(&system, &matrix, kernels)
+}
+
+fn factorisations(system: &CondensedSystem, matrix: &Csr, kernels: &mut Kernels) -> Result<(), SolverError> {
+    let found = single(matrix, &system.unknowns)?;
+    [kernels.analyse, kernels.factor_single, kernels.apply_single] = found;
+    let double = MultifrontalLu::multifrontal(Options::unprobed());
+    let found = factors(double, |lu| lu.backend().predicted(), matrix, &system.unknowns, size_of::<f64>())?;
+    [_, kernels.factor_double, kernels.apply_double] = found;
+    if kernels.factor_single.is_none() {
+        kernels.leave_out(&["factor_single", "apply_single"], LARGE_FACTORS);
+    }
+    if kernels.factor_double.is_none() {
+        kernels.leave_out(&["factor_double", "apply_double"], LARGE_FACTORS);
+    }
+    Ok(())
+}
+
+fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
+    let names = ["factor_extension", "apply_extension"];
+    let Some(system) = at.assembler.extension(&at.view()) else {
+        kernels.leave_out(&names, "there is no extension");
+        return Ok(());
+    };
+    let all = at.assembler.unknowns();
+    let unknowns: Vec<Unknown> = system.places.iter().map(|&place| all[place as usize]).collect();
+    [_, kernels.factor_extension, kernels.apply_extension] = single(&system.matrix, &unknowns)?;
+    if kernels.factor_extension.is_none() {
+        kernels.leave_out(&names, LARGE_FACTORS);
+    }
+    Ok(())
+}
+
+/// [`factors`] in single precision.
+fn single(matrix: &Csr, unknowns: &[Unknown]) -> Result<[Option<Timing>; 3], SolverError> {
+    let solver = SingleLu::single(Options::unprobed());
+    factors(solver, |lu| lu.backend().predicted(), matrix, unknowns, size_of::<f32>())
+}
+
+/// Analysis, factorisation and substitution of `matrix`, entries of the factors having `size` bytes.
+fn factors<B: Backend>(
+    mut solver: Direct<B>,
+    predicted: impl Fn(&Direct<B>) -> Cost,
+    matrix: &Csr,
+    unknowns: &[Unknown],
+    size: usize,
+) -> Result<[Option<Timing>; 3], SolverError> {
+    let begun = Instant::now();
+    solver.analyse(&matrix.pattern, unknowns)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let analyse = Some(Timing { seconds, calls: 1, flops: None, bytes: None });
+    let cost = predicted(&solver);
+    let fill = cost.fill.map(|fill| fill as f64);
+    let bytes = fill.map(|fill| fill * size as f64);
+    if bytes.is_some_and(|bytes| bytes > LARGEST_FACTORS) {
+        return Ok([analyse, None, None]);
+    }
+    // An error of the first call is told, later ones would be the same.
+    solver.factor(matrix)?;
+    let factor = timing(|| drop(solver.factor(matrix)));
+    let mut b = vec![0.0; unknowns.len()];
+    matrix.mul(&vec![1.0; b.len()], &mut b);
+    let mut x = vec![0.0; b.len()];
+    let apply = timing(|| solver.apply(&b, &mut x));
+    let factor = Timing { flops: cost.flops, bytes, ..factor };
+    let apply = Timing { flops: fill.map(|fill| 2.0 * fill), bytes, ..apply };
+    Ok([analyse, Some(factor), Some(apply)])
+}
+
+fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
+    if at.n() > LARGEST_JACOBIAN {
+        let names = ["jacobian_dual", "jacobian_by_hand", "jacobian_differences"];
+        return kernels.leave_out(&names, "the whole Jacobian would take more than 2 GiB");
+    }
+    let mut dual = Csr::zeros(&at.assembler.pattern());
+    kernels.jacobian_by_hand = Some(timing(|| at.jacobian(Tangent::Analytic, &mut dual)));
+    kernels.jacobian_dual = Some(timing(|| at.jacobian(Tangent::Automatic, &mut dual)));
+    let mut differences = Differences::new(at.assembler);
+    let residuals = differences.residuals();
+    kernels.difference_residuals = Some(residuals);
+    let expected = kernels.residual.map_or(0.0, |t| t.seconds * residuals as f64);
+    if expected > LONGEST_DIFFERENCES {
+        let reason = format!("{residuals} residuals would take {expected:.0} s");
+        return kernels.leave_out(&["jacobian_differences"], &reason);
+    }
+    let mut new = at.new.clone();
+    let h = moves(&new, size);
+    let mut matrix = Csr::zeros(&dual.pattern);
+    let call = || differences.jacobian(at.assembler, at.rule, &mut new, at.old, h, &mut matrix);
+    let calls = (LONGEST_DIFFERENCES / expected) as usize;
+    kernels.jacobian_differences = Some(repeated(calls.clamp(1, CALLS), call));
+    kernels.difference_deviation = Some(deviation(&dual, &matrix));
+}
+
+/// By how much v, u and p are moved for differences: the residual is quadratic in v, linear in p, and u
+/// must not fold a cell.
+fn moves(state: &State, size: f64) -> [f64; 3] {
+    let largest = |x: &[f64]| x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    [1e-3 * largest(&state.v).max(1e-3), 1e-5 * size, largest(&state.p).max(1.0)]
+}
+
+fn seconds(work: impl FnOnce()) -> f64 {
+    let begun = Instant::now();
+    work();
+    begun.elapsed().as_secs_f64()
+}
+
+fn timing(mut work: impl FnMut()) -> Timing {
+    timing_after(&mut (), |()| {}, |()| work())
+}
+
+/// Calls of `work`, each after `prepare`, which does not count; nor does the first call.
+fn timing_after<S>(on: &mut S, prepare: impl Fn(&mut S), mut work: impl FnMut(&mut S)) -> Timing {
+    prepare(on);
+    work(on);
+    let mut all = vec![];
+    while all.len() < CALLS || (all.len() < MANY && all.iter().sum::<f64>() < ENOUGH) {
+        prepare(on);
+        all.push(seconds(|| work(on)));
+    }
+    Timing { seconds: median(&all), calls: all.len(), flops: None, bytes: None }
+}
+
+/// Exactly `calls` calls of something slow.
+fn repeated(calls: usize, mut work: impl FnMut()) -> Timing {
+    let all: Vec<f64> = (0..calls).map(|_| seconds(&mut work)).collect();
+    Timing { seconds: median(&all), calls, flops: None, bytes: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::case::Case;
+
+    #[test]
+    fn differences_are_the_jacobian() {
+        let sets = ["mesh.refine=0", "time.step=0.01", "solid.body-force=[0,-2]"].map(String::from);
+        let mut simulation = Simulation::new(Case::builtin("fsi3", &sets).unwrap(), 1).unwrap();
+        (0..5).for_each(|_| drop(simulation.step().unwrap()));
+        let kernels = simulation.install(|s| measure(s, 0.01)).unwrap();
+        let deviation = kernels.difference_deviation.unwrap();
+        assert!(deviation < 1e-6, "{deviation:e}");
+        assert!(kernels.left_out.is_empty(), "{:?}", kernels.left_out);
+        for (name, timing) in kernels.named() {
+            let Timing { seconds, calls, .. } = timing.unwrap_or_else(|| panic!("{name}"));
+            assert!(seconds > 0.0 && calls > 0, "{name}");
+        }
+        let bytes = |timing: Option<Timing>| timing.unwrap().bytes.unwrap();
+        assert_eq!(bytes(kernels.apply_double), 2.0 * bytes(kernels.apply_single));
+        assert!(kernels.factor_single.unwrap().flops > kernels.apply_single.unwrap().flops);
+    }
+}

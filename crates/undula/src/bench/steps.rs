@@ -1,0 +1,184 @@
+//! Steps from one state, again and again.
+
+use super::{median, quantile};
+use crate::error::Error;
+use crate::simulation::Simulation;
+use crate::space::State;
+use crate::time::{Clock, JacobianPoint, Linearization};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Seconds of whole steps.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// A tenth is faster.
+    pub fast: f64,
+    /// A tenth is slower.
+    pub slow: f64,
+}
+
+/// Where the time of a step goes \[s\]: medians over repetitions of the mean over steps.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize)]
+pub struct Parts {
+    /// The whole step.
+    pub wall: f64,
+    /// Residuals and matrices.
+    pub assembly: f64,
+    /// Factorisations.
+    pub factorization: f64,
+    /// Corrections: elimination, substitution, extension, secants.
+    pub solve: f64,
+    /// Functionals, and whatever is in none of the others.
+    pub functionals: f64,
+}
+
+impl Parts {
+    const FIELDS: usize = 5;
+
+    fn from_array([wall, assembly, factorization, solve, functionals]: [f64; Parts::FIELDS]) -> Parts {
+        Parts { wall, assembly, factorization, solve, functionals }
+    }
+
+    fn to_array(self) -> [f64; Parts::FIELDS] {
+        [self.wall, self.assembly, self.factorization, self.solve, self.functionals]
+    }
+
+    /// Names and values, in the order of the fields.
+    pub fn named(self) -> [(&'static str, f64); Parts::FIELDS] {
+        let names = ["wall", "assembly", "factorization", "solve", "functionals"];
+        std::array::from_fn(|i| (names[i], self.to_array()[i]))
+    }
+}
+
+/// What steps cost.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Steps {
+    /// Steps of a repetition.
+    pub steps: usize,
+    /// Repetitions.
+    pub repeat: usize,
+    /// Number of steps before the first.
+    pub after: u64,
+    /// Time at the start \[s\].
+    pub from: f64,
+    /// Time at the end \[s\].
+    pub to: f64,
+    /// Seconds per step, over all steps of all repetitions.
+    pub seconds: Spread,
+    /// Seconds per step by phase.
+    pub phases: Parts,
+    /// The same divided by the number of unknowns.
+    pub per_unknown: Parts,
+    /// Newton iterations per step.
+    pub newton_steps: f64,
+    /// Jacobians per step.
+    pub jacobians: f64,
+}
+
+/// Where every repetition starts.
+pub(super) struct Start {
+    clock: Clock,
+    new: State,
+    old: State,
+    point: Option<JacobianPoint>,
+    steps: u64,
+    linearization: Linearization,
+}
+
+impl Start {
+    /// The present state of `simulation`.
+    pub(super) fn of(simulation: &Simulation) -> Start {
+        let stepper = &simulation.stepper;
+        Start {
+            clock: stepper.clock(),
+            new: stepper.new.clone(),
+            old: stepper.old.clone(),
+            point: stepper.jacobian_point().cloned(),
+            steps: simulation.steps,
+            linearization: stepper.linear.active,
+        }
+    }
+
+    /// Take `simulation` back; what Newton's method has learnt since is forgotten.
+    pub(super) fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
+        simulation.history.clear();
+        let newton = simulation.case.build_newton(&simulation.stepper.assembler.space);
+        simulation.stepper.newton = newton;
+        (simulation.stepper.linear.active, simulation.stepper.linear.detour) = (self.linearization, 0);
+        let (new, old) = (self.new.clone(), self.old.clone());
+        simulation.restore(self.clock, new, old, self.point.clone(), self.steps)
+    }
+
+    /// Length of the next step \[s\]; 0 if stationary.
+    pub(super) fn step_length(&self, simulation: &Simulation) -> f64 {
+        simulation.case.time.as_ref().map_or(0.0, |time| time.step.eval(&[0.0; 3], self.clock.time))
+    }
+}
+
+/// Do `steps` steps from `start` `repeat` times.
+pub(super) fn measure(
+    simulation: &mut Simulation,
+    start: &Start,
+    steps: usize,
+    repeat: usize,
+) -> Result<Steps, Error> {
+    // What is made when first needed is made before the clock starts.
+    start.restore(simulation)?;
+    simulation.step()?;
+    let (mut walls, mut means) = (Vec::with_capacity(steps * repeat), vec![]);
+    let (mut newton_steps, mut jacobians) = (0, 0);
+    for _ in 0..repeat {
+        start.restore(simulation)?;
+        let done = walls.len();
+        for _ in 0..steps {
+            let begun = Instant::now();
+            simulation.step()?;
+            walls.push(begun.elapsed().as_secs_f64());
+        }
+        let newton = &simulation.stepper.newton;
+        newton_steps += newton.counters.newton_steps;
+        jacobians += newton.counters.jacobians;
+        let wall: f64 = walls[done..].iter().sum();
+        let s = newton.seconds;
+        let rest = wall - s.assembly - s.factorization - s.solve;
+        means.push([wall, s.assembly, s.factorization, s.solve, rest].map(|x| x / steps as f64));
+    }
+    let phases = Parts::from_array(std::array::from_fn(|i| {
+        median(&means.iter().map(|mean| mean[i]).collect::<Vec<_>>())
+    }));
+    let n = simulation.unknowns().total as f64;
+    let all = (steps * repeat) as f64;
+    Ok(Steps {
+        steps,
+        repeat,
+        after: start.steps,
+        from: start.clock.time,
+        to: simulation.stepper.time,
+        seconds: Spread { median: median(&walls), fast: quantile(&walls, 0.1), slow: quantile(&walls, 0.9) },
+        phases,
+        per_unknown: Parts::from_array(phases.to_array().map(|x| x / n)),
+        newton_steps: newton_steps as f64 / all,
+        jacobians: jacobians as f64 / all,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::problem::case::Case;
+
+    #[test]
+    fn repetitions_have_the_same_bits() {
+        let sets = ["mesh.refine=0", "time.step=0.01", "solid.body-force=[0,-2]"].map(String::from);
+        let mut simulation = Simulation::new(Case::builtin("fsi3", &sets).unwrap(), 1).unwrap();
+        (0..4).for_each(|_| drop(simulation.step().unwrap()));
+        let start = Start::of(&simulation);
+        let mut repetition = || {
+            start.restore(&mut simulation).unwrap();
+            (0..6).map(|_| simulation.step().unwrap()).collect::<Vec<_>>()
+        };
+        assert_eq!(repetition(), repetition());
+    }
+}
