@@ -3,7 +3,7 @@
 use super::differences::{Differences, deviation};
 use super::median;
 use crate::algebra::{
-    Backend, Cost, Csr, Direct, LinearSolver, MultifrontalLu, Options, SingleLu, SolverError, Unknown,
+    Backend, Csr, Direct, LinearSolver, MultifrontalLu, Options, SingleLu, SolverError, Unknown,
 };
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
@@ -168,7 +168,8 @@ impl Setting<'_> {
 
 fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
     let mut explicit = vec![0.0; at.n()];
-    kernels.explicit = Some(timing(|| at.assembler.explicit(&at.view(), &mut explicit)));
+    let view = StepView { rule: at.rule, new: at.new, old: at.old };
+    kernels.explicit = Some(timing(|| at.assembler.explicit(&view, &mut explicit)));
     let mut r = vec![0.0; at.n()];
     kernels.residual = Some(timing_after(&mut r, |r| r.copy_from_slice(&explicit), |r| at.residual(r)));
 }
@@ -192,7 +193,7 @@ fn factorisations(system: &CondensedSystem, matrix: &Csr, kernels: &mut Kernels)
     let found = single(matrix, &system.unknowns)?;
     [kernels.analyse, kernels.factor_single, kernels.apply_single] = found;
     let double = MultifrontalLu::multifrontal(Options::unprobed());
-    let found = factors(double, |lu| lu.backend().predicted(), matrix, &system.unknowns, size_of::<f64>())?;
+    let found = factors(double, matrix, &system.unknowns, size_of::<f64>())?;
     [_, kernels.factor_double, kernels.apply_double] = found;
     if kernels.factor_single.is_none() {
         kernels.leave_out(&["factor_single", "apply_single"], LARGE_FACTORS);
@@ -221,13 +222,12 @@ fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
 /// [`factors`] in single precision.
 fn single(matrix: &Csr, unknowns: &[Unknown]) -> Result<[Option<Timing>; 3], SolverError> {
     let solver = SingleLu::single(Options::unprobed());
-    factors(solver, |lu| lu.backend().predicted(), matrix, unknowns, size_of::<f32>())
+    factors(solver, matrix, unknowns, size_of::<f32>())
 }
 
 /// Analysis, factorisation and substitution of `matrix`, entries of the factors having `size` bytes.
 fn factors<B: Backend>(
     mut solver: Direct<B>,
-    predicted: impl Fn(&Direct<B>) -> Cost,
     matrix: &Csr,
     unknowns: &[Unknown],
     size: usize,
@@ -236,7 +236,7 @@ fn factors<B: Backend>(
     solver.analyse(&matrix.pattern, unknowns)?;
     let seconds = begun.elapsed().as_secs_f64();
     let analyse = Some(Timing { seconds, calls: 1, flops: None, bytes: None });
-    let cost = predicted(&solver);
+    let cost = solver.predicted().unwrap_or_default();
     let fill = cost.fill.map(|fill| fill as f64);
     let bytes = fill.map(|fill| fill * size as f64);
     if bytes.is_some_and(|bytes| bytes > LARGEST_FACTORS) {
