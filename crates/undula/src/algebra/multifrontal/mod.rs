@@ -14,6 +14,7 @@ mod kernels;
 mod large;
 mod numeric;
 mod ordering;
+mod prefetch;
 mod real;
 mod separator;
 mod solve;

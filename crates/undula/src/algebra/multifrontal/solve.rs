@@ -7,6 +7,7 @@
 use super::dense;
 use super::front::{Front, SLACK, padded};
 use super::kernels::flush;
+use super::prefetch::prefetch;
 use super::real::Real;
 use super::symbolic::{Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
@@ -115,6 +116,9 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
         let (start, first) = shape.subtree;
         for g in start..=self.f {
             let end = self.solve.symbolic.fronts[g].first + self.solve.symbolic.fronts[g].k;
+            if let Some(next) = self.fronts[..=self.f - start].get(g - start + 1) {
+                prefetch(&next.panel);
+            }
             let fronts = &mut self.fronts[..=g - start];
             if let Some(front) = collect(self.solve.symbolic, g, fronts, &self.b[..end - first]) {
                 dense::forward(simd, front);
@@ -141,6 +145,9 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
         let last = self.f - start;
         for g in (0..=last).rev() {
             let shape = &symbolic.fronts[start + g];
+            if g > 0 {
+                prefetch(&self.fronts[g - 1].upper);
+            }
             let (now, later) = self.fronts.split_at_mut(g + 1);
             if g == last {
                 look_up(shape, &mut now[g], self.parent);
