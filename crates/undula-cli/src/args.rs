@@ -139,6 +139,9 @@ pub struct BenchArgs {
     /// Do not measure kernels one by one
     #[arg(long)]
     pub no_kernels: bool,
+    /// Write the matrices of a step here, for `cargo bench --bench factor -- FILE`
+    #[arg(long, value_name = "DIR")]
+    pub matrices: Option<PathBuf>,
     /// File for the report in JSON [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,

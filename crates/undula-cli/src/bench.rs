@@ -4,7 +4,7 @@ use crate::args::{BREAKDOWN, BenchArgs, CaseArgs, bad_input, print, threads};
 use crate::{check, run};
 use anyhow::Context;
 use std::process::ExitCode;
-use undula::bench::{Options, Report, measure};
+use undula::bench::{Options, Report, measure, write_matrices};
 use undula::error::Error;
 use undula::output::{OutputError, RunDirectory, write_atomic};
 use undula::problem::case::Case;
@@ -56,6 +56,9 @@ fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
     let mut simulation = Simulation::new(case, threads(args.threads))?;
     if let Some(from) = &args.from {
         undula::run::restore_latest(&mut simulation, from)?;
+    }
+    if let Some(directory) = &args.matrices {
+        write_matrices(&mut simulation, directory)?;
     }
     measure(&mut simulation, &options)
 }

@@ -7,7 +7,7 @@ mod manufactured;
 use common::builtin;
 use manufactured::*;
 use std::sync::Arc;
-use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
+use undula::algebra::{Csr, MultifrontalLu, Options as LinearOptions};
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;

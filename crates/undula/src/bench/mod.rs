@@ -12,11 +12,13 @@
 pub mod differences;
 mod kernels;
 mod machine;
+mod matrices;
 mod steps;
 mod table;
 
 pub use kernels::{Kernels, Timing};
 pub use machine::{Machine, Rates};
+pub use matrices::write_matrices;
 pub use steps::{Parts, Spread, Steps};
 
 use crate::assembly::simd;
