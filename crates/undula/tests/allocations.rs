@@ -45,11 +45,15 @@ fn second_assembly(threads: usize) -> usize {
     let view = StepView { rule, new, old };
     let mut residual = vec![0.0; assembler.space.n_unknowns()];
     let mut matrix = Csr::zeros(&assembler.pattern());
+    let mut condensed = Csr::zeros(&assembler.condensed().pattern);
     let mut assemble = || {
         assembler.explicit(&view, &mut residual);
         assembler.residual(&view, &mut residual);
         assembler.jacobian(&view, Tangent::Automatic, &mut matrix);
         assembler.jacobian(&view, Tangent::Analytic, &mut matrix);
+        assembler.condensed_matrix(&view, Tangent::Automatic, &mut condensed);
+        assembler.eliminate_inner(&mut residual);
+        assembler.recover_inner(&mut residual);
     };
     let mut count = || {
         assemble();

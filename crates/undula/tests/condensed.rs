@@ -171,3 +171,23 @@ fn every_linearization_and_precision_has_the_same_solution() {
         }
     }
 }
+
+/// Where few iterations do not suffice for the condensed system, those of Newton's method do, and the
+/// condensed one gets another try later.
+#[test]
+fn a_step_it_cannot_do_takes_the_whole_jacobian() {
+    let common = ["mesh.refine=0", "time.end=0.6", "time.step=0.05", "newton.rate-max=0"];
+    let reference = run(&[&common[..], &["newton.linearization=newton"]].concat());
+    let case = builtin("fsi3", &[&common[..], &["newton.max-steps=3", "newton.secants=0"]].concat());
+    let mut simulation = Simulation::new(case, 1).unwrap();
+    let mut detours = vec![];
+    while !simulation.finished() {
+        simulation.step().unwrap();
+        detours.push(simulation.stepper.linear.detour);
+    }
+    println!("{detours:?}");
+    assert!(detours.contains(&9) && detours.contains(&0), "{detours:?}");
+    for (a, b) in reference.stepper.new.v.iter().zip(&simulation.stepper.new.v) {
+        assert!((a - b).abs() < 1e-6 * largest(&reference.stepper.new.v), "{a} {b}");
+    }
+}
