@@ -36,8 +36,8 @@ pub const GROWTH: f64 = 10.0;
 /// digits, so that the wanted reduction may lie below it.
 const ROUNDING: f64 = 1e-5;
 
-/// Iterations that a new Jacobian takes to solve a step.
-const FEW: f64 = 3.0;
+/// Rate at which a new Jacobian of the condensed system converges in developed motion.
+const FRESH_RATE: f64 = 0.03;
 
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -240,11 +240,11 @@ impl Newton {
                     let rate = next / norm;
                     self.keep = match self.settings.rate_max {
                         Some(rate_max) => rate <= rate_max,
-                        // Iterations to go at this rate, against a new Jacobian and the few it needs.
+                        // Iterations to go at this rate, against a new Jacobian and those it needs.
                         None => {
-                            !(due && report.norms.len() == 1)
-                                && rate < 1.0
-                                && (target / next).ln() / rate.ln() < system.price() + FEW
+                            let left = (target / next).ln();
+                            let renewed = system.price() + left / FRESH_RATE.ln();
+                            !(due && report.norms.len() == 1) && rate < 1.0 && left / rate.ln() < renewed
                         }
                     };
                     norm = next;

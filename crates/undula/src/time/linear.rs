@@ -37,12 +37,12 @@ const DETOUR: u32 = 10;
 /// A new Jacobian in iterations where the solver does not tell what it does.
 const TYPICAL_PRICE: f64 = 5.0;
 
-/// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and for the residual and vectors
-/// of an iteration; operations and bytes of the factors per nanosecond.
-const JACOBIAN: f64 = 125.0;
+/// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and the overhead of its fronts, and
+/// for the residual and vectors of an iteration; operations and bytes of the factors per nanosecond.
+const JACOBIAN: f64 = 300.0;
 const ITERATION: f64 = 25.0;
 const OPERATIONS: f64 = 30.0;
-const BYTES: f64 = 10.0;
+const BYTES: f64 = 5.0;
 
 /// Both, each made when first needed.
 pub struct Linear {
