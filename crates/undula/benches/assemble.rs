@@ -51,7 +51,8 @@ fn main() {
         .filter(|(lanes, _)| simd::available(*lanes))
         .map(|(lanes, threads)| {
             let options = Options { lanes, threads, quadrature: 3 };
-            let mut assembler = Assembler::new(space.clone(), case.physics(), &conditions, &|_| 1.0, &options);
+            let mut assembler =
+                Assembler::new(space.clone(), case.physics(), &conditions, &|_| 1.0, &options);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let matrix = Csr::zeros(&assembler.pattern());
             Candidate { lanes, threads, assembler, pool, matrix, seconds: [vec![], vec![], vec![]] }
