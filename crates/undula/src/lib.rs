@@ -31,7 +31,7 @@
 //! From an equation to a step: [`physics::step`] composes the forms in time with the rules of [`time`];
 //! [`tangent`] differentiates them, by dual numbers or by hand (Theorem 5.2, [`physics::theorem_5_2`]);
 //! [`assembly`] sums over cells; [`nonlinear`] is Newton's method with a kept Jacobian (5.20);
-//! [`algebra`] solves; [`simulation`] and [`run`] are the front doors; [`bench`] measures.
+//! [`algebra`] solves; [`simulation`] and [`run`] are the front doors; [`mod@bench`] measures.
 //!
 //! # Symbols
 //!
