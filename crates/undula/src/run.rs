@@ -84,9 +84,12 @@ struct Metadata {
     clock: [f64; 2],
     /// 1/k, θ and time of the kept Jacobian.
     jacobian: Option<[f64; 3]>,
-    /// Its age, and steps to go with the whole Jacobian.
+    /// Its age.
     #[serde(default)]
-    age: Vec<u32>,
+    age: [u32; 3],
+    /// Steps to go with the whole Jacobian.
+    #[serde(default)]
+    detour: u32,
     counters: [u64; 3],
     seconds: [f64; 4],
     wall_seconds: f64,
@@ -214,10 +217,8 @@ impl Run {
             step,
             clock: [clock.time, clock.last_step],
             jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
-            age: point.map_or(vec![], |p| {
-                let Age { solves, iterations, last } = p.age;
-                vec![p.detour, solves, iterations, last]
-            }),
+            age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
+            detour: stepper.linear.detour,
             counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
             seconds: [seconds.assembly, seconds.factorization, seconds.solve, self.output_seconds],
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -374,8 +375,7 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
         Ok(State { v: parts.pop().unwrap_or_default(), u, p })
     };
     let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1] };
-    let mut age = metadata.age.iter().copied().chain(std::iter::repeat(0));
-    let [detour, solves, iterations, last] = std::array::from_fn(|_| age.next().unwrap_or(0));
+    let [solves, iterations, last] = metadata.age;
     let point = match metadata.jacobian {
         Some([per_k, theta, time]) => Some(JacobianPoint {
             rule: StepRule { per_k, theta, inertia: SECANT },
@@ -383,11 +383,11 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
             new: state("jacobian_new")?,
             old: state("jacobian_old")?,
             age: Age { solves, iterations, last },
-            detour,
         }),
         None => None,
     };
     let (new, old) = (state("new")?, state("old")?);
+    simulation.stepper.linear.set_detour(metadata.detour);
     simulation.restore(clock, new, old, point, metadata.step)?;
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);

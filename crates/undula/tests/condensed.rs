@@ -191,3 +191,29 @@ fn a_step_it_cannot_do_takes_the_whole_jacobian() {
         assert!((a - b).abs() < 1e-6 * largest(&reference.stepper.new.v), "{a} {b}");
     }
 }
+
+/// A run that is left in the middle of a detour goes on with the same bits.
+#[test]
+fn a_detour_outlives_a_restart() {
+    let new = || {
+        let settings =
+            ["mesh.refine=0", "time.end=0.6", "time.step=0.05", "newton.rate-max=0", "newton.max-steps=3"];
+        Simulation::new(builtin("fsi3", &settings), 1).unwrap()
+    };
+    let mut first = new();
+    while first.stepper.linear.detour != 8 {
+        assert!(!first.finished(), "no detour");
+        first.step().unwrap();
+    }
+    let mut second = new();
+    let stepper = &first.stepper;
+    second.stepper.linear.set_detour(stepper.linear.detour);
+    let point = stepper.jacobian_point().cloned();
+    second.restore(stepper.clock(), stepper.new.clone(), stepper.old.clone(), point, first.steps).unwrap();
+    for _ in 0..2 {
+        first.step().unwrap();
+        second.step().unwrap();
+        assert_eq!(first.stepper.linear.detour, second.stepper.linear.detour);
+        assert!(first.stepper.new == second.stepper.new, "other bits");
+    }
+}

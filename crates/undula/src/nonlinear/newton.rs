@@ -210,7 +210,7 @@ impl Newton {
         let mut fresh = false;
         self.secants.clear();
         let economic = self.settings.rate_max.is_none();
-        let due = economic && self.age.is_due(system.price());
+        let due = economic && self.keep && self.age.is_due(system.price());
         while norm > target {
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
@@ -222,7 +222,9 @@ impl Newton {
             }
             let start = Instant::now();
             let solved = system.correct(&self.residual, &mut self.delta);
-            self.secants.improve(&mut self.delta);
+            if solved.is_ok() {
+                self.secants.improve(&mut self.delta);
+            }
             self.seconds.solve += start.elapsed().as_secs_f64();
             if let Err(error) = solved {
                 if fresh {

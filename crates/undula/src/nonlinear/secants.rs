@@ -3,8 +3,8 @@
 //! With a Jacobian that is old or incomplete, z(x) = P r(x) is not the Newton correction. Differences
 //! Δx of iterates and Δz of their corrections tell, for a few directions, what it should have been: the
 //! combination z + Σ β_j Δz_j of least norm is what is left, and its Δx_j are known. This is the multi-secant
-//! (Anderson, interface quasi-Newton) update; pairs stay over time steps as long as P does
-//! (Degroote, Bathe and Vierendeels, Comput. Struct. 87, 2009; Walker and Ni, SIAM J. Numer. Anal. 49, 2011).
+//! (Anderson, interface quasi-Newton) update. Pairs are forgotten with the step: kept longer they saved no iteration
+//! of fsi3 (Degroote, Bathe and Vierendeels, Comput. Struct. 87, 2009; Walker and Ni, SIAM J. Numer. Anal. 49, 2011).
 
 use crate::algebra::dot;
 

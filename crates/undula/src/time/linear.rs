@@ -4,7 +4,7 @@ use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::nonlinear::Seconds;
-use crate::space::{FsiSpace, PsiOwner, State};
+use crate::space::{PsiOwner, State};
 use crate::tangent::Tangent;
 use std::sync::Arc;
 use std::time::Instant;
@@ -94,9 +94,9 @@ impl Linear {
         true
     }
 
-    /// As it was when a run was left.
+    /// As it was when a run was left; nothing if that is to go on with the whole Jacobian anyway.
     pub fn set_detour(&mut self, steps: u32) {
-        if steps > 0 {
+        if steps > 0 && self.active == Linearization::Condensed {
             (self.active, self.detour) = (Linearization::Newton, steps);
         }
     }
@@ -197,21 +197,28 @@ impl Linear {
     /// it for granted.
     pub fn start<const D: usize>(
         &self,
-        space: &FsiSpace<D>,
+        assembler: &Assembler<D>,
         k: f64,
         theta: f64,
         new: &mut State,
         old: &State,
     ) {
-        if self.active != Linearization::Condensed || !space.deforms {
+        if self.active != Linearization::Condensed {
             return;
         }
-        for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Relation) {
+        for node in relation(assembler) {
             for at in node * D..(node + 1) * D {
                 new.u[at] = old.u[at] + k * (theta * new.v[at] + (1.0 - theta) * old.v[at]);
             }
         }
     }
+}
+
+/// Nodes of the solid whose deformation is not given.
+fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
+    let (space, given) = (&assembler.space, &assembler.constraints.u);
+    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && !given[node];
+    (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
 }
 
 impl Full {
@@ -246,10 +253,7 @@ impl Condensed {
                 Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] })
             }
         };
-        let (space, given) = (&assembler.space, &assembler.constraints.u);
-        let free = |&n: &u32| space.owner[n as usize] == PsiOwner::Relation && !given[n as usize];
-        let relation =
-            if space.deforms { (0..space.nodes.len() as u32).filter(free).collect() } else { vec![] };
+        let relation = relation(assembler).map(|node| node as u32).collect();
         let n = system.places.len();
         Ok(Condensed {
             matrix: Csr::zeros(&system.pattern),
@@ -258,7 +262,7 @@ impl Condensed {
             relation,
             b: vec![0.0; n],
             x: vec![0.0; n],
-            work: vec![0.0; space.n_unknowns()],
+            work: vec![0.0; assembler.space.n_unknowns()],
             system,
         })
     }

@@ -119,7 +119,7 @@ impl Start<'_> {
     fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>) {
         let assembler = &*system.assembler;
         assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
-        system.linear.start(&assembler.space, self.k, system.rule.theta, system.new, system.old);
+        system.linear.start(assembler, self.k, system.rule.theta, system.new, system.old);
     }
 }
 
@@ -136,8 +136,6 @@ pub struct JacobianPoint {
     pub old: State,
     /// How it has done so far.
     pub age: Age,
-    /// Steps to go with the whole Jacobian before the condensed one takes over again.
-    pub detour: u32,
 }
 
 /// Where a run stands in time.
@@ -305,7 +303,7 @@ impl<const D: usize> Stepper<D> {
         }
         let report = solved?;
         if let Some(point) = &mut system.point {
-            (point.age, point.detour) = (self.newton.age(), system.linear.detour);
+            point.age = self.newton.age();
         }
         if system.linear.count_step() {
             self.newton.forget();
@@ -462,7 +460,6 @@ impl<const D: usize> Stepper<D> {
                 min_j: 1.0,
                 norms: BlockNorms::default(),
             };
-            system.linear.set_detour(point.detour);
             self.newton.recall(&mut system, point.age)?;
         }
         self.set_forces(End::New, clock.time);

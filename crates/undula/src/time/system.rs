@@ -122,7 +122,7 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
             None => {
                 let (new, old) = (self.new.clone(), self.old.clone());
                 let (rule, time) = (self.rule, self.time);
-                *self.point = Some(JacobianPoint { rule, time, new, old, age: Age::default(), detour: 0 });
+                *self.point = Some(JacobianPoint { rule, time, new, old, age: Age::default() });
             }
         }
         self.linear.renew(self.assembler, &view, self.tangent, seconds)

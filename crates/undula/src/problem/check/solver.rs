@@ -136,18 +136,19 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         let note = "newton.linearization has no effect: a stationary deformation takes the full Jacobian";
         s.checker.notes.borrow_mut().push(note.into());
     }
+    let defaults = NewtonSpec::default();
     let is_newton = linearization == Linearization::Newton;
     let rate_max = s.optional_number("rate-max", RATE);
     let spec = NewtonSpec {
         linearization,
         jacobian: jacobian.unwrap_or(JacobianKind::Automatic),
         rate_max: rate_max.or(is_newton.then_some(0.2)),
-        secants: s.integer("secants", if is_newton { 0 } else { 8 }, 0..=50),
-        tolerance: s.number("tolerance", 1e-8, REDUCTION),
-        floor: s.number("floor", 1e-12, NOT_NEGATIVE),
-        max_steps: s.integer("max-steps", 30, 1..=1000),
+        secants: s.integer("secants", if is_newton { 0 } else { defaults.secants }, 0..=50),
+        tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
+        floor: s.number("floor", defaults.floor, NOT_NEGATIVE),
+        max_steps: s.integer("max-steps", defaults.max_steps, 1..=1000),
         extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
-        line_search: s.integer("line-search", 5, 0..=30),
+        line_search: s.integer("line-search", defaults.line_search, 0..=30),
     };
     s.finish();
     spec
