@@ -204,7 +204,7 @@ fn may_replace(path: &Path, entry: &str, force: bool) -> Result<(), OutputError>
 /// Writes `path` by `fill` such that it holds the old content or the new one, whatever happens.
 ///
 /// Missing parent directories are made. The content goes to a temporary file next to it, which is synced
-/// and then renamed.
+/// and then renamed. Links are followed; a device or a pipe is written to as it is, never replaced.
 ///
 /// # Errors
 /// [`OutputError::Io`]; the temporary file is removed.
@@ -212,7 +212,16 @@ pub fn write_atomic<F>(path: impl AsRef<Path>, fill: F) -> Result<(), OutputErro
 where
     F: FnOnce(&mut BufWriter<File>) -> std::io::Result<()>,
 {
-    let path = path.as_ref();
+    let target = fs::canonicalize(path.as_ref()).unwrap_or_else(|_| path.as_ref().to_path_buf());
+    let path = target.as_path();
+    if fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+        let written = File::options().write(true).open(path).and_then(|file| {
+            let mut file = BufWriter::new(file);
+            fill(&mut file)?;
+            file.flush()
+        });
+        return written.map_err(OutputError::io("write", path));
+    }
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(OutputError::io("create directory", parent))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -240,6 +249,29 @@ mod tests {
 
     fn with_status(path: &Path, status: Status) {
         Summary { status, ..Summary::default() }.write(path.join("summary.json")).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_pipes_are_not_replaced() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let directory = scratch("directory-special");
+        fs::create_dir_all(&directory).unwrap();
+        let (file, link, pipe) = (directory.join("file"), directory.join("link"), directory.join("pipe"));
+        fs::write(&file, "old").unwrap();
+        symlink(&file, &link).unwrap();
+        write_atomic(&link, |out| out.write_all(b"new")).unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&file).unwrap(), "new");
+
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = pipe.clone();
+            move || fs::read_to_string(pipe).unwrap()
+        });
+        write_atomic(&pipe, |out| out.write_all(b"through")).unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
     }
 
     #[test]
