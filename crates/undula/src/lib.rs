@@ -57,6 +57,7 @@ pub mod bench;
 pub mod element;
 pub mod error;
 pub mod functional;
+pub mod jacobian;
 pub mod math;
 pub mod mesh;
 pub mod nonlinear;

@@ -31,6 +31,8 @@ pub struct Simulation {
     pub history: Vec<Row>,
     /// Steps done.
     pub steps: u64,
+    /// How the last step went.
+    pub report: StepReport,
     functionals: Functionals,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
@@ -76,6 +78,7 @@ impl Simulation {
             stepper,
             history: vec![],
             steps: 0,
+            report: StepReport::default(),
             functionals,
             fluid_residual,
             needs_residual,
@@ -145,6 +148,7 @@ impl Simulation {
         }
         let row = self.evaluate(&report);
         self.history.push(row.clone());
+        self.report = report;
         Ok(row)
     }
 

@@ -10,8 +10,8 @@ use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Fluid, Material, Solid, StepRule};
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::space::PressureKind::{self, Continuous, P1dc};
-use undula::space::{PsiOwner, State};
-use undula::tangent::Tangent;
+use undula::space::{PsiOwner, Region, State};
+use undula::tangent::{Difference, Linearization, Tangent};
 
 const RULES: [StepRule; 2] =
     [StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT }, StepRule::STATIONARY];
@@ -108,6 +108,112 @@ fn jacobian_is_the_derivative_of_the_residual() {
             for tangent in [Tangent::Automatic, Tangent::Analytic] {
                 check_jacobian(pressure, rule, tangent);
             }
+        }
+    }
+}
+
+/// Largest difference of two matrices of one pattern, relative to the largest entry of the row.
+fn gap(a: &Csr, b: &Csr) -> f64 {
+    (0..a.pattern.n).fold(0.0, |gap: f64, i| {
+        let row = a.pattern.row(i);
+        let size = largest(&a.values[row.clone()]);
+        row.fold(gap, |gap, at| gap.max((a.values[at] - b.values[at]).abs() / size))
+    })
+}
+
+fn matrix(assembler: &mut Assembler<2>, view: &StepView<'_>, kind: Linearization, tangent: Tangent) -> Csr {
+    let mut matrix = Csr::zeros(&assembler.pattern());
+    assembler.matrix(view, kind, tangent, &mut matrix);
+    matrix
+}
+
+/// One-sided differences are off by ε, central ones by its square or by rounding, for every matrix.
+#[test]
+fn differences_give_the_same_matrices() {
+    let problem = coupled(FSI, P1dc);
+    let mut assembler = problem.assembler(&options());
+    let (new, old) = (random(&problem, 77), random(&problem, 78));
+    for rule in RULES {
+        let view = StepView { rule, new: &new, old: &old };
+        for kind in [Linearization::Newton, Linearization::Reduced, Linearization::FixedPoint] {
+            let exact = matrix(&mut assembler, &view, kind, Tangent::Automatic);
+            let mut with = |central, epsilon| {
+                let by = Tangent::Difference(Difference::new(central, epsilon));
+                gap(&exact, &matrix(&mut assembler, &view, kind, by))
+            };
+            let gaps = [with(false, 1e-6), with(false, 1e-9), with(true, 1e-4), with(true, 1e-6)];
+            println!("{kind:?}, theta = {}: {gaps:?}", rule.theta);
+            assert!(
+                gaps[0] < 1e-5 && gaps[1] < 1e-5 && gaps[2] < 1e-6 && gaps[3] < 1e-8,
+                "{kind:?} {gaps:?}"
+            );
+        }
+        let mut condensed = |tangent| {
+            let mut matrix = Csr::zeros(&assembler.condensed().pattern);
+            assembler.condensed_matrix(&view, tangent, &mut matrix);
+            matrix
+        };
+        if rule.per_k > 0.0 {
+            let exact = condensed(Tangent::Automatic);
+            let found = gap(&exact, &condensed(Tangent::Difference(Difference::new(true, 1e-5))));
+            assert!(found < 1e-7, "condensed: {found:e}");
+        }
+    }
+}
+
+/// The reduced matrix is the Jacobian, but against u momentum has the derivatives of the solid alone, and
+/// divergence none.
+#[test]
+fn reduced_drops_the_flow_against_deformation() {
+    let problem = coupled(FSI, P1dc);
+    let (space, mut assembler) = (problem.space.clone(), problem.assembler(&options()));
+    let (mut new, old) = (random(&problem, 77), random(&problem, 78));
+    let rule = RULES[0];
+    let view = StepView { rule, new: &new, old: &old };
+    let full = matrix(&mut assembler, &view, Linearization::Newton, Tangent::Automatic);
+    let reduced = matrix(&mut assembler, &view, Linearization::Reduced, Tangent::Automatic);
+    let (n_v, n_u, n) = (space.n_v(), space.n_u(), space.n_unknowns());
+    let flow = |i: usize| i < n_v || i >= n_v + n_u;
+    for i in 0..n {
+        for at in full.pattern.row(i) {
+            let j = full.pattern.col[at] as usize;
+            let same = full.values[at] == reduced.values[at];
+            assert!(same || flow(i) && !flow(j), "({i}, {j})");
+        }
+    }
+    let mut direction = [vec![0.0; n_v], random(&problem, 79).u, vec![0.0; space.n_p()]].concat();
+    assembler.zero_given(&mut direction);
+    let mut product = vec![0.0; n];
+    reduced.mul(&direction, &mut product);
+    let mut moved = |by: f64| {
+        new.add_scaled(by, &direction);
+        let mut r = vec![0.0; n];
+        assembler.region_residual(&StepView { rule, new: &new, old: &old }, Region::Solid, &mut r);
+        new.add_scaled(-by, &direction);
+        assembler.zero_given(&mut r);
+        r
+    };
+    let (plus, minus) = (moved(1e-4), moved(-1e-4));
+    let size = largest(&product[..n_v]);
+    for i in (0..n).filter(|&i| flow(i)) {
+        let gap = (product[i] - (plus[i] - minus[i]) / 2e-4).abs() / size;
+        assert!(gap < 1e-8, "row {i}: {gap:e}");
+    }
+}
+
+/// Where nothing flows, is deformed or pressed, no term is nonlinear to first order.
+#[test]
+fn at_rest_all_linearizations_are_one() {
+    let problem = coupled(FSI, P1dc);
+    let mut assembler = problem.assembler(&options());
+    let space = problem.space.clone();
+    let rest = State::zero(space.n_v(), space.n_u(), space.n_p());
+    for rule in RULES {
+        let view = StepView { rule, new: &rest, old: &rest };
+        let full = matrix(&mut assembler, &view, Linearization::Newton, Tangent::Analytic);
+        for kind in [Linearization::Reduced, Linearization::FixedPoint] {
+            let other = matrix(&mut assembler, &view, kind, Tangent::Automatic);
+            assert!(gap(&full, &other) < 1e-14, "{kind:?} {:e}", gap(&full, &other));
         }
     }
 }

@@ -7,7 +7,7 @@ use undula::physics::step::{SECANT, TimePoint};
 use undula::physics::{
     Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested, WeakForm,
 };
-use undula::tangent::{ByHand, automatic, automatic_facet};
+use undula::tangent::{ByHand, Difference, automatic, automatic_facet, fixed_point};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -35,7 +35,16 @@ impl Random {
     }
 
     fn place<const D: usize>(&mut self) -> Place<f64, D> {
-        Place { force: 10.0 * self.vector(), stiffness: 1.5 + self.next() }
+        Place { force: 10.0 * self.vector(), force_slope: Tensor::zero(), stiffness: 1.5 + self.next() }
+    }
+
+    /// The same with a body force that changes with the position; that of the solid does not.
+    fn place_of<F: WeakForm<D>, const D: usize>(&mut self, _: &F) -> Place<f64, D> {
+        let mut place = self.place();
+        if F::COUPLINGS.pressure {
+            place.force_slope = 10.0 * self.fields::<D>(1.0).grad_u;
+        }
+        place
     }
 }
 
@@ -79,11 +88,16 @@ fn residual<F: WeakForm<D>, const D: usize>(
     r
 }
 
+/// `place` where the position has moved by `by` and with it the body force.
+fn displaced<const D: usize>(place: &Place<f64, D>, by: Vector<f64, D>) -> Place<f64, D> {
+    Place { force: place.force + place.force_slope * by, ..*place }
+}
+
 fn check<F: ByHand<D>, const D: usize>(form: &F) {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for rule in rules() {
         for _ in 0..200 {
-            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place());
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place_of(form));
             let W = random.fields::<D>(1.0);
             let dual = automatic(form, &rule, &place, &new, &old, &W);
             let hand = form.by_hand(&rule, &place, &new, &old, &W);
@@ -93,7 +107,7 @@ fn check<F: ByHand<D>, const D: usize>(form: &F) {
                 for n in 0..Fields::<f64, D>::COMPONENTS {
                     *at.component(n) += eps * *w.component(n);
                 }
-                residual(form, &rule, &place, &at, &old)
+                residual(form, &rule, &displaced(&place, at.u - new.u), &at, &old)
             };
             let difference = |b: Tested<f64, D>, a: Tested<f64, D>, h: f64| {
                 let (mut d, b) = (a, b);
@@ -127,6 +141,103 @@ fn fluid_jacobian_is_theorem_5_2() {
 fn solid_jacobian_is_lemma_5_5() {
     check::<_, 2>(&SOLID);
     check::<_, 3>(&SOLID);
+}
+
+/// Differences at the point: the error falls with ε, with its square on both sides.
+#[test]
+fn differences_are_of_first_and_second_order() {
+    fn run<F: ByHand<D>, const D: usize>(form: &F) {
+        let mut random = Random(31);
+        let rule = StepRule::theta(0.005, 0.51);
+        for _ in 0..20 {
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place_of(form));
+            let W = random.fields::<D>(1.0);
+            let exact = automatic(form, &rule, &place, &new, &old, &W);
+            let base = residual(form, &rule, &place, &new, &old);
+            let error = |central, h: f64| {
+                let by = Difference::new(central, h);
+                let d = by.derivative(false, form, &rule, &place, (&new, &old), &base, (&W, h));
+                gap(&exact, &d)
+            };
+            for (central, h, order) in [(false, 1e-4, 1), (true, 1e-2, 2)] {
+                let (coarse, fine) = (error(central, h), error(central, h / 10.0));
+                let found = (coarse / fine).log10();
+                assert!(
+                    fine < 1e-3 && (found - f64::from(order)).abs() < 0.2,
+                    "{central}: {coarse:e} {fine:e}"
+                );
+            }
+        }
+    }
+    run::<_, 2>(&FLUID);
+    run::<_, 3>(&FLUID);
+    run::<_, 2>(&SOLID);
+    run::<_, 3>(&SOLID);
+}
+
+/// The system of section 5.2.1 by hand, for backward Euler: the flow carried by the last velocity on the last
+/// domain, the corrected strain, and u free in the velocity-deformation relation.
+#[test]
+fn fixed_point_is_section_5_2_1() {
+    fn run<const D: usize>() {
+        let (mut random, k) = (Random(13), 0.005);
+        let rule = StepRule::theta(k, 1.0);
+        for _ in 0..100 {
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place());
+            let W = random.fields::<D>(1.0);
+            let F = Tensor::identity() + new.grad_u;
+            let (J, F_inv) = (F.det(), F.cofactor().t() * (1.0 / F.det()));
+            let transport = new.v - (new.u - old.u) * (1.0 / k);
+            let (rho, mu) = (FLUID.rho, FLUID.rho * FLUID.nu);
+            let sigma = mu * (W.grad_v * F_inv + (W.grad_v * F_inv).t()) - Tensor::identity() * W.p;
+            let flow = Tested {
+                phi: (W.v * (1.0 / k) + W.grad_v * (F_inv * transport)) * (rho * J),
+                grad_phi: sigma * F_inv.t() * J,
+                xi: J * F_inv.ddot(W.grad_v.t()),
+                grad_psi: FLUID.extension.stress(&W.grad_u, place.stiffness),
+                ..Tested::zero()
+            };
+            let found = fixed_point(&FLUID, &rule, &place, &new, &old, &W);
+            assert!(gap(&flow, &found) < 1e-12, "{:e}", gap(&flow, &found));
+
+            let E = 0.5 * (W.grad_u + W.grad_u.t() + new.grad_u.t() * W.grad_u);
+            let Material::StVenantKirchhoff { mu, lambda } = SOLID.material;
+            let body = Tested {
+                phi: W.v * (SOLID.rho / k),
+                grad_phi: F * (2.0 * mu * E + Tensor::identity() * (lambda * E.trace())),
+                psi: W.u * (1.0 / k) - W.v,
+                ..Tested::zero()
+            };
+            let found = fixed_point(&SOLID, &rule, &place, &new, &old, &W);
+            assert!(gap(&body, &found) < 1e-12, "{:e}", gap(&body, &found));
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// With what it keeps held fast the equation is linear: differences of it are exact whatever their size, and at
+/// the last iterate it is the equation itself.
+#[test]
+fn fixed_point_equations_are_linear() {
+    fn run<F: ByHand<D>, const D: usize>(form: &F) {
+        let mut random = Random(17);
+        for rule in rules() {
+            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place_of(form));
+            let W = random.fields::<D>(1.0);
+            let base = residual(form, &rule, &place, &new, &old);
+            let dual = fixed_point(form, &rule, &place, &new, &old, &W);
+            for h in [1.0, 0.1] {
+                let by = Difference::new(false, h);
+                let d = by.derivative(true, form, &rule, &place, (&new, &old), &base, (&W, h));
+                assert!(gap(&dual, &d) < 1e-11, "{:e} with {rule:?}", gap(&dual, &d));
+            }
+        }
+    }
+    run::<_, 2>(&FLUID);
+    run::<_, 3>(&FLUID_HARMONIC);
+    run::<_, 2>(&SOLID);
+    run::<_, 3>(&SOLID);
 }
 
 /// The do-nothing correction is linearised in v and in u.

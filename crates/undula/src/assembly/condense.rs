@@ -10,12 +10,12 @@ use super::interior::{BackwardTask, CondenseTask, FacetBlocks, ForwardTask, Inte
 use super::kernel::{Kernel, StepView};
 use super::scatter::{DROP, Pieces, Shared};
 use super::simd::Width;
-use super::tasks::{Directions, TangentTasks};
+use super::tangents::{Directions, TangentTasks};
 use crate::math::Lanes;
 use crate::physics::Couplings;
 use crate::physics::form::Block;
 use crate::space::FsiSpace;
-use crate::tangent::{ByHand, Tangent};
+use crate::tangent::{ByHand, Linearization, Tangent};
 
 /// Pieces of the (v, p) matrix; with `relation`, u moves with v.
 pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece> {
@@ -41,6 +41,11 @@ where
 {
     /// Whether u follows v by the velocity-deformation relation.
     const RELATION: bool = !matches!(F::COUPLINGS.psi_v, Block::Zero);
+
+    /// Whether it is the solid.
+    pub(super) fn has_relation(&self) -> bool {
+        Self::RELATION
+    }
 
     /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
     pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
@@ -143,7 +148,9 @@ where
         self.for_each_batch(|batch| {
             self.scratch.with(|s| {
                 let directions = Directions::Condensed { coupling };
-                TangentTasks { kernel: self, step, tangent, directions, batch, scratch: s }.run();
+                let linearization = Linearization::Condensed;
+                TangentTasks { kernel: self, step, linearization, tangent, directions, batch, scratch: s }
+                    .run();
                 let tangents = self.tangents(batch, &s.tangent);
                 let of_batch = |x: u32| interior.facets.partition_point(|f| f.0 < x);
                 Lanes::<L>::dispatch(CondenseTask {

@@ -6,11 +6,11 @@ use super::contract::{Test, Trial};
 use super::kernel::{Kernel, StepView};
 use super::scatter::DROP;
 use super::simd::Width;
-use super::tasks::{Directions, TangentTasks};
+use super::tangents::{Directions, TangentTasks};
 use crate::algebra::{Csr, Pattern};
 use crate::math::Lanes;
 use crate::space::{Constraints, FsiSpace, PsiOwner};
-use crate::tangent::{ByHand, Tangent};
+use crate::tangent::{ByHand, Linearization, Tangent};
 use std::sync::Arc;
 
 /// `A_F δu_F = r_F − A_I δu_I` over the free nodes of the fluid off the interface.
@@ -103,8 +103,10 @@ where
         let n_v = step.new.v.len() as u32;
         for batch in 0..self.batches.len() {
             self.scratch.with(|s| {
-                let (tangent, directions) = (Tangent::Analytic, Directions::All);
-                TangentTasks { kernel: self, step, tangent, directions, batch, scratch: s }.run();
+                let (linearization, tangent) = (Linearization::Newton, Tangent::Analytic);
+                let directions = Directions::All;
+                TangentTasks { kernel: self, step, linearization, tangent, directions, batch, scratch: s }
+                    .run();
                 for piece in &self.pieces {
                     let (Test::Psi(i), Trial::U(j)) = (piece.test, piece.trial) else { continue };
                     let block = &mut s.piece[..n * n];

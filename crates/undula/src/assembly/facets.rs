@@ -153,8 +153,9 @@ impl<const D: usize> OutflowFacets<D> {
         }
     }
 
-    /// Add the Jacobian at the new state to the matrix entries `out`.
-    pub fn jacobian(&self, step: &StepView<'_>, how: Tangent, out: &mut [f64]) {
+    /// Add the Jacobian at the new state to the matrix entries `out`; `with_u`: derivatives with respect to u,
+    /// too.
+    pub fn jacobian(&self, step: &StepView<'_>, how: Tangent, with_u: bool, out: &mut [f64]) {
         let mut first = 0;
         for (nodes, points) in &self.facets {
             let mut at = first;
@@ -169,7 +170,7 @@ impl<const D: usize> OutflowFacets<D> {
                                 for field in 0..if self.deforms { 2 } else { 1 } {
                                     let Some(&slot) = self.slots.get(at) else { return };
                                     at += 1;
-                                    if slot != DROP {
+                                    if slot != DROP && (with_u || field == 0) {
                                         out[slot as usize] += p.value[a] * columns.entry(p, field, i, b, j);
                                     }
                                 }

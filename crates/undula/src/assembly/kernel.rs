@@ -11,7 +11,7 @@ use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, Place, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
-use crate::tangent::{ByHand, Tangent};
+use crate::tangent::{ByHand, Linearization, Tangent};
 use rayon::prelude::*;
 
 /// One step as assembly sees it.
@@ -27,6 +27,9 @@ pub struct StepView<'a> {
 
 /// Body force per mass at the quadrature points of a region \[m/s²\]; empty: none.
 pub type ForceField<const D: usize, const L: usize> = Vec<Vector<Lanes<L>, D>>;
+
+/// Its gradient \[1/s²\]; empty: none.
+pub type SlopeField<const D: usize, const L: usize> = Vec<Tensor<Lanes<L>, D>>;
 
 /// Work space of one thread.
 pub(super) struct Scratch<const D: usize, const L: usize> {
@@ -52,6 +55,8 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub batches: Batches<D, L>,
     /// Body force at the new time.
     pub force: ForceField<D, L>,
+    /// Its gradient where it is taken at the current position; else empty.
+    pub force_slope: SlopeField<D, L>,
     /// Body force at the old time.
     pub force_old: ForceField<D, L>,
     pub(super) pieces: Vec<Piece>,
@@ -135,6 +140,7 @@ where
             form,
             batches,
             force: vec![],
+            force_slope: vec![],
             force_old: vec![],
             pieces,
             slots: vec![],
@@ -267,12 +273,19 @@ where
     }
 
     /// Add the Jacobian to the entries `out` of the matrix.
-    pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
+    pub fn jacobian(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut [f64],
+    ) {
         let mut copies = std::mem::take(&mut self.slot_copies);
         let shared = copies.share(out);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
-                JacobianTask { kernel: self, step, tangent, batch, scratch, out: &shared }.run();
+                let out = &shared;
+                JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, out }.run();
             });
         });
         copies.gather(out);
@@ -314,7 +327,8 @@ where
     #[inline(always)]
     pub(super) fn place(&self, force: &ForceField<D, L>, point: usize) -> Place<Lanes<L>, D> {
         let force = if force.is_empty() { Vector::zero() } else { force[point] };
-        Place { force, stiffness: self.batches.points[point].stiffness }
+        let slope = if self.force_slope.is_empty() { Tensor::zero() } else { self.force_slope[point] };
+        Place { force, force_slope: slope, stiffness: self.batches.points[point].stiffness }
     }
 
     /// Gather both ends of the step.

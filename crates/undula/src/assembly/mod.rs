@@ -8,24 +8,28 @@ pub mod batch;
 pub mod chunks;
 mod condense;
 pub mod contract;
+pub mod differences;
 pub mod evaluate;
 pub mod extension;
 pub mod facets;
+pub mod force;
 pub mod interior;
 pub mod kernel;
 pub mod points;
 pub mod scatter;
 pub mod simd;
+mod tangents;
 mod tasks;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, Outflow, Solid};
 use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
-use crate::tangent::Tangent;
+use crate::tangent::{Difference, Linearization, Sizes, Tangent};
 use batch::Batches;
 use extension::ExtensionSystem;
 use facets::OutflowFacets;
+use force::CurrentForce;
 use interior::FacetBlocks;
 use kernel::Kernel;
 pub use kernel::StepView;
@@ -89,6 +93,8 @@ pub struct Assembler<const D: usize> {
     pub constraints: Constraints<D>,
     /// The equations.
     pub physics: Physics,
+    /// The body force of the fluid, where it is taken at the current position.
+    pub current_force: Option<CurrentForce<D>>,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
     /// Rows that read δ = 0.
@@ -143,6 +149,7 @@ impl<const D: usize> Assembler<D> {
             space,
             constraints,
             physics,
+            current_force: None,
             kernels,
             outflow,
             given,
@@ -211,6 +218,8 @@ impl<const D: usize> Assembler<D> {
     /// blocks are kept.
     pub fn condensed_matrix(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
         out.values.fill(0.0);
+        let tangent = sized(tangent, step);
+        self.move_force(step, End::New, tangent);
         self.outflow.blocks(step, tangent, &mut self.blocks);
         self.kernels.condense(step, tangent, &self.blocks, &mut out.values);
     }
@@ -263,10 +272,24 @@ impl<const D: usize> Assembler<D> {
         self.kernels.set_force(region, end, force);
     }
 
+    /// The time of the body force at the current position, and the part of it that acts.
+    pub fn set_current_force(&mut self, end: End, time: f64, factor: f64) {
+        if let Some(force) = &mut self.current_force {
+            force.set(end, time, factor);
+        }
+    }
+
+    fn move_force(&mut self, step: &StepView<'_>, end: End, tangent: Tangent) {
+        if let Some(force) = &self.current_force {
+            self.kernels.move_force(step, end, force, tangent);
+        }
+    }
+
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
     pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
         if step.rule.theta < 1.0 {
+            self.move_force(step, End::Old, Tangent::Automatic);
             self.kernels.explicit(step, None, out);
             self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
         }
@@ -276,6 +299,7 @@ impl<const D: usize> Assembler<D> {
     ///
     /// Returns the smallest J at the quadrature points.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        self.move_force(step, End::New, Tangent::Automatic);
         let min_j = self.kernels.residual(step, None, out);
         self.outflow.residual(step.new, step.rule.theta, out);
         for &row in &self.given {
@@ -289,8 +313,10 @@ impl<const D: usize> Assembler<D> {
     pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {
         out.fill(0.0);
         if step.rule.theta < 1.0 {
+            self.move_force(step, End::Old, Tangent::Automatic);
             self.kernels.explicit(step, Some(region), out);
         }
+        self.move_force(step, End::New, Tangent::Automatic);
         self.kernels.residual(step, Some(region), out);
         if region == Region::Fluid {
             self.outflow.residual(step.new, step.rule.theta, out);
@@ -300,10 +326,28 @@ impl<const D: usize> Assembler<D> {
 
     /// The Jacobian of [`Assembler::residual`] with respect to the new state, on [`Assembler::pattern`].
     pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+        self.matrix(step, Linearization::Newton, tangent, out);
+    }
+
+    /// The matrix of an iteration on [`Assembler::pattern`], in which derivatives that are left out are 0; that
+    /// of `Condensed` is the reduced one here, before u is eliminated.
+    pub fn matrix(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut Csr,
+    ) {
+        let linearization = match linearization {
+            Linearization::Condensed => Linearization::Reduced,
+            other => other,
+        };
+        let tangent = sized(tangent, step);
+        self.move_force(step, End::New, tangent);
         self.pattern();
         out.values.fill(0.0);
-        self.kernels.jacobian(step, tangent, &mut out.values);
-        self.outflow.jacobian(step, tangent, &mut out.values);
+        self.kernels.jacobian(step, linearization, tangent, &mut out.values);
+        self.outflow.jacobian(step, tangent, linearization == Linearization::Newton, &mut out.values);
         for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
@@ -319,6 +363,17 @@ impl<const D: usize> Assembler<D> {
         for &row in &self.given {
             out[row as usize] = 0.0;
         }
+    }
+}
+
+/// The same with the sizes of the fields of the iterate, which differences need.
+fn sized(tangent: Tangent, step: &StepView<'_>) -> Tangent {
+    match tangent {
+        Tangent::Difference(by) => {
+            let sizes = Sizes::of([&step.new.v, &step.new.u, &step.new.p]);
+            Tangent::Difference(Difference { sizes, ..by })
+        }
+        other => other,
     }
 }
 
@@ -338,9 +393,16 @@ trait Kernels<const D: usize>: Send + Sync {
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
     fn set_slots(&mut self, constraints: &Constraints<D>, n_entries: usize, find: &dyn Fn(u32, u32) -> u32);
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>);
+    fn move_force(&mut self, step: &StepView<'_>, end: End, force: &CurrentForce<D>, tangent: Tangent);
     fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
-    fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
+    fn jacobian(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut [f64],
+    );
     fn worst(&self) -> Worst;
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
     fn inner(&self, visit: &mut dyn FnMut(u32));
@@ -438,6 +500,12 @@ where
         };
     }
 
+    fn move_force(&mut self, step: &StepView<'_>, end: End, force: &CurrentForce<D>, tangent: Tangent) {
+        if let Some(k) = &mut self.fluid {
+            k.move_force(step, end, force, tangent);
+        }
+    }
+
     fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) {
         if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
             k.explicit(step, out);
@@ -459,13 +527,14 @@ where
         min_j.unwrap_or(1.0)
     }
 
-    fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
-        if let Some(k) = &mut self.fluid {
-            k.jacobian(step, tangent, out);
-        }
-        if let Some(k) = &mut self.solid {
-            k.jacobian(step, tangent, out);
-        }
+    fn jacobian(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut [f64],
+    ) {
+        both!(mut self, k, k.jacobian(step, linearization, tangent, out));
     }
 
     fn worst(&self) -> Worst {

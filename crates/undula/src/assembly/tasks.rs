@@ -1,15 +1,15 @@
-//! What is done with one batch: residual, explicit part, tangents, contraction. Each is compiled for the
-//! vector width of its numbers, see [`super::simd`].
+//! What is done with one batch: residual, explicit part, contraction of its tangents ([`super::tangents`]). Each
+//! is compiled for the vector width of its numbers, see [`super::simd`].
 
 use super::contract::{Piece, Tangents, Test, Trial};
 use super::evaluate::{pull_back, scatter, test};
 use super::kernel::{Kernel, Scratch, StepView};
 use super::scatter::Shared;
 use super::simd::{Task, Width};
+use super::tangents::{Directions, TangentTasks};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
-use crate::physics::{Fields, Place, StepRule, Tested};
-use crate::tangent::{ByHand, Tangent, automatic};
-use std::marker::PhantomData;
+use crate::physics::Tested;
+use crate::tangent::{ByHand, Linearization, Tangent};
 
 pub(super) struct ResidualTask<'a, F, const D: usize, const L: usize> {
     pub(super) kernel: &'a Kernel<F, D, L>,
@@ -106,50 +106,10 @@ where
     }
 }
 
-/// In which directions tangents are computed.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub(super) enum Directions {
-    /// v, u and p.
-    All,
-    /// v and p; u moves by `coupling` times v.
-    Condensed {
-        /// kθ in the solid, else 0 \[s\].
-        coupling: f64,
-    },
-}
-
-/// The tangents at all points of a batch, each way of computing them compiled on its own.
-pub(super) struct TangentTasks<'a, F, const D: usize, const L: usize> {
-    pub(super) kernel: &'a Kernel<F, D, L>,
-    pub(super) step: &'a StepView<'a>,
-    pub(super) tangent: Tangent,
-    pub(super) directions: Directions,
-    pub(super) batch: usize,
-    pub(super) scratch: &'a mut Scratch<D, L>,
-}
-
-impl<F: ByHand<D>, const D: usize, const L: usize> TangentTasks<'_, F, D, L>
-where
-    Lanes<L>: Width,
-{
-    pub(super) fn run(self) {
-        let TangentTasks { kernel, step, tangent, directions, batch, scratch } = self;
-        match tangent {
-            Tangent::Automatic => {
-                let how = PhantomData::<Automatic>;
-                Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
-            }
-            Tangent::Analytic => {
-                let how = PhantomData::<Analytic>;
-                Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
-            }
-        }
-    }
-}
-
 pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
     pub(super) kernel: &'a Kernel<F, D, L>,
     pub(super) step: &'a StepView<'a>,
+    pub(super) linearization: Linearization,
     pub(super) tangent: Tangent,
     pub(super) batch: usize,
     pub(super) scratch: &'a mut Scratch<D, L>,
@@ -163,99 +123,14 @@ where
     /// Tangents at the points, then one block of the matrix after the other. Each is an entry of its own
     /// for the processor: one function of everything would take minutes to compile.
     pub(super) fn run(self) {
-        let JacobianTask { kernel: k, step, tangent, batch, scratch: s, out } = self;
-        TangentTasks { kernel: k, step, tangent, directions: Directions::All, batch, scratch: s }.run();
+        let JacobianTask { kernel: k, step, linearization, tangent, batch, scratch: s, out } = self;
+        let directions = Directions::All;
+        TangentTasks { kernel: k, step, linearization, tangent, directions, batch, scratch: s }.run();
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
         let tangents = k.tangents(batch, &s.tangent);
-        Lanes::<L>::dispatch(ContractTask { tangents, pieces: &k.pieces, slots, piece: &mut s.piece, out });
-    }
-}
-
-/// How a tangent is computed, as a type: each way is compiled on its own.
-trait How<F, const D: usize> {
-    fn tangent<S: Scalar<Value = S>>(
-        form: &F,
-        rule: &StepRule,
-        place: &Place<S, D>,
-        new: &Fields<S, D>,
-        old: &Fields<S, D>,
-        direction: &Fields<S, D>,
-    ) -> Tested<S, D>;
-}
-
-struct Automatic;
-struct Analytic;
-
-impl<F: ByHand<D>, const D: usize> How<F, D> for Automatic {
-    #[inline(always)]
-    fn tangent<S: Scalar<Value = S>>(
-        form: &F,
-        rule: &StepRule,
-        place: &Place<S, D>,
-        new: &Fields<S, D>,
-        old: &Fields<S, D>,
-        direction: &Fields<S, D>,
-    ) -> Tested<S, D> {
-        automatic(form, rule, place, new, old, direction)
-    }
-}
-
-impl<F: ByHand<D>, const D: usize> How<F, D> for Analytic {
-    #[inline(always)]
-    fn tangent<S: Scalar<Value = S>>(
-        form: &F,
-        rule: &StepRule,
-        place: &Place<S, D>,
-        new: &Fields<S, D>,
-        old: &Fields<S, D>,
-        direction: &Fields<S, D>,
-    ) -> Tested<S, D> {
-        form.by_hand(rule, place, new, old, direction)
-    }
-}
-
-/// The tangent at all points of a batch.
-struct TangentTask<'a, F, H, const D: usize, const L: usize> {
-    kernel: &'a Kernel<F, D, L>,
-    step: &'a StepView<'a>,
-    directions: Directions,
-    batch: usize,
-    scratch: &'a mut Scratch<D, L>,
-    how: PhantomData<H>,
-}
-
-impl<F: ByHand<D>, H: How<F, D>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
-where
-    Lanes<L>: Width,
-{
-    #[inline(always)]
-    fn run(self) {
-        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
-        let b = &k.batches;
-        let components = Fields::<f64, D>::COMPONENTS;
-        let (with_u, coupling) = match self.directions {
-            Directions::All => (k.deforms, 0.0),
-            Directions::Condensed { coupling } => (false, coupling),
-        };
-        k.load(self.step, batch, s);
-        for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
-            let (new, old) = k.fields(batch, q, s);
-            let (point, place) = (&b.points[index], k.place(&k.force, index));
-            let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
-            for (n, column) in columns.chunks_exact_mut(components).enumerate() {
-                if !with_u && (D + D * D..2 * (D + D * D)).contains(&n) {
-                    continue;
-                }
-                let mut direction = reference_direction::<D, L>(n, &point.inverse);
-                if coupling != 0.0 {
-                    direction.u = direction.v * Lanes::constant(coupling);
-                    direction.grad_u = direction.grad_v * Lanes::constant(coupling);
-                }
-                let t = H::tangent(&k.form, &self.step.rule, &place, &new, &old, &direction);
-                store(&pull_back(&t, point), column);
-            }
-        }
+        let reduced = linearization == Linearization::Reduced && !k.has_relation();
+        let (pieces, piece) = (&k.pieces, &mut s.piece);
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, out });
     }
 }
 
@@ -263,6 +138,8 @@ where
 struct ContractTask<'a, const D: usize, const L: usize> {
     tangents: Tangents<'a, D, L>,
     pieces: &'a [Piece],
+    /// Without derivatives of momentum and divergence with respect to u.
+    reduced: bool,
     slots: &'a [[u32; L]],
     piece: &'a mut [Lanes<L>],
     out: &'a Shared<'a>,
@@ -276,10 +153,13 @@ impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L> {
         for piece in self.pieces {
             let rows = if piece.test == Test::Xi { m } else { n };
             let size = rows * if piece.trial == Trial::P { m } else { n };
-            let block = &mut self.piece[..size];
-            self.tangents.contract(piece, block);
             let (here, rest) = slots.split_at(size);
             slots = rest;
+            if self.reduced && matches!((piece.test, piece.trial), (Test::Phi(_) | Test::Xi, Trial::U(_))) {
+                continue;
+            }
+            let block = &mut self.piece[..size];
+            self.tangents.contract(piece, block);
             for (slot, value) in here.iter().zip(block.iter()) {
                 for l in 0..L {
                     self.out.add(slot[l], value.0[l]);
@@ -301,42 +181,4 @@ impl<const D: usize, const L: usize> Task for PieceTask<'_, D, L> {
     fn run(self) {
         self.tangents.contract(self.piece, self.block);
     }
-}
-
-/// The direction in which only component `n` of the fields moves, gradients taken with respect to ξ:
-/// ∂v_i/∂x_j = (∂v_i/∂ξ_d) (∂ξ_d/∂x_j).
-#[inline(always)]
-fn reference_direction<const D: usize, const L: usize>(
-    n: usize,
-    inverse: &Tensor<Lanes<L>, D>,
-) -> Fields<Lanes<L>, D> {
-    let mut w = Fields::zero();
-    let (d, half) = (D, D + D * D);
-    if n == 2 * half {
-        w.p = Lanes::constant(1.0);
-    } else {
-        let (field, m) = (n / half, n % half);
-        let (value, grad) = if field == 0 { (&mut w.v, &mut w.grad_v) } else { (&mut w.u, &mut w.grad_u) };
-        if m < d {
-            value.0[m] = Lanes::constant(1.0);
-        } else {
-            grad.0[(m - d) / d] = inverse.0[(m - d) % d];
-        }
-    }
-    w
-}
-
-/// Write the components of `t` in the order of `Tested`.
-#[inline(always)]
-fn store<const D: usize, const L: usize>(t: &Tested<Lanes<L>, D>, out: &mut [Lanes<L>]) {
-    let half = D + D * D;
-    for i in 0..D {
-        out[i] = t.phi.0[i];
-        out[half + i] = t.psi.0[i];
-        for d in 0..D {
-            out[D + i * D + d] = t.grad_phi.0[i][d];
-            out[half + D + i * D + d] = t.grad_psi.0[i][d];
-        }
-    }
-    out[2 * half] = t.xi;
 }

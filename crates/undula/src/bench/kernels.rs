@@ -1,10 +1,10 @@
 //! The parts of a step, each called alone.
 
-use super::differences::{Differences, deviation};
 use super::median;
 use crate::algebra::{
     Backend, Csr, Direct, LinearSolver, MultifrontalLu, Options, SingleLu, SolverError, Unknown,
 };
+use crate::assembly::differences::{Differences, deviation};
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
 use crate::physics::StepRule;
@@ -272,8 +272,13 @@ fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
     }
     let mut new = at.new.clone();
     let h = moves(&new, size);
+    let steps: Vec<f64> = [(h[0], new.v.len()), (h[1], new.u.len()), (h[2], new.p.len())]
+        .into_iter()
+        .flat_map(|(h, n)| std::iter::repeat_n(h, n))
+        .collect();
     let mut matrix = Csr::zeros(&dual.pattern);
-    let call = || differences.jacobian(at.assembler, at.rule, &mut new, at.old, h, &mut matrix);
+    let call =
+        || differences.jacobian(at.assembler, at.rule, (&mut new, at.old), (&steps, true), &mut matrix);
     let calls = (LONGEST_DIFFERENCES / expected) as usize;
     kernels.jacobian_differences = Some(repeated(calls.clamp(1, CALLS), call));
     kernels.difference_deviation = Some(deviation(&dual, &matrix));

@@ -9,7 +9,6 @@
 //! # Ok::<(), undula::error::Error>(())
 //! ```
 
-pub mod differences;
 mod kernels;
 mod machine;
 mod matrices;

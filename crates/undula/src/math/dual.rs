@@ -92,6 +92,11 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     }
 
     #[inline(always)]
+    fn with_slope(value: S, slope: &[S], x: &[Self]) -> Self {
+        Dual { re: value, eps: slope.iter().zip(x).fold(S::zero(), |sum, (s, x)| sum + *s * x.eps) }
+    }
+
+    #[inline(always)]
     fn frozen(self) -> Self {
         Dual { re: self.re, eps: S::zero() }
     }

@@ -164,6 +164,11 @@ impl<const L: usize> Scalar for Lanes<L> {
     }
 
     #[inline(always)]
+    fn with_slope(value: Self, _: &[Self], _: &[Self]) -> Self {
+        value
+    }
+
+    #[inline(always)]
     fn frozen(self) -> Self {
         self
     }

@@ -27,6 +27,9 @@ pub trait Scalar:
     /// A value that does not depend on the unknowns.
     fn lift(x: Self::Value) -> Self;
 
+    /// A function of `x` by its value and its partial derivatives there: the chain rule.
+    fn with_slope(value: Self::Value, slope: &[Self::Value], x: &[Self]) -> Self;
+
     /// The same value with its derivative dropped (identity unless `Self` carries one).
     fn frozen(self) -> Self;
 
@@ -54,6 +57,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn lift(x: f64) -> f64 {
         x
+    }
+
+    #[inline(always)]
+    fn with_slope(value: f64, _: &[f64], _: &[f64]) -> f64 {
+        value
     }
 
     #[inline(always)]

@@ -39,6 +39,9 @@ pub struct Dots<T, const D: usize> {
     pub v: Vector<T, D>,
     /// ∂_t u \[m/s\].
     pub u: Vector<T, D>,
+    /// ∂_t u of the domain-motion term \[m/s\]: the same, but in a fixed-point iteration that of the last
+    /// iterate.
+    pub domain: Vector<T, D>,
 }
 
 /// What the point knows besides the fields. The reference domain never moves, so most of it is
@@ -47,14 +50,22 @@ pub struct Dots<T, const D: usize> {
 pub struct Place<S, const D: usize> {
     /// Body force per mass \[m/s²\].
     pub force: Vector<S, D>,
+    /// ∇f, `(∇f)_ij = ∂f_i/∂x_j`, where f is taken at the current position x + u; else 0 \[1/s²\].
+    pub force_slope: Tensor<S, D>,
     /// Stiffness E_e(x) of the extension.
     pub stiffness: S,
 }
 
 impl<S: Scalar, const D: usize> Place<S, D> {
+    /// f and its derivative ∇f w, w the direction of the deformation `u`.
+    #[inline(always)]
+    pub fn force_at<T: Scalar<Value = S>>(&self, u: &Vector<T, D>) -> Vector<T, D> {
+        Vector(std::array::from_fn(|i| T::with_slope(self.force.0[i], &self.force_slope.0[i], &u.0)))
+    }
+
     /// No force, unit stiffness.
     pub fn plain() -> Self {
-        Place { force: Vector::zero(), stiffness: S::one() }
+        Place { force: Vector::zero(), force_slope: Tensor::zero(), stiffness: S::one() }
     }
 }
 

@@ -35,7 +35,7 @@ impl<const D: usize> WeakForm<D> for Fluid {
     /// (ρ J (∂_t v − ∇v F⁻¹ ∂_t u), φ).
     #[inline(always)]
     fn rate<T: Scalar>(&self, dots: &Dots<T, D>, inertia: &Inertia<T, D>, r: &mut Tested<T, D>) {
-        r.phi += dots.v * inertia.mass - inertia.motion * dots.u;
+        r.phi += dots.v * inertia.mass - inertia.motion * dots.domain;
     }
 
     /// (ρ J (∇v F⁻¹ v − f), φ) + (J σ F⁻ᵀ, ∇φ) with σ = ρ ν (∇v F⁻¹ + F⁻ᵀ ∇vᵀ).
@@ -52,7 +52,7 @@ impl<const D: usize> WeakForm<D> for Fluid {
         let Kinematics { F_inv, J, .. } = Kinematics::of(&lag.grad_u);
         let grad_v = at.grad_v * F_inv;
         let sigma = rho * nu * (grad_v + grad_v.t());
-        let f = place.force.map(T::lift);
+        let f = place.force_at(&lag.u);
         r.phi += weight * rho * (grad_v * lag.v - f) * J;
         r.grad_phi += weight * (sigma * F_inv.t()) * J;
     }

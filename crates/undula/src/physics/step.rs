@@ -2,7 +2,7 @@
 
 use super::kinematics::cofactor;
 use super::{Dots, Fields, Inertia, Place, Tested, WeakForm};
-use crate::math::Scalar;
+use crate::math::{Scalar, Vector};
 
 /// Weights of a one-step scheme. A time scheme is a table of these.
 ///
@@ -56,10 +56,9 @@ impl StepRule {
         old: &Fields<T::Value, D>,
         r: &mut Tested<T, D>,
     ) {
-        let dots = Dots {
-            v: (new.v - old.v.map(T::lift)) * T::constant(self.per_k),
-            u: (lag.u - old.u.map(T::lift)) * T::constant(self.per_k),
-        };
+        let rate =
+            |new: Vector<T, D>, old: Vector<T::Value, D>| (new - old.map(T::lift)) * T::constant(self.per_k);
+        let dots = Dots { v: rate(new.v, old.v), u: rate(new.u, old.u), domain: rate(lag.u, old.u) };
         form.rate(&dots, &self.weighted_inertia(form, new, lag, old), r);
         form.transport(place, new, lag, self.theta, r);
         // The pressure is one multiplier per step and acts on the geometry of both ends; J p F⁻ᵀ at the

@@ -2,7 +2,8 @@
 //!
 //! It exists a second time on purpose: as a check of the automatic derivative and as a second choice.
 //! Errata of the printed theorem, each shown by the test `derivatives`: the data term
-//! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
+//! −(J tr(F⁻¹∇w) ρ f + J ρ ∇f w, φ) is missing (its second part for a force at the current position x + u),
+//! and λ tr(dE) lacks the factor I.
 
 use super::step::TimePoint;
 use super::{Extension, Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
@@ -75,7 +76,9 @@ fn transport<S: Scalar<Value = S>, const D: usize>(
     let grad_z = W.grad_v * F_inv;
     let grad_vw = grad_v * W.grad_u * F_inv;
     let dsigma = form.rho * form.nu * (grad_z + grad_z.t() - grad_vw - grad_vw.t());
-    let convection = (grad_v * new.v - place.force) * tr + grad_z * new.v + grad_v * W.v - grad_vw * new.v;
+    let convection = (grad_v * new.v - place.force) * tr + grad_z * new.v + grad_v * W.v
+        - grad_vw * new.v
+        - place.force_slope * W.u;
     r.phi += theta * form.rho * convection * J;
     let stress = sigma * F_inv_t * tr - sigma * F_inv_t * W.grad_u.t() * F_inv_t + dsigma * F_inv_t;
     r.grad_phi += theta * stress * J;

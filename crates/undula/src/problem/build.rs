@@ -2,13 +2,14 @@
 
 use super::case::Precision;
 use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, MeshSource, MotionModel,
+    PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu, SingleLu};
+use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
 use crate::error::Error;
 use crate::functional::Functional;
@@ -19,8 +20,8 @@ use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Material, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
-use crate::tangent::Tangent;
-use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
+use crate::tangent::{Difference, Tangent};
+use crate::time::{Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -137,7 +138,10 @@ impl Case {
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
-        let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let mut assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        // Without deformation the current position is the reference position.
+        let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
+        assembler.current_force = current.and_then(|f| current_force(&f.body_force));
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
@@ -151,13 +155,16 @@ impl Case {
                 _ => Box::new(MultifrontalLu::multifrontal(options)),
             }
         });
-        let linear = Linear::new(self.linearization(), make);
+        let linear = Linear::new(self.newton.linearization, make);
         let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
             tangent: match self.newton.jacobian {
                 JacobianKind::Automatic => Tangent::Automatic,
                 JacobianKind::Analytic => Tangent::Analytic,
+                JacobianKind::FiniteDifference { central, epsilon } => {
+                    Tangent::Difference(Difference::new(central, epsilon))
+                }
             },
             extrapolate: self.newton.extrapolate,
             max_halvings: self.time.as_ref().map_or(0, |t| t.max_halvings),
@@ -170,7 +177,10 @@ impl Case {
             assembler.constraints.apply(&space, start, v, u);
         }
         let force = [
-            self.fluid.as_ref().and_then(|f| body_force(&f.body_force)),
+            self.fluid
+                .as_ref()
+                .filter(|_| assembler.current_force.is_none())
+                .and_then(|f| body_force(&f.body_force)),
             self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
         ];
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
@@ -179,13 +189,6 @@ impl Case {
     /// Newton's method on `space`, with nothing kept.
     pub fn build_newton(&self, space: &FsiSpace<2>) -> Newton {
         Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v())
-    }
-
-    fn linearization(&self) -> time::Linearization {
-        match self.newton.linearization {
-            Linearization::Newton => time::Linearization::Newton,
-            Linearization::Condensed => time::Linearization::Condensed,
-        }
     }
 
     fn newton_settings(&self) -> Settings {
@@ -341,6 +344,17 @@ fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
         let x = [x[0], x[1], 0.0];
         [f[0].eval(&x, t), f[1].eval(&x, t)]
     }))
+}
+
+/// The same with its gradient, to be taken at current positions.
+fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
+    let _ = body_force(f)?;
+    let f = f.clone();
+    Some(CurrentForce::new(Box::new(move |x, t| {
+        let at = |f: &Expression| f.eval_with_gradient(&[x[0], x[1], 0.0], t);
+        let [(a, da), (b, db)] = [at(&f[0]), at(&f[1])];
+        ([a, b], [[da[0], da[1]], [db[0], db[1]]])
+    })))
 }
 
 /// Shown by `undula check`: sizes without computing anything.

@@ -5,6 +5,7 @@
 
 use super::error::Place;
 use super::expression::Expression;
+pub use crate::tangent::Linearization;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -143,6 +144,8 @@ pub struct FluidSpec {
     pub kinematic_viscosity: f64,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
+    /// Take the body force at the current position x + u instead of the reference position x.
+    pub force_at_current: bool,
 }
 
 /// The elastic body.
@@ -298,22 +301,20 @@ impl Default for LinearSpec {
     }
 }
 
-/// Which derivatives the matrix holds.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum Linearization {
-    /// All of them.
-    Newton,
-    /// Those of (v, p), u following by the velocity-deformation relation and the extension.
-    Condensed,
-}
-
 /// How derivatives are computed.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub enum JacobianKind {
     /// Dual numbers at the quadrature point.
     Automatic,
     /// Theorem 5.2.
     Analytic,
+    /// Differences of the residual at the quadrature point.
+    FiniteDifference {
+        /// On both sides instead of one.
+        central: bool,
+        /// ε, relative to the size of what moves.
+        epsilon: f64,
+    },
 }
 
 /// Linear solver.

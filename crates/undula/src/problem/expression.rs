@@ -15,6 +15,7 @@
 //!
 //! All numbers are real numbers: `1/2` is 0.5.
 
+mod derivative;
 mod parse;
 mod program;
 
@@ -74,6 +75,13 @@ impl Expression {
     #[inline]
     pub fn eval(&self, x: &[f64; 3], t: f64) -> f64 {
         self.program.run(x, t)
+    }
+
+    /// Value and partial derivatives with respect to x, y, z at the point `x` \[m\] and time `t` \[s\]. Where the
+    /// expression has a kink or a jump the derivative is that of one side.
+    pub fn eval_with_gradient(&self, x: &[f64; 3], t: f64) -> (f64, [f64; 3]) {
+        let slope = self.program.run_with_slope(x, t);
+        (slope.value, slope.partial)
     }
 
     /// Whether the value is the same everywhere and always.

@@ -73,7 +73,7 @@ pub fn sample(exact: &Exact, x: [f64; 2], t: f64) -> Sample {
             grad_u: grad(x.u, y.u),
             p: x.p.re,
         },
-        dots: Dots { v: slope(t.v), u: slope(t.u) },
+        dots: Dots { v: slope(t.v), u: slope(t.u), domain: slope(t.u) },
         grad_p: [x.p.eps, y.p.eps],
     }
 }

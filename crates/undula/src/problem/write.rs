@@ -132,6 +132,7 @@ impl Case {
             out.key("density", number(fluid.density), "kg/m³");
             out.key("kinematic-viscosity", number(fluid.kinematic_viscosity), "m²/s");
             out.key("body-force", expressions(&fluid.body_force), "m/s²");
+            out.word("body-force-at", if fluid.force_at_current { "current" } else { "reference" });
         }
         if let Some(solid) = &self.solid {
             out.table("solid");
@@ -192,6 +193,8 @@ impl Case {
             "linearization",
             match newton.linearization {
                 Linearization::Newton => "newton",
+                Linearization::Reduced => "reduced",
+                Linearization::FixedPoint => "fixed-point",
                 Linearization::Condensed => "condensed",
             },
         );
@@ -200,8 +203,13 @@ impl Case {
             match newton.jacobian {
                 JacobianKind::Automatic => "automatic",
                 JacobianKind::Analytic => "analytic",
+                JacobianKind::FiniteDifference { .. } => "finite-difference",
             },
         );
+        if let JacobianKind::FiniteDifference { central, epsilon } = newton.jacobian {
+            out.word("difference", if central { "central" } else { "one-sided" });
+            out.key("epsilon", number(epsilon), "relative to the size of what moves");
+        }
         if let Some(rate_max) = newton.rate_max {
             let meaning = "a Jacobian is kept while residuals shrink by this factor";
             out.key("rate-max", number(rate_max), meaning);

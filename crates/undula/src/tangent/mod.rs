@@ -1,18 +1,40 @@
-//! `A'(U)(W, ·)` of any form at a point: by dual numbers or by hand.
+//! `A'(U)(W, ·)` of any form at a point: by dual numbers, by hand or by differences.
 #![allow(non_snake_case)]
+
+mod difference;
+
+pub use difference::{Difference, Sizes};
 
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::{
     FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
 };
 
-/// How derivatives are computed.
+/// Which derivatives the matrix of an iteration holds; the residual is always that of the whole problem.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Linearization {
+    /// All with respect to v, u and p: Newton's method, Theorem 5.2.
+    Newton,
+    /// All but those of the flow, momentum and divergence, with respect to u: the reduced Jacobian of section
+    /// 5.2.3.
+    Reduced,
+    /// Of the equations of section 5.2.1, which are linear in the new iterate: the domain map, the transport
+    /// velocity and one factor of the strain are those of the last.
+    FixedPoint,
+    /// (v, p) with δu = kθ δv in the solid and the extension afterwards, else as reduced (Failer and Richter,
+    /// 2020).
+    Condensed,
+}
+
+/// How derivatives are computed.
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Tangent {
     /// Dual numbers at the quadrature point.
     Automatic,
     /// Theorem 5.2.
     Analytic,
+    /// Differences of the residual at the quadrature point.
+    Difference(Difference),
 }
 
 /// `U + ε W` as dual numbers.
@@ -42,6 +64,23 @@ pub fn automatic<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
     let new = seeded(new, W);
     let mut r = Tested::zero();
     rule.residual(form, place, &new, &new, old, &mut r);
+    r.map(|x| x.eps)
+}
+
+/// Derivative in direction `W` of what a fixed-point iteration solves, section 5.2.1: the geometry, the
+/// transport velocity and one factor of the strain stay those of `new`.
+#[inline(always)]
+pub fn fixed_point<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
+    form: &F,
+    rule: &StepRule,
+    place: &Place<S, D>,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+) -> Tested<S, D> {
+    let at = seeded(new, W);
+    let mut r = Tested::zero();
+    rule.residual(form, place, &at, &at.frozen(), old, &mut r);
     r.map(|x| x.eps)
 }
 
@@ -98,7 +137,7 @@ pub fn automatic_facet<S: Scalar<Value = S>, F: FacetForm<D>, const D: usize>(
     form.traction(&seeded(at, W), normal, theta).map(|x: Dual<S>| x.eps)
 }
 
-/// Derivative of the outflow term in direction `W`, either way.
+/// Derivative of the outflow term in direction `W`, whichever way.
 #[inline(always)]
 pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     tangent: Tangent,
@@ -111,5 +150,6 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     match tangent {
         Tangent::Automatic => automatic_facet(form, theta, at, normal, W),
         Tangent::Analytic => theorem_5_2::outflow(form, theta, at, normal, W),
+        Tangent::Difference(by) => by.facet(form, theta, at, normal, W),
     }
 }

@@ -5,7 +5,7 @@ use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::nonlinear::Seconds;
 use crate::space::{PsiOwner, State};
-use crate::tangent::Tangent;
+use crate::tangent::{Linearization, Tangent};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -21,17 +21,7 @@ pub enum Purpose {
     Correction,
 }
 
-/// Which matrix Newton's method uses.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum Linearization {
-    /// All derivatives with respect to v, u, p.
-    Newton,
-    /// (v, p) with δu = kθ δv in the solid and the extension afterwards, without derivatives of the flow with
-    /// respect to u (Failer and Richter, 2020).
-    Condensed,
-}
-
-/// Steps with the whole Jacobian after one that the condensed system could not do.
+/// Steps with the whole Jacobian after one that another linearisation could not do.
 const DETOUR: u32 = 10;
 
 /// A new Jacobian in iterations where the solver does not tell what it does.
@@ -44,11 +34,13 @@ const ITERATION: f64 = 25.0;
 const OPERATIONS: f64 = 30.0;
 const BYTES: f64 = 5.0;
 
-/// Both, each made when first needed.
+/// The whole matrix and the condensed one, each made when first needed.
 pub struct Linear {
     /// The one in use.
     pub active: Linearization,
-    /// Steps to go with the whole Jacobian after the condensed one has failed.
+    /// The one that was asked for.
+    chosen: Linearization,
+    /// Steps to go with the whole Jacobian after that has failed.
     pub detour: u32,
     make: MakeSolver,
     full: Option<Full>,
@@ -81,8 +73,8 @@ struct Extension {
 
 impl Linear {
     /// Nothing is prepared yet.
-    pub fn new(active: Linearization, make: MakeSolver) -> Linear {
-        Linear { active, detour: 0, make, full: None, condensed: None }
+    pub fn new(chosen: Linearization, make: MakeSolver) -> Linear {
+        Linear { active: chosen, chosen, detour: 0, make, full: None, condensed: None }
     }
 
     /// Take the whole Jacobian for some steps; `false` if it is in use already.
@@ -96,19 +88,19 @@ impl Linear {
 
     /// As it was when a run was left; nothing if that is to go on with the whole Jacobian anyway.
     pub fn set_detour(&mut self, steps: u32) {
-        if steps > 0 && self.active == Linearization::Condensed {
+        if steps > 0 && self.active != Linearization::Newton {
             (self.active, self.detour) = (Linearization::Newton, steps);
         }
     }
 
-    /// A step is done; `true` if the condensed system takes over again.
+    /// A step is done; `true` if the linearisation that was asked for takes over again.
     pub fn count_step(&mut self) -> bool {
         if self.detour == 0 {
             return false;
         }
         self.detour -= 1;
         if self.detour == 0 {
-            self.active = Linearization::Condensed;
+            self.active = self.chosen;
         }
         self.detour == 0
     }
@@ -126,12 +118,12 @@ impl Linear {
     ) -> Result<(), SolverError> {
         let start = Instant::now();
         match self.active {
-            Linearization::Newton => {
+            Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
                 let full = match &mut self.full {
                     Some(full) => full,
                     none => none.insert(Full::new(assembler, (self.make)(Purpose::Exact))?),
                 };
-                assembler.jacobian(view, tangent, &mut full.matrix);
+                assembler.matrix(view, self.active, tangent, &mut full.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
                 let factored = full.solver.factor(&full.matrix);
@@ -166,12 +158,12 @@ impl Linear {
         delta: &mut [f64],
     ) -> Result<(), SolverError> {
         match (self.active, &mut self.full, &mut self.condensed) {
-            (Linearization::Newton, Some(full), _) => full.solver.solve(&full.matrix, r, delta).map(|_| ()),
             (Linearization::Condensed, _, Some(condensed)) => {
                 condensed.correct(assembler, view, r, delta);
                 Ok(())
             }
-            _ => Err(SolverError::NotFactored),
+            (Linearization::Condensed, ..) | (_, None, _) => Err(SolverError::NotFactored),
+            (_, Some(full), _) => full.solver.solve(&full.matrix, r, delta).map(|_| ()),
         }
     }
 
@@ -179,12 +171,12 @@ impl Linear {
     /// that it is the same on every run.
     pub fn price(&self) -> f64 {
         let (unknowns, factors, others) = match (self.active, &self.full, &self.condensed) {
-            (Linearization::Newton, Some(full), _) => (full.matrix.pattern.n, full.solver.predicted(), None),
             (Linearization::Condensed, _, Some(condensed)) => {
                 let others = condensed.extension.as_ref().and_then(|e| e.solver.predicted());
                 (condensed.work.len(), condensed.solver.predicted(), others)
             }
-            _ => return TYPICAL_PRICE,
+            (Linearization::Condensed, ..) | (_, None, _) => return TYPICAL_PRICE,
+            (_, Some(full), _) => (full.matrix.pattern.n, full.solver.predicted(), None),
         };
         let (Some(factors), unknowns) = (factors, unknowns as f64) else { return TYPICAL_PRICE };
         let bytes = |cost: &Cost| cost.bytes.unwrap_or(0) as f64;

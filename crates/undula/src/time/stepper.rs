@@ -1,6 +1,6 @@
 //! One step: boundary data, start value, Newton, and smaller steps where it fails.
 
-use super::linear::{Linear, Linearization};
+use super::linear::Linear;
 use super::scheme::Scheme;
 use super::system::{BlockNorms, Scales, StepSystem};
 use crate::assembly::{Assembler, End, StepView, Worst};
@@ -8,7 +8,7 @@ use crate::nonlinear::newton::{Age, GROWTH};
 use crate::nonlinear::{Newton, NewtonError, NewtonReport};
 use crate::physics::StepRule;
 use crate::space::{Region, State};
-use crate::tangent::Tangent;
+use crate::tangent::{Linearization, Tangent};
 use std::time::Instant;
 
 /// Body force per mass as a function of position and time \[m/s²\].
@@ -45,6 +45,8 @@ pub struct StepReport {
     pub norms: BlockNorms,
     /// Smallest J at the quadrature points.
     pub min_j: f64,
+    /// Scaled residual at the start and after each Newton iteration, over all parts \[m/s\].
+    pub residuals: Vec<f64>,
 }
 
 /// A step that could not be done even when halved.
@@ -87,6 +89,11 @@ pub struct Stepper<const D: usize> {
     force: [Option<Force<D>>; 2],
     /// Manufactured right-hand side.
     pub source: Option<Source>,
+}
+
+fn step_report(newton: NewtonReport, norms: BlockNorms, min_j: f64) -> StepReport {
+    let NewtonReport { steps, jacobians, norms: residuals } = newton;
+    StepReport { newton_steps: steps, jacobians, parts: 1, norms, min_j, residuals }
 }
 
 /// How the iteration of a step begins.
@@ -180,6 +187,7 @@ impl<const D: usize> Stepper<D> {
     }
 
     fn set_forces(&mut self, end: End, t: f64) {
+        self.assembler.set_current_force(end, t, 1.0);
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
                 self.assembler.set_force(region, end, Some(&|x| force(x, t)));
@@ -227,6 +235,7 @@ impl<const D: usize> Stepper<D> {
             parts: first.parts + second.parts,
             norms: second.norms,
             min_j: first.min_j.min(second.min_j),
+            residuals: [first.residuals, second.residuals].concat(),
         })
     }
 
@@ -243,8 +252,7 @@ impl<const D: usize> Stepper<D> {
                 // Sums of decimal steps stay decimal: 0.3, not 0.30000000000000004.
                 self.time = (t * 1e12).round() / 1e12;
                 self.last_step = k;
-                let (newton_steps, jacobians) = (report.steps, report.jacobians);
-                Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
+                Ok(step_report(report, norms, min_j))
             }
             Err(reason) => {
                 let worst = self.assembler.worst();
@@ -338,6 +346,7 @@ impl<const D: usize> Stepper<D> {
                     total.newton_steps += report.newton_steps;
                     total.jacobians += report.jacobians;
                     total.parts += 1;
+                    total.residuals.extend(report.residuals);
                     (total.norms, total.min_j) = (report.norms, report.min_j);
                     (last_load, load) = (load, next);
                     increment *= 2.0;
@@ -351,6 +360,7 @@ impl<const D: usize> Stepper<D> {
 
     fn stationary_at(&mut self, load: f64, before: f64, earlier: f64) -> Result<StepReport, StepFailure> {
         let t = self.time;
+        self.assembler.set_current_force(End::New, t, load);
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
                 self.assembler.set_force(region, End::New, Some(&|x| force(x, t).map(|f| f * load)));
@@ -369,7 +379,8 @@ impl<const D: usize> Stepper<D> {
         self.apply_boundary(t, load);
         self.newton.forget();
         let active = self.linear.active;
-        if self.assembler.space.deforms {
+        // At rest u does not follow from v.
+        if self.assembler.space.deforms && active == Linearization::Condensed {
             self.linear.active = Linearization::Newton;
         }
         let mut system = StepSystem {
@@ -395,8 +406,7 @@ impl<const D: usize> Stepper<D> {
         match solved {
             Ok(report) => {
                 self.old = before_state;
-                let (newton_steps, jacobians) = (report.steps, report.jacobians);
-                Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
+                Ok(step_report(report, norms, min_j))
             }
             Err(reason) => {
                 let worst = self.assembler.worst();

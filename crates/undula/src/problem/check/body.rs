@@ -113,7 +113,14 @@ pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
             "the kinematic viscosity [m²/s]",
         ),
         body_force: s.expressions("body-force").unwrap_or_default(),
+        force_at_current: s
+            .choice("body-force-at", &[("reference", false), ("current", true)], &[])
+            .unwrap_or(false),
     };
+    if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
+        let note = "fluid.body-force-at has no effect: fluid.body-force is the same everywhere";
+        s.checker.notes.borrow_mut().push(note.into());
+    }
     s.finish();
     Some(spec)
 }

@@ -12,6 +12,11 @@ const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a numbe
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
 const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number above 0 and below 1" };
 
+const PERTURBATION: Range =
+    Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
+/// Best in the study of section 5.2.3.
+const EPSILON: f64 = 1e-6;
+
 #[derive(Copy, Clone, PartialEq)]
 enum Scheme {
     Stationary,
@@ -124,24 +129,53 @@ fn check_schedule(
     }
 }
 
+/// How derivatives are computed: `jacobian`, `difference`, `epsilon`.
+fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> JacobianKind {
+    let central = s.choice("difference", &[("one-sided", false), ("central", true)], &[]);
+    let epsilon = s.number("epsilon", EPSILON, PERTURBATION);
+    let kinds = [
+        ("automatic", JacobianKind::Automatic),
+        ("analytic", JacobianKind::Analytic),
+        ("finite-difference", JacobianKind::FiniteDifference { central: central.unwrap_or(false), epsilon }),
+    ];
+    let kind = s.choice("jacobian", &kinds, &[]).unwrap_or(JacobianKind::Automatic);
+    if kind == JacobianKind::Analytic && linearization == Linearization::FixedPoint {
+        let message = "Theorem 5.2 is the Jacobian of Newton's method, not the matrix of a fixed-point \
+                       iteration; expected `automatic` or `finite-difference`";
+        s.wrong("jacobian", message);
+    }
+    for key in ["difference", "epsilon"] {
+        if s.has(key) && !matches!(kind, JacobianKind::FiniteDifference { .. }) {
+            let note = format!("newton.{key} has no effect: newton.jacobian is not `finite-difference`");
+            s.checker.notes.borrow_mut().push(note);
+        }
+    }
+    kind
+}
+
 /// `condensed`: whether the condensed system is the better default, in time or without a solid.
 pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
-    let linearizations = [("newton", Linearization::Newton), ("condensed", Linearization::Condensed)];
-    let linearization = s.choice("linearization", &linearizations, &["reduced", "fixed-point"]);
-    let jacobians = [("automatic", JacobianKind::Automatic), ("analytic", JacobianKind::Analytic)];
-    let jacobian = s.choice("jacobian", &jacobians, &["finite-difference"]);
+    let linearizations = [
+        ("newton", Linearization::Newton),
+        ("reduced", Linearization::Reduced),
+        ("fixed-point", Linearization::FixedPoint),
+        ("condensed", Linearization::Condensed),
+    ];
+    let linearization = s.choice("linearization", &linearizations, &[]);
     let default = if condensed { Linearization::Condensed } else { Linearization::Newton };
-    let linearization = linearization.unwrap_or(default);
+    let mut linearization = linearization.unwrap_or(default);
     if linearization == Linearization::Condensed && !condensed {
         let note = "newton.linearization has no effect: a stationary deformation takes the full Jacobian";
         s.checker.notes.borrow_mut().push(note.into());
+        linearization = Linearization::Newton;
     }
+    let jacobian = jacobian(&mut s, linearization);
     let defaults = NewtonSpec::default();
-    let is_newton = linearization == Linearization::Newton;
+    let is_newton = linearization != Linearization::Condensed;
     let rate_max = s.optional_number("rate-max", RATE);
     let spec = NewtonSpec {
         linearization,
-        jacobian: jacobian.unwrap_or(JacobianKind::Automatic),
+        jacobian,
         rate_max: rate_max.or(is_newton.then_some(0.2)),
         secants: s.integer("secants", if is_newton { 0 } else { defaults.secants }, 0..=50),
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),

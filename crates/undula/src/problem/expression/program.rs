@@ -1,6 +1,7 @@
 //! From tree to program: constants folded, flattened for a stack machine of fixed size.
 
 use super::ExpressionError;
+use super::derivative::Slope;
 
 /// Numbers the stack machine holds.
 const STACK: usize = 32;
@@ -67,7 +68,7 @@ pub(super) enum Binary {
 
 impl Unary {
     #[inline]
-    fn apply(self, a: f64) -> f64 {
+    pub(super) fn apply(self, a: f64) -> f64 {
         match self {
             Unary::Plus => a,
             Unary::Neg => -a,
@@ -100,7 +101,7 @@ impl Binary {
     }
 
     #[inline]
-    fn apply(self, a: f64, b: f64) -> f64 {
+    pub(super) fn apply(self, a: f64, b: f64) -> f64 {
         match self {
             Binary::Add => a + b,
             Binary::Sub => a - b,
@@ -218,6 +219,42 @@ impl Program {
                 Instruction::Select => {
                     n -= 2;
                     stack[n - 1] = if stack[n - 1] != 0.0 { stack[n] } else { stack[n + 1] };
+                }
+            }
+        }
+        stack[0]
+    }
+
+    /// The same with partial derivatives.
+    pub(super) fn run_with_slope(&self, x: &[f64; 3], t: f64) -> Slope {
+        let mut stack = [Slope::constant(0.0); STACK];
+        let mut n = 0;
+        for instruction in &self.code {
+            match *instruction {
+                Instruction::Push(value) => {
+                    stack[n] = Slope::constant(value);
+                    n += 1;
+                }
+                Instruction::Load(variable) => {
+                    stack[n] = match variable {
+                        Variable::X => Slope::coordinate(x[0], 0),
+                        Variable::Y => Slope::coordinate(x[1], 1),
+                        Variable::Z => Slope::coordinate(x[2], 2),
+                        Variable::T => Slope::constant(t),
+                    };
+                    n += 1;
+                }
+                Instruction::Unary(f) => stack[n - 1] = Slope::unary(f, stack[n - 1]),
+                Instruction::Square => {
+                    stack[n - 1] = Slope::binary(Binary::Mul, stack[n - 1], stack[n - 1]);
+                }
+                Instruction::Binary(f) => {
+                    n -= 1;
+                    stack[n - 1] = Slope::binary(f, stack[n - 1], stack[n]);
+                }
+                Instruction::Select => {
+                    n -= 2;
+                    stack[n - 1] = if stack[n - 1].value != 0.0 { stack[n] } else { stack[n + 1] };
                 }
             }
         }

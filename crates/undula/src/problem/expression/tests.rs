@@ -147,3 +147,39 @@ fn serialises_as_number_or_source() {
     assert_eq!(json(&Expression::parse("2.5").unwrap()), "2.5");
     assert_eq!(json(&Expression::parse("2*y").unwrap()), "\"2*y\"");
 }
+
+/// Partial derivatives are the limits of central differences, for every function.
+#[test]
+fn gradients_are_those_of_differences() {
+    for source in [
+        "x*y - y/x + z - 2",
+        "sin(x*y) + cos(x - y) * tan(y)",
+        "asin(x) + acos(y) + atan(x*y)",
+        "sinh(x) - cosh(y) * tanh(x*y)",
+        "exp(-x) * ln(y) + log10(x*y) + sqrt(x + y)",
+        "abs(x - 1) + sign(x) + floor(x) + ceil(y) + step(y)",
+        "x^2 + y^3 + (x - 1)^3 + x^y + 2^x + pow(y, -1)",
+        "atan2(x, y) + hypot(x, 2*y) + min(x, y) - max(x*x, y)",
+        "ramp(x, 1) + ramp(t, 2) * x + ramp(y, x) + ramp(x, 0.1)",
+        "if(x < y, x*x, y*y) + clamp(x, 0, 1) + (x > 0.1) * y",
+    ] {
+        let expression = Expression::parse(source).unwrap();
+        for (x, y) in [(0.3, 0.2), (0.2, 0.7)] {
+            let (value, gradient) = expression.eval_with_gradient(&[x, y, 7.0], 1.5);
+            assert_eq!(value, expression.eval(&[x, y, 7.0], 1.5), "{source}");
+            for d in 0..3 {
+                let moved = |h: f64| {
+                    let mut at = [x, y, 7.0];
+                    at[d] += h;
+                    expression.eval(&at, 1.5)
+                };
+                let difference = (moved(1e-6) - moved(-1e-6)) / 2e-6;
+                assert!(
+                    (gradient[d] - difference).abs() < 1e-8 * (1.0 + difference.abs()),
+                    "{source} at {x}, {y}: {} is not {difference}",
+                    gradient[d]
+                );
+            }
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The Jacobian by differences of residuals, as many columns at a time as meet in no row.
 
+use super::{Assembler, StepView};
 use crate::algebra::{Csr, Pattern};
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::space::State;
 
@@ -61,36 +61,34 @@ impl Differences {
         Differences { groups, columns, given, plus: zeros(), minus: zeros(), direction: zeros() }
     }
 
-    /// Residuals that a Jacobian takes.
+    /// Residuals that a Jacobian by central differences takes.
     pub fn residuals(&self) -> usize {
         2 * self.groups.len()
     }
 
-    /// Central differences at `new`, moved by `h` in the unknowns of v, u and p.
+    /// Differences at `new`, whose unknowns are moved by the entries of `h`, forth and with `central` back.
     pub fn jacobian<const D: usize>(
         &mut self,
         assembler: &mut Assembler<D>,
         rule: StepRule,
-        new: &mut State,
-        old: &State,
-        h: [f64; 3],
+        (new, old): (&mut State, &State),
+        (h, central): (&[f64], bool),
         out: &mut Csr,
     ) {
         out.values.fill(0.0);
         self.given.iter().for_each(|&place| out.values[place] = 1.0);
-        let bounds = [new.v.len(), new.v.len() + new.u.len()];
-        let size = |col: usize| h[bounds.iter().filter(|&&bound| col >= bound).count()];
+        let back = if central { -1.0 } else { 0.0 };
         for group in &self.groups {
             self.direction.fill(0.0);
-            group.iter().for_each(|&col| self.direction[col as usize] = size(col as usize));
-            for (move_by, r) in [(1.0, &mut self.plus), (-2.0, &mut self.minus)] {
+            group.iter().for_each(|&col| self.direction[col as usize] = h[col as usize]);
+            for (move_by, r) in [(1.0, &mut self.plus), (back - 1.0, &mut self.minus)] {
                 new.add_scaled(move_by, &self.direction);
                 r.fill(0.0);
                 assembler.residual(&StepView { rule, new, old }, r);
             }
-            new.add_scaled(1.0, &self.direction);
+            new.add_scaled(-back, &self.direction);
             for &col in group {
-                let scale = 0.5 / size(col as usize);
+                let scale = 1.0 / ((1.0 - back) * h[col as usize]);
                 for &(row, place) in self.columns.of(col as usize) {
                     let (row, place) = (row as usize, place as usize);
                     out.values[place] = scale * (self.plus[row] - self.minus[row]);

@@ -1,0 +1,244 @@
+//! The tangents at the points of a batch, each way of computing them compiled on its own.
+
+use super::evaluate::pull_back;
+use super::kernel::{Kernel, Scratch, StepView};
+use super::simd::{Task, Width};
+use crate::math::{Lanes, Scalar, Tensor};
+use crate::physics::{Fields, Place, StepRule, Tested};
+use crate::tangent::{ByHand, Difference, Linearization, Tangent, automatic, fixed_point};
+
+/// In which directions tangents are computed.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) enum Directions {
+    /// v, u and p.
+    All,
+    /// v and p; u moves by `coupling` times v.
+    Condensed {
+        /// kθ in the solid, else 0 \[s\].
+        coupling: f64,
+    },
+}
+
+/// The tangents at all points of a batch.
+pub(super) struct TangentTasks<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) linearization: Linearization,
+    pub(super) tangent: Tangent,
+    pub(super) directions: Directions,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> TangentTasks<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    pub(super) fn run(self) {
+        let lagged = self.linearization == Linearization::FixedPoint;
+        match self.tangent {
+            Tangent::Difference(by) => self.dispatch(ByDifference { by, lagged }),
+            _ if lagged => self.dispatch(FixedPoint),
+            Tangent::Automatic => self.dispatch(Automatic),
+            Tangent::Analytic => self.dispatch(Analytic),
+        }
+    }
+
+    #[inline(always)]
+    fn dispatch<H: How<F, D, L>>(self, how: H) {
+        let TangentTasks { kernel, step, directions, batch, scratch, .. } = self;
+        Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
+    }
+}
+
+/// What a tangent is taken of: the equations and the fields at a point.
+struct Point<'a, F, const D: usize, const L: usize> {
+    form: &'a F,
+    rule: &'a StepRule,
+    place: &'a Place<Lanes<L>, D>,
+    new: &'a Fields<Lanes<L>, D>,
+    old: &'a Fields<Lanes<L>, D>,
+}
+
+/// How a tangent is computed, as a type: each way is compiled on its own.
+trait How<F, const D: usize, const L: usize> {
+    /// What all directions share.
+    type Base;
+
+    fn base(&self, at: &Point<'_, F, D, L>) -> Self::Base;
+
+    fn tangent(
+        &self,
+        at: &Point<'_, F, D, L>,
+        base: &Self::Base,
+        direction: &Fields<Lanes<L>, D>,
+    ) -> Tested<Lanes<L>, D>;
+}
+
+struct Automatic;
+struct Analytic;
+struct FixedPoint;
+struct ByDifference {
+    by: Difference,
+    /// Of the fixed-point iteration.
+    lagged: bool,
+}
+
+/// A way in which every direction stands for itself.
+macro_rules! by_direction {
+    ($how:ty, $tangent:expr) => {
+        impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for $how {
+            type Base = ();
+
+            #[inline(always)]
+            fn base(&self, _: &Point<'_, F, D, L>) {}
+
+            #[inline(always)]
+            fn tangent(
+                &self,
+                at: &Point<'_, F, D, L>,
+                (): &(),
+                direction: &Fields<Lanes<L>, D>,
+            ) -> Tested<Lanes<L>, D> {
+                $tangent(at.form, at.rule, at.place, at.new, at.old, direction)
+            }
+        }
+    };
+}
+
+by_direction!(Automatic, automatic);
+by_direction!(Analytic, F::by_hand);
+by_direction!(FixedPoint, fixed_point);
+
+impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for ByDifference {
+    type Base = Tested<Lanes<L>, D>;
+
+    #[inline(always)]
+    fn base(&self, at: &Point<'_, F, D, L>) -> Tested<Lanes<L>, D> {
+        let mut r = Tested::zero();
+        at.rule.residual(at.form, at.place, at.new, at.new, at.old, &mut r);
+        r
+    }
+
+    #[inline(always)]
+    fn tangent(
+        &self,
+        at: &Point<'_, F, D, L>,
+        base: &Tested<Lanes<L>, D>,
+        direction: &Fields<Lanes<L>, D>,
+    ) -> Tested<Lanes<L>, D> {
+        let h = perturbation(&self.by, direction);
+        let ends = (at.new, at.old);
+        self.by.derivative(self.lagged, at.form, at.rule, at.place, ends, base, (direction, h))
+    }
+}
+
+/// h for a direction in which one component moves: ∇u by `epsilon`, else `epsilon` times the size of the field.
+///
+/// Directions are with respect to reference coordinates, so that v and ∇v move as if a nodal value did.
+#[inline(always)]
+fn perturbation<const D: usize, const L: usize>(
+    by: &Difference,
+    direction: &Fields<Lanes<L>, D>,
+) -> Lanes<L> {
+    let grad_u = direction.grad_u.ddot(direction.grad_u);
+    let u = direction.u.dot(direction.u);
+    let is_p = direction.p;
+    Lanes(std::array::from_fn(|l| {
+        by.epsilon
+            * if grad_u.0[l] > 0.0 {
+                1.0 / grad_u.0[l].sqrt()
+            } else if is_p.0[l] != 0.0 {
+                by.sizes.p
+            } else if u.0[l] > 0.0 {
+                by.sizes.u / u.0[l].sqrt()
+            } else {
+                by.sizes.v
+            }
+    }))
+}
+
+/// The tangent at all points of a batch.
+struct TangentTask<'a, F, H, const D: usize, const L: usize> {
+    kernel: &'a Kernel<F, D, L>,
+    step: &'a StepView<'a>,
+    directions: Directions,
+    batch: usize,
+    scratch: &'a mut Scratch<D, L>,
+    how: H,
+}
+
+impl<F: ByHand<D>, H: How<F, D, L>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
+        let b = &k.batches;
+        let components = Fields::<f64, D>::COMPONENTS;
+        let (with_u, coupling) = match self.directions {
+            Directions::All => (k.deforms, 0.0),
+            Directions::Condensed { coupling } => (false, coupling),
+        };
+        k.load(self.step, batch, s);
+        for q in 0..b.n_points {
+            let index = batch * b.n_points + q;
+            let (new, old) = k.fields(batch, q, s);
+            let (point, place) = (&b.points[index], k.place(&k.force, index));
+            let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
+            let base = self.how.base(&at);
+            let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
+            for (n, column) in columns.chunks_exact_mut(components).enumerate() {
+                if !with_u && (D + D * D..2 * (D + D * D)).contains(&n) {
+                    continue;
+                }
+                let mut direction = reference_direction::<D, L>(n, &point.inverse);
+                if coupling != 0.0 {
+                    direction.u = direction.v * Lanes::constant(coupling);
+                    direction.grad_u = direction.grad_v * Lanes::constant(coupling);
+                }
+                let t = self.how.tangent(&at, &base, &direction);
+                store(&pull_back(&t, point), column);
+            }
+        }
+    }
+}
+
+/// The direction in which only component `n` of the fields moves, gradients taken with respect to ξ:
+/// ∂v_i/∂x_j = (∂v_i/∂ξ_d) (∂ξ_d/∂x_j).
+#[inline(always)]
+fn reference_direction<const D: usize, const L: usize>(
+    n: usize,
+    inverse: &Tensor<Lanes<L>, D>,
+) -> Fields<Lanes<L>, D> {
+    let mut w = Fields::zero();
+    let (d, half) = (D, D + D * D);
+    if n == 2 * half {
+        w.p = Lanes::constant(1.0);
+    } else {
+        let (field, m) = (n / half, n % half);
+        let (value, grad) = if field == 0 { (&mut w.v, &mut w.grad_v) } else { (&mut w.u, &mut w.grad_u) };
+        if m < d {
+            value.0[m] = Lanes::constant(1.0);
+        } else {
+            grad.0[(m - d) / d] = inverse.0[(m - d) % d];
+        }
+    }
+    w
+}
+
+/// Write the components of `t` in the order of `Tested`.
+#[inline(always)]
+fn store<const D: usize, const L: usize>(t: &Tested<Lanes<L>, D>, out: &mut [Lanes<L>]) {
+    let half = D + D * D;
+    for i in 0..D {
+        out[i] = t.phi.0[i];
+        out[half + i] = t.psi.0[i];
+        for d in 0..D {
+            out[D + i * D + d] = t.grad_phi.0[i][d];
+            out[half + D + i * D + d] = t.grad_psi.0[i][d];
+        }
+    }
+    out[2 * half] = t.xi;
+}
