@@ -14,7 +14,7 @@ use undula::physics::StepRule;
 use undula::physics::step::SECANT;
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::simulation::Simulation;
-use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
 use undula::tangent::Tangent;
 use undula::time::{Linear, Linearization, Purpose};
@@ -116,7 +116,7 @@ fn check(physics: Physics, pressure: PressureKind, rule: StepRule, options: &Opt
 
 #[test]
 fn the_correction_solves_the_condensed_system() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         for physics in [FSI, FLOW, BODY] {
             check(physics, pressure, RULE, &options());
         }
@@ -127,7 +127,7 @@ fn the_correction_solves_the_condensed_system() {
 #[test]
 fn any_lanes_solve_it() {
     for lanes in [1, 4, 8] {
-        check(FSI, P1dc, RULE, &Options { lanes, threads: 1, quadrature: QUADRATURE });
+        check(FSI, Pdc(1), RULE, &Options { lanes, threads: 1, quadrature: QUADRATURE });
     }
 }
 
@@ -135,7 +135,7 @@ fn any_lanes_solve_it() {
 #[test]
 fn without_coupling_it_is_newton() {
     for (physics, rule) in [(FLOW, RULE), (FLOW, StepRule::STATIONARY), (BODY, RULE)] {
-        let problem = coupled(physics, P1dc);
+        let problem = coupled(physics, Pdc(1));
         let mut assembler = problem.assembler(&options());
         let (new, old) = (random(&problem, 7, [2.0, 0.02, 4.0]), random(&problem, 8, [2.0, 0.02, 4.0]));
         let view = StepView { rule, new: &new, old: &old };

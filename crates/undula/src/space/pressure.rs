@@ -8,12 +8,19 @@ use crate::mesh::Mesh;
 /// Which pressure space.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PressureKind {
-    /// Discontinuous polynomials of degree 1 in the reference-domain coordinates x of the cell,
-    /// 1, (x − x_c)/h, (y − y_c)/h: a basis mapped with the cell would lose an order on cells that are
-    /// not parallelograms.
-    P1dc,
-    /// Continuous Q_k.
+    /// Discontinuous polynomials of this total degree in the reference-domain coordinates x of the cell, see
+    /// [`monomials`]: a basis mapped with the cell would lose an order on cells that are not parallelograms.
+    Pdc(usize),
+    /// Continuous, of this degree.
     Continuous(usize),
+}
+
+impl PressureKind {
+    /// Polynomial degree.
+    pub fn degree(self) -> usize {
+        let (PressureKind::Pdc(degree) | PressureKind::Continuous(degree)) = self;
+        degree
+    }
 }
 
 /// The pressure unknowns.
@@ -27,7 +34,7 @@ pub struct PressureSpace<const D: usize> {
     pub per_cell: usize,
     /// `n_cells × per_cell`; `u32::MAX` on cells without pressure.
     pub cell_dofs: Vec<u32>,
-    /// Centre and size of every cell \[m\] (P1dc).
+    /// Centre and size of every cell \[m\] (Pdc).
     pub frames: Vec<([f64; D], f64)>,
     /// Position of every unknown \[m\].
     pub points: Vec<[f64; D]>,
@@ -48,8 +55,8 @@ impl<const D: usize> PressureSpace<D> {
                     points: nodes.points,
                 }
             }
-            PressureKind::P1dc => {
-                let per_cell = D + 1;
+            PressureKind::Pdc(degree) => {
+                let per_cell = monomials(degree, &[0.0; D]).len();
                 let mut cell_dofs = vec![u32::MAX; mesh.n_cells() * per_cell];
                 let (mut frames, mut points, mut n) = (vec![], vec![], 0);
                 for c in 0..mesh.n_cells() {
@@ -78,13 +85,24 @@ impl<const D: usize> PressureSpace<D> {
     pub fn basis(&self, mesh: &Mesh<D>, cell: usize, xi: &[f64], x: &[f64; D]) -> Vec<f64> {
         match self.kind {
             PressureKind::Continuous(degree) => lagrange::basis(mesh.shape, degree, xi).0,
-            PressureKind::P1dc => {
+            PressureKind::Pdc(degree) => {
                 let (centre, h) = &self.frames[cell];
-                let linear = (0..D).map(|d| (x[d] - centre[d]) / h);
-                std::iter::once(1.0).chain(linear).collect()
+                monomials(degree, &std::array::from_fn::<f64, D, _>(|d| (x[d] - centre[d]) / h))
             }
         }
     }
+}
+
+/// All products of the entries of `x` with at most `degree` factors, by degree: 1, x, y, x², x y, y², …
+pub fn monomials(degree: usize, x: &[f64]) -> Vec<f64> {
+    let mut list = vec![1.0];
+    // Those of the last degree with the number of their last factor, so that each product occurs once.
+    let mut last = vec![(1.0, 0)];
+    for _ in 0..degree {
+        last = last.iter().flat_map(|&(p, d)| (d..x.len()).map(move |e| (p * x[e], e))).collect();
+        list.extend(last.iter().map(|(p, _)| *p));
+    }
+    list
 }
 
 /// ĥ = |K̂|^(1/D).
