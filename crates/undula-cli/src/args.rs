@@ -68,14 +68,29 @@ pub struct RunArgs {
     /// Print errors only
     #[arg(short, long)]
     pub quiet: bool,
+    /// Print the scaled residual after every Newton iteration
+    #[arg(short, long, conflicts_with = "quiet")]
+    pub verbose: bool,
 }
 
 /// `undula check`.
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// The case
-    #[command(flatten)]
-    pub case: CaseArgs,
+    /// Built-in case or TOML file
+    #[arg(required_unless_present = "from")]
+    pub case: Option<String>,
+    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Compare all Jacobians at one state; exit code 1 if they do not agree
+    #[arg(long, conflicts_with = "toml")]
+    pub jacobian: bool,
+    /// That state is the last checkpoint of the run in this directory, with its case [default: a random one]
+    #[arg(long, value_name = "RUN_DIR", conflicts_with = "case", requires = "jacobian")]
+    pub from: Option<PathBuf>,
+    /// Another random state
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "jacobian")]
+    pub seed: u32,
     /// Print the case as TOML with all defaults instead of the summary
     #[arg(long)]
     pub toml: bool,

@@ -1,12 +1,12 @@
 //! `undula bench`: what a step costs, and its parts.
 
-use crate::args::{BREAKDOWN, BenchArgs, CaseArgs, bad_input, print, threads};
+use crate::args::{BREAKDOWN, BenchArgs, bad_input, print, threads};
 use crate::{check, run};
 use anyhow::Context;
 use std::process::ExitCode;
 use undula::bench::{Options, Report, measure, write_matrices};
 use undula::error::Error;
-use undula::output::{OutputError, RunDirectory, write_atomic};
+use undula::output::write_atomic;
 use undula::problem::case::Case;
 use undula::simulation::Simulation;
 
@@ -15,7 +15,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     if let Some(output) = args.output.as_ref().filter(|output| output.is_dir()) {
         return bad_input(format_args!("-o {}: this is a directory; a file is needed", output.display()));
     }
-    let case = match load(args)? {
+    let case = match check::load_from(args.from.as_deref(), &args.case, &args.set)? {
         Ok(case) => case,
         Err(code) => return Ok(code),
     };
@@ -26,24 +26,6 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
             Ok(ExitCode::from(BREAKDOWN))
         }
         Err(error) => run::failed(error),
-    }
-}
-
-/// The case that is asked for, that of the run if there is one.
-fn load(args: &BenchArgs) -> anyhow::Result<Result<Case, ExitCode>> {
-    let set = args.set.clone();
-    let Some(from) = &args.from else {
-        return check::load(&CaseArgs { case: args.case.clone(), set });
-    };
-    match RunDirectory::open(from) {
-        Ok(directory) => {
-            let case = directory.case().to_string_lossy().into_owned();
-            check::load(&CaseArgs { case, set })
-        }
-        Err(error @ OutputError::NoRun { .. }) => {
-            Ok(Err(bad_input(format_args!("{error}; --from expects the output directory of `undula run`"))?))
-        }
-        Err(error) => Err(error.into()),
     }
 }
 

@@ -2,13 +2,15 @@
 
 use crate::args::{CaseArgs, CheckArgs, bad_input, print};
 use std::fmt::Write;
+use std::path::Path;
 use std::process::ExitCode;
+use undula::output::{OutputError, RunDirectory};
 use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
 use undula::problem::error::LoadError;
 
 /// Loads the case and prints its summary, or all its mistakes.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
-    match load(&args.case)? {
+    match load_from(args.from.as_deref(), args.case.as_deref().unwrap_or_default(), &args.set)? {
         Ok(case) if args.toml => print(&case.to_toml()),
         Ok(case) => match case.sizes() {
             Ok(sizes) => {
@@ -18,6 +20,24 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
             Err(error) => bad_input(error),
         },
         Err(code) => Ok(code),
+    }
+}
+
+/// The `case`, or that of the run in the directory `from` if there is one; else as [`load`].
+///
+/// # Errors
+/// Files that are there but cannot be read.
+pub fn load_from(from: Option<&Path>, case: &str, set: &[String]) -> anyhow::Result<Result<Case, ExitCode>> {
+    let set = set.to_vec();
+    let Some(from) = from else {
+        return load(&CaseArgs { case: case.into(), set });
+    };
+    match RunDirectory::open(from) {
+        Ok(directory) => load(&CaseArgs { case: directory.case().to_string_lossy().into_owned(), set }),
+        Err(error @ OutputError::NoRun { .. }) => {
+            Ok(Err(bad_input(format_args!("{error}; --from expects the output directory of `undula run`"))?))
+        }
+        Err(error) => Err(error.into()),
     }
 }
 
@@ -60,7 +80,7 @@ pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Erro
         Some(Size { cells, unknowns }) => writeln!(out, ", {cells} cells, {unknowns} unknowns")?,
         None => writeln!(out)?,
     }
-    writeln!(out, "space     {:?}/{:?}", case.space.velocity, case.space.pressure)?;
+    writeln!(out, "space     {}/{}", case.space.velocity.name(), case.space.pressure.name())?;
     match &case.fluid {
         None => writeln!(out, "fluid     none: the interface is traction-free")?,
         Some(fluid) => write_fluid(&mut out, case, fluid)?,

@@ -36,6 +36,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let mut display = Display {
         progress: Some(Progress::new(end, args.quiet)),
         quiet: args.quiet,
+        verbose: args.verbose,
         stop: interrupt_flag()?,
     };
     let result = undula::run::run(case, &options, &mut display);
@@ -67,6 +68,7 @@ fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
 struct Display {
     progress: Option<Progress>,
     quiet: bool,
+    verbose: bool,
     stop: Arc<AtomicBool>,
 }
 
@@ -104,11 +106,22 @@ impl Observer for Display {
             leading,
             min_j: row.min_j,
         };
+        if let (true, Some(progress)) = (self.verbose, &self.progress) {
+            progress.message(&iterations(simulation, row));
+        }
         if let Some(progress) = &mut self.progress {
             progress.update(&info);
         }
         if self.stop.load(Ordering::Relaxed) { Flow::Stop } else { Flow::Continue }
     }
+}
+
+/// The scaled residuals of a step, from its start value on.
+fn iterations(simulation: &Simulation, row: &Row) -> String {
+    let residuals: Vec<String> = simulation.report.residuals.iter().map(|r| format!("{r:.2e}")).collect();
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let jacobians = count(row.jacobians, "Jacobian");
+    format!("t = {:.4} s: {jacobians}, residuals {}", row.time, residuals.join(" "))
 }
 
 /// The end of a run that has a summary.

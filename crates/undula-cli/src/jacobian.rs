@@ -1,0 +1,38 @@
+//! `undula check --jacobian`: all Jacobians of a case beside each other.
+
+use crate::args::{CheckArgs, print};
+use crate::{check, run};
+use std::process::ExitCode;
+use undula::error::Error;
+use undula::jacobian::{At, JacobianReport, compare};
+use undula::problem::case::Case;
+use undula::run::restore_latest;
+use undula::simulation::Simulation;
+
+/// Compares them at a random state, or at that of a run; exit code 1 if they do not agree.
+pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
+    let case =
+        match check::load_from(args.from.as_deref(), args.case.as_deref().unwrap_or_default(), &args.set)? {
+            Ok(case) => case,
+            Err(code) => return Ok(code),
+        };
+    match report(args, case) {
+        Ok(report) => {
+            let printed = print(&report.to_string())?;
+            Ok(if report.agrees() { printed } else { ExitCode::FAILURE })
+        }
+        Err(error) => run::failed(error),
+    }
+}
+
+fn report(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error> {
+    let mut simulation = Simulation::new(case, 1)?;
+    let at = match &args.from {
+        Some(from) => {
+            restore_latest(&mut simulation, from)?;
+            At::Present
+        }
+        None => At::Random { seed: u64::from(args.seed) },
+    };
+    Ok(compare(&mut simulation, at))
+}

@@ -1,0 +1,236 @@
+//! All linearisations arrive at one solution, each with its order; and the tool that compares their matrices.
+
+mod common;
+
+use common::{builtin, sets};
+use undula::jacobian::{At, Equation, Field, JacobianReport, compare};
+use undula::problem::case::Case;
+use undula::simulation::Simulation;
+
+/// Every sensible pair of linearisation and way of computing derivatives.
+const WAYS: [&[&str]; 12] = [
+    &["newton.linearization=newton", "newton.jacobian=automatic"],
+    &["newton.linearization=newton", "newton.jacobian=analytic"],
+    &["newton.linearization=newton", "newton.jacobian=finite-difference"],
+    &["newton.linearization=newton", "newton.jacobian=finite-difference", "newton.difference=central"],
+    &["newton.linearization=reduced", "newton.jacobian=automatic"],
+    &["newton.linearization=reduced", "newton.jacobian=analytic"],
+    &["newton.linearization=reduced", "newton.jacobian=finite-difference"],
+    &["newton.linearization=fixed-point", "newton.jacobian=automatic"],
+    &["newton.linearization=fixed-point", "newton.jacobian=finite-difference"],
+    &["newton.linearization=condensed", "newton.jacobian=automatic"],
+    &["newton.linearization=condensed", "newton.jacobian=analytic"],
+    &["newton.linearization=condensed", "newton.jacobian=finite-difference"],
+];
+
+/// fsi3 with a softer beam, that the flow deforms at once.
+const MOVING: [&str; 7] = [
+    "mesh.refine=0",
+    "time.step=0.01",
+    "time.end=0.04",
+    "solid.mu=2e4",
+    "solid.lambda=8e4",
+    "boundary.inflow.velocity=[\"1.5*2*y*(0.41-y)/0.205^2 * ramp(t, 0.05)\", 0]",
+    "newton.tolerance=1e-11",
+];
+
+const AT_REST: [&str; 2] = ["mesh.refine=0", "newton.tolerance=1e-11"];
+
+fn run(case: &str, settings: &[&str], more: &[&str]) -> Simulation {
+    let mut simulation = Simulation::new(builtin(case, &[settings, more].concat()), 1).unwrap();
+    while !simulation.finished() {
+        simulation.step().unwrap();
+    }
+    simulation
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+fn same_solution(case: &str, settings: &[&str]) {
+    let reference = run(case, settings, WAYS[0]);
+    for way in &WAYS[1..] {
+        let other = run(case, settings, way);
+        assert_eq!(other.stepper.linear.detour, 0, "{way:?} took the whole Jacobian");
+        let (a, b) = (&reference.stepper.new, &other.stepper.new);
+        for (field, a, b) in [("v", &a.v, &b.v), ("u", &a.u, &b.u), ("p", &a.p, &b.p)] {
+            let gap = a.iter().zip(b).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(a);
+            println!("{case} {way:?} {field}: {gap:.1e}");
+            assert!(gap < 1e-7, "{case} {way:?} {field}: {gap:e}");
+        }
+    }
+}
+
+#[test]
+fn all_have_one_solution_at_rest() {
+    same_solution("fsi1", &AT_REST);
+}
+
+#[test]
+fn all_have_one_solution_in_motion() {
+    same_solution("fsi3", &MOVING);
+}
+
+/// Residuals of the last step relative to its first, with a new matrix in every iteration.
+fn residuals(way: &[&str]) -> Vec<f64> {
+    let exact = ["newton.rate-max=0", "newton.secants=0", "newton.start=old", "newton.max-steps=60"];
+    let simulation = run("fsi3", &MOVING, &[way, &exact].concat());
+    let all = &simulation.report.residuals;
+    all.iter().map(|r| r / all[0]).collect()
+}
+
+/// Exponent q of e_(n+1) = C e_n^q from three successive residuals; the largest above rounding.
+fn order(residuals: &[f64]) -> f64 {
+    let above: Vec<f64> = residuals.iter().copied().filter(|r| *r > 1e-11).collect();
+    let orders =
+        above.windows(3).filter(|w| w[1] < 0.1 * w[0]).map(|w| (w[2] / w[1]).ln() / (w[1] / w[0]).ln());
+    orders.fold(0.0, f64::max)
+}
+
+/// The rate of the last iterations above rounding.
+fn rate(residuals: &[f64]) -> f64 {
+    let above: Vec<f64> = residuals.iter().copied().filter(|r| *r > 1e-11).collect();
+    let n = above.len();
+    (above[n - 1] / above[n - 4]).powf(1.0 / 3.0)
+}
+
+#[test]
+fn newton_is_quadratic_and_differences_nearly() {
+    let reference = residuals(WAYS[0]);
+    for way in &WAYS[..4] {
+        let found = residuals(way);
+        println!("{way:?}: {found:?} order {:.2}", order(&found));
+        assert!(order(&found) > 1.7, "{way:?}: {found:?}");
+        assert_eq!(found.len(), reference.len(), "{way:?}");
+    }
+    let coarse = [WAYS[2], &["newton.epsilon=1e-2"]].concat();
+    let found = residuals(&coarse);
+    println!("{coarse:?}: {found:?}");
+    assert!(found.len() > reference.len(), "a large epsilon costs iterations: {found:?}");
+}
+
+#[test]
+fn reduced_fixed_point_and_condensed_are_linear() {
+    let quadratic = residuals(WAYS[0]).len();
+    for way in [WAYS[4], WAYS[7], WAYS[9]] {
+        let found = residuals(way);
+        println!("{way:?}: {found:?} rate {:.3}", rate(&found));
+        assert!(found.len() > quadratic, "{way:?}: {found:?}");
+        assert!((1e-4..0.9).contains(&rate(&found)), "{way:?}: {found:?}");
+    }
+}
+
+fn report(case: &str, settings: &[&str], seed: u64) -> JacobianReport {
+    let mut simulation = Simulation::new(builtin(case, settings), 1).unwrap();
+    compare(&mut simulation, At::Random { seed })
+}
+
+/// At random states of all kinds of problems all five agree with automatic differentiation.
+#[test]
+fn all_jacobians_agree() {
+    let coupled = ["mesh.refine=0"];
+    let current = [
+        "mesh.refine=0",
+        "fluid.body-force=[\"sin(20*x)*cos(15*y)\", \"exp(2*x)*y\"]",
+        "fluid.body-force-at=current",
+    ];
+    let stationary = ["mesh.refine=0", "space.pressure=Q1"];
+    for (case, settings) in [
+        ("fsi3", &coupled[..]),
+        ("fsi3", &current),
+        ("fsi1", &stationary),
+        ("cfd2", &coupled),
+        ("csm3", &coupled),
+    ] {
+        let report = report(case, settings, 3);
+        println!("{report}");
+        assert!(report.agrees(), "{report}");
+    }
+}
+
+/// What is left out is told by block: the flow against u, by the fixed point also the transport and the stiffness
+/// of stresses; nothing of the constraints of the solid, the extension and the pressure.
+#[test]
+fn what_is_left_out_is_told() {
+    let report = report("fsi3", &["mesh.refine=0"], 1);
+    let blocks = |name: &str| {
+        let found = report.left_out.iter().find(|l| l.name == name).unwrap();
+        found.blocks.iter().map(|(block, _)| *block).collect::<Vec<_>>()
+    };
+    let (flow, interface, body) = (Equation::NavierStokes, Equation::Interface, Equation::Elasticity);
+    let dropped = [(flow, Field::U), (interface, Field::U), (Equation::Divergence, Field::U)];
+    assert_eq!(blocks("reduced"), dropped);
+    assert_eq!(blocks("condensed"), dropped);
+    let fixed = [
+        (flow, Field::V),
+        (flow, Field::U),
+        (interface, Field::V),
+        (interface, Field::U),
+        (body, Field::U),
+        (Equation::Divergence, Field::U),
+    ];
+    assert_eq!(blocks("fixed-point"), fixed);
+}
+
+/// The state of a run is compared where it is, and stays.
+#[test]
+fn the_present_state_is_kept() {
+    let mut simulation = run("fsi3", &MOVING, &[]);
+    let before = simulation.stepper.new.clone();
+    let report = compare(&mut simulation, At::Present);
+    println!("{report}");
+    assert!(report.agrees(), "{report}");
+    assert!(report.state.contains("0.04"), "{}", report.state);
+    assert!(simulation.stepper.new == before);
+}
+
+/// A gravity that grows with the height, at the current position: all ways arrive at one solution, which is not that
+/// of a force at the reference position, and the pressure of a fluid at rest is that of the deformed domain.
+#[test]
+fn a_force_at_the_current_position_is_linearised() {
+    let force = "fluid.body-force=[0, \"-400*sin(12*y)\"]";
+    let settings = [&MOVING[..], &[force, "fluid.body-force-at=current", "newton.rate-max=0"]].concat();
+    let reference = run("fsi3", &settings, WAYS[0]);
+    for way in &WAYS[1..3] {
+        let other = run("fsi3", &settings, way);
+        assert_eq!(other.report.newton_steps, reference.report.newton_steps, "{way:?}");
+        let (a, b) = (&reference.stepper.new.p, &other.stepper.new.p);
+        let gap = a.iter().zip(b).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(a);
+        assert!(gap < 1e-8, "{way:?}: {gap:e}");
+    }
+    let elsewhere = run("fsi3", &[&MOVING[..], &[force]].concat(), WAYS[0]);
+    let (a, b) = (&reference.stepper.new.u, &elsewhere.stepper.new.u);
+    let gap = a.iter().zip(b).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(a);
+    assert!(gap > 1e-4, "the position matters: {gap:e}");
+}
+
+#[test]
+fn senseless_settings_are_refused_or_told() {
+    let case = |settings: &[&str]| Case::builtin("fsi3", &sets(settings));
+    let refused = case(&["newton.linearization=fixed-point", "newton.jacobian=analytic"]).unwrap_err();
+    assert!(refused.to_string().contains("Theorem 5.2 is the Jacobian of Newton's method"), "{refused}");
+    assert!(case(&["newton.jacobian=finite-difference", "newton.epsilon=0"]).is_err());
+    for (key, word) in [("newton.epsilon=1e-4", "epsilon"), ("newton.difference=central", "difference")] {
+        let notes = case(&[key]).unwrap().notes().join("\n");
+        assert!(notes.contains(&format!("newton.{word} has no effect")), "{notes}");
+    }
+    let notes =
+        case(&["fluid.body-force=[0, -9.81]", "fluid.body-force-at=current"]).unwrap().notes().join("\n");
+    assert!(notes.contains("fluid.body-force-at has no effect"), "{notes}");
+    // The condensed system has no place at rest, and so have its defaults.
+    let at_rest = Case::builtin("fsi1", &sets(&["newton.linearization=condensed"])).unwrap();
+    let default = Case::builtin("fsi1", &[]).unwrap();
+    assert_eq!(at_rest.newton, default.newton);
+    assert!(at_rest.notes().iter().any(|note| note.starts_with("newton.linearization has no effect")));
+}
+
+/// What is written is read back as the same case.
+#[test]
+fn settings_survive_being_written() {
+    for way in WAYS {
+        let case = builtin("fsi3", &[way, &["newton.rate-max=0", "fluid.body-force-at=current"]].concat());
+        let again = Case::from_toml(&case.to_toml(), "case.toml", &[]).unwrap();
+        assert_eq!(case, again, "{}", case.to_toml());
+    }
+}
