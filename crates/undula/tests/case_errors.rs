@@ -57,7 +57,7 @@ theta = 0.4
 
 [newton]
 rate-max = 1
-jacobian = "finite-difference"
+jacobian = "numeric"
 max-steps = 0
 tolerance = 2
 
@@ -109,7 +109,7 @@ own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -
 own.toml:45:7: time.end = 0: expected a time after the start, 0 s
 own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
 own.toml:49:12: newton.rate-max = 1: expected a number from 0 to below 1
-own.toml:50:12: newton.jacobian = "finite-difference": not yet available; expected one of `automatic`, `analytic`
+own.toml:50:12: newton.jacobian = "numeric": expected one of `automatic`, `analytic`, `finite-difference`
 own.toml:51:13: newton.max-steps = 0: expected an integer from 1 to 1000
 own.toml:52:13: newton.tolerance = 2: expected a number above 0 and below 1
 own.toml:55:10: linear.solver = "gmres": not yet available; expected one of `multifrontal`, `faer`

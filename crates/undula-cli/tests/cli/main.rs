@@ -3,6 +3,7 @@
 mod bench;
 mod endings;
 mod input;
+mod jacobian;
 mod outputs;
 
 use serde_json::Value;

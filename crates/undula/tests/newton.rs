@@ -1,0 +1,136 @@
+//! Newton's method on one equation: when a Jacobian is kept, when it ends, and what the line search is for.
+
+mod common;
+
+use common::builtin;
+use undula::algebra::SolverError;
+use undula::nonlinear::{Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};
+use undula::simulation::Simulation;
+
+/// f(x) = exp(x) − 1.
+struct Exponential {
+    x: f64,
+    slope: f64,
+}
+
+impl NonlinearSystem for Exponential {
+    fn residual(&mut self, r: &mut [f64]) -> Option<f64> {
+        r[0] = self.x.exp() - 1.0;
+        r[0].is_finite().then_some(r[0].abs())
+    }
+
+    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+        self.slope = self.x.exp();
+        Ok(())
+    }
+
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
+        delta[0] = r[0] / self.slope;
+        Ok(())
+    }
+
+    fn price(&self) -> f64 {
+        5.0
+    }
+
+    fn update(&mut self, omega: f64, delta: &[f64]) {
+        self.x += omega * delta[0];
+    }
+}
+
+const EXACT: Settings =
+    Settings { tolerance: 1e-12, floor: 0.0, rate_max: Some(0.0), secants: 0, max_steps: 50, line_search: 0 };
+
+fn solve(settings: Settings, x: f64) -> (Result<NewtonReport, NewtonError>, f64) {
+    let (mut newton, mut system) = (Newton::new(settings, 1, 1), Exponential { x, slope: 1.0 });
+    let start = newton.norm(&mut system).unwrap();
+    (newton.solve(&mut system, start, start), system.x)
+}
+
+#[test]
+fn exact_newton_is_quadratic_with_a_jacobian_per_iteration() {
+    let report = solve(EXACT, 1.0).0.unwrap();
+    assert_eq!(report.jacobians, report.steps);
+    // Near the root r_(n+1) = ½ r_n².
+    for pair in report.norms.windows(2).filter(|pair| pair[0] < 0.1 && pair[1] > 1e-13) {
+        assert!((pair[1] / (0.5 * pair[0] * pair[0]) - 1.0).abs() < 0.1, "{:?}", report.norms);
+    }
+}
+
+/// (5.20): a Jacobian is renewed after an iteration whose rate is above γ_nt, and only then.
+#[test]
+fn a_jacobian_is_kept_while_the_rate_is_good() {
+    for rate_max in [0.05, 0.2, 0.5] {
+        let report = solve(Settings { rate_max: Some(rate_max), ..EXACT }, 1.0).0.unwrap();
+        let rates: Vec<f64> = report.norms.windows(2).map(|pair| pair[1] / pair[0]).collect();
+        let bad = rates[..rates.len() - 1].iter().filter(|rate| **rate > rate_max).count();
+        assert_eq!(report.jacobians, 1 + bad, "{rate_max}: {rates:?}");
+        assert!(report.jacobians < report.steps, "{rate_max}: {rates:?}");
+    }
+}
+
+#[test]
+fn a_jacobian_is_kept_across_solves() {
+    let settings = Settings { rate_max: Some(0.5), ..EXACT };
+    let (mut newton, mut system) = (Newton::new(settings, 1, 1), Exponential { x: 0.1, slope: 1.0 });
+    for (solve, jacobians) in [(0, 1), (1, 0), (2, 0)] {
+        system.x = 0.1;
+        let start = newton.norm(&mut system).unwrap();
+        let report = newton.solve(&mut system, start, start).unwrap();
+        assert_eq!(report.jacobians, jacobians, "solve {solve}");
+    }
+    newton.forget();
+    system.x = 0.1;
+    let start = newton.norm(&mut system).unwrap();
+    assert_eq!(newton.solve(&mut system, start, start).unwrap().jacobians, 1);
+}
+
+#[test]
+fn it_ends_at_the_relative_or_the_absolute_tolerance() {
+    let last = |settings| {
+        let norms = solve(settings, 1.0).0.unwrap().norms;
+        (norms[norms.len() - 2], norms[norms.len() - 1], norms[0])
+    };
+    let (before, end, start) = last(Settings { tolerance: 1e-3, ..EXACT });
+    assert!(before > 1e-3 * start && end <= 1e-3 * start);
+    let (before, end, _) = last(Settings { floor: 1e-2, ..EXACT });
+    assert!(before > 1e-2 && end <= 1e-2);
+    // The reference is that of the old solution, whatever the start value.
+    let (mut newton, mut system) = (Newton::new(EXACT, 1, 1), Exponential { x: 0.5, slope: 1.0 });
+    let start = newton.norm(&mut system).unwrap();
+    assert_eq!(newton.solve(&mut system, start, 1e12 * start).unwrap().steps, 0);
+}
+
+/// From x = −3 the full step leads to x = 16, where f is ten millions.
+#[test]
+fn the_line_search_shortens_steps_that_go_astray() {
+    assert!(matches!(solve(EXACT, -3.0).0, Err(NewtonError::Stalled { .. })));
+    let (report, x) = solve(Settings { line_search: 5, ..EXACT }, -3.0);
+    assert!(report.is_ok() && x.abs() < 1e-12, "{x}");
+}
+
+#[test]
+fn too_many_iterations_are_an_error() {
+    let (report, _) = solve(Settings { max_steps: 2, ..EXACT }, 1.0);
+    assert!(matches!(report, Err(NewtonError::Stalled { norms }) if norms.len() == 3));
+}
+
+/// Remark 5.1: the extrapolated start value is the better one where the motion is smooth, and the solution and the
+/// criterion are the same.
+#[test]
+fn extrapolation_starts_nearer() {
+    let run = |start: &str| {
+        let settings = ["mesh.refine=0", "time.step=0.01", "time.end=0.2", "newton.rate-max=0", start];
+        let mut simulation = Simulation::new(builtin("fsi3", &settings), 1).unwrap();
+        while !simulation.finished() {
+            simulation.step().unwrap();
+        }
+        simulation
+    };
+    let (old, extrapolated) = (run("newton.start=old"), run("newton.start=extrapolated"));
+    let (a, b) = (&old.report.residuals, &extrapolated.report.residuals);
+    assert!(b[0] < 0.2 * a[0], "{a:?} {b:?}");
+    assert!(b[b.len() - 1] <= 1e-8 * a[0], "{a:?} {b:?}");
+    let (a, b) = (&old.stepper.new.v, &extrapolated.stepper.new.v);
+    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-6));
+}
