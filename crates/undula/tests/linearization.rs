@@ -23,18 +23,19 @@ const WAYS: [&[&str]; 12] = [
     &["newton.linearization=condensed", "newton.jacobian=finite-difference"],
 ];
 
-/// fsi3 with a softer beam, that the flow deforms at once.
-const MOVING: [&str; 7] = [
+/// fsi3 with an early inflow and a body force that bends the beam.
+const MOVING: [&str; 6] = [
     "mesh.refine=0",
     "time.step=0.01",
     "time.end=0.04",
-    "solid.mu=2e4",
-    "solid.lambda=8e4",
-    "boundary.inflow.velocity=[\"1.5*2*y*(0.41-y)/0.205^2 * ramp(t, 0.05)\", 0]",
+    "solid.body-force=[0, -8]",
+    "boundary.inflow.velocity=[\"1.5*2*y*(0.41-y)/0.205^2 * ramp(t, 0.2)\", 0]",
     "newton.tolerance=1e-11",
 ];
 
-const AT_REST: [&str; 2] = ["mesh.refine=0", "newton.tolerance=1e-11"];
+/// With a stiffer beam: that of fsi1 gives way to the flow so much that without derivatives with respect to u it
+/// takes a hundred iterations.
+const AT_REST: [&str; 4] = ["mesh.refine=0", "newton.tolerance=1e-11", "solid.mu=5e6", "solid.lambda=2e7"];
 
 fn run(case: &str, settings: &[&str], more: &[&str]) -> Simulation {
     let mut simulation = Simulation::new(builtin(case, &[settings, more].concat()), 1).unwrap();
@@ -189,7 +190,7 @@ fn the_present_state_is_kept() {
 /// of a force at the reference position, and the pressure of a fluid at rest is that of the deformed domain.
 #[test]
 fn a_force_at_the_current_position_is_linearised() {
-    let force = "fluid.body-force=[0, \"-400*sin(12*y)\"]";
+    let force = "fluid.body-force=[0, \"-40*sin(12*y)\"]";
     let settings = [&MOVING[..], &[force, "fluid.body-force-at=current", "newton.rate-max=0"]].concat();
     let reference = run("fsi3", &settings, WAYS[0]);
     for way in &WAYS[1..3] {
