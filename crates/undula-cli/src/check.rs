@@ -1,6 +1,7 @@
 //! `undula check`: what a case is, without computing it.
 
 use crate::args::{CaseArgs, CheckArgs, bad_input, print};
+use crate::{inf_sup, run};
 use std::fmt::Write;
 use std::process::ExitCode;
 use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
@@ -10,6 +11,10 @@ use undula::problem::error::LoadError;
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match load(&args.case)? {
         Ok(case) if args.toml => print(&case.to_toml()),
+        Ok(case) if args.inf_sup => match inf_sup::report(case, args.from.as_deref()) {
+            Ok(text) => print(&text),
+            Err(error) => run::failed(error),
+        },
         Ok(case) => match case.sizes() {
             Ok(sizes) => {
                 let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };

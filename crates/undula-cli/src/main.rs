@@ -5,6 +5,7 @@ mod bench;
 mod cases;
 mod check;
 mod compare;
+mod inf_sup;
 mod new;
 mod plot;
 mod progress;

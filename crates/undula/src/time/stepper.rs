@@ -32,6 +32,11 @@ pub struct StepperSettings {
     pub scales: Scales,
 }
 
+/// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
+/// v at which they have.
+const SETTLING: usize = 20;
+const SETTLED: f64 = 1e-7;
+
 /// How a step went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepReport {
@@ -346,7 +351,25 @@ impl<const D: usize> Stepper<D> {
                 Err(_) => increment = 0.5 * increment.min(1.0 - load),
             }
         }
+        self.settle(&mut total)?;
         Ok(total)
+    }
+
+    /// Parameters of the stabilisation come from the state before: repeat until they are those of the solution.
+    fn settle(&mut self, total: &mut StepReport) -> Result<(), StepFailure> {
+        for _ in 0..if self.assembler.is_stabilized() { SETTLING } else { 0 } {
+            let before = self.new.v.clone();
+            let report = self.stationary_at(1.0, 0.0, 0.0)?;
+            total.newton_steps += report.newton_steps;
+            total.jacobians += report.jacobians;
+            (total.norms, total.min_j) = (report.norms, report.min_j);
+            let size = |sum: f64, x: f64| sum.max(x.abs());
+            let change = before.iter().zip(&self.new.v).map(|(a, b)| a - b).fold(0.0, size);
+            if change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
+                break;
+            }
+        }
+        Ok(())
     }
 
     fn stationary_at(&mut self, load: f64, before: f64, earlier: f64) -> Result<StepReport, StepFailure> {
