@@ -73,7 +73,7 @@ fn defaults() {
         case.motion,
         MotionSpec { model: MotionModel::PseudoElastic, poisson: 0.0, offset: 0.01, exponent: 2.0 }
     );
-    assert_eq!(case.space.pressure, PressureElement::P1dc);
+    assert_eq!(case.space.pressure, PressureElement::Pdc(1));
     assert_eq!(case.space.quadrature, 3);
     assert!(case.output.deformed && case.time.is_none() && case.solid.is_none());
 }

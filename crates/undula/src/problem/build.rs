@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    MotionModel, PressureElement, SolidLaw, TimeScheme,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -102,14 +102,11 @@ impl Case {
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
         let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
         let regions = mesh.cell_region.iter().map(region).collect();
-        let degree = match self.space.velocity {
-            VelocityElement::Q2 => 2,
-        };
         let pressure = match self.space.pressure {
-            PressureElement::P1dc => PressureKind::P1dc,
-            PressureElement::Q1 => PressureKind::Continuous(1),
+            PressureElement::Pdc(m) => PressureKind::Pdc(m),
+            PressureElement::Q(m) => PressureKind::Continuous(m),
         };
-        Ok(FsiSpace::new(mesh, regions, degree, pressure))
+        Ok(FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure))
     }
 
     /// Parameters of the equations.

@@ -65,7 +65,7 @@ impl<const D: usize> FsiSpace<D> {
         }
         let deforms = regions.contains(&Region::Solid);
         let pressure_nodes = match pressure.kind {
-            PressureKind::P1dc => vec![],
+            PressureKind::Pdc(_) => vec![],
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
         FsiSpace { mesh, regions, nodes, pressure, owner, deforms, pressure_nodes }
