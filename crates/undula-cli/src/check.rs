@@ -1,7 +1,6 @@
 //! `undula check`: what a case is, without computing it.
 
 use crate::args::{CaseArgs, CheckArgs, bad_input, print};
-use crate::{inf_sup, run};
 use std::fmt::Write;
 use std::process::ExitCode;
 use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
@@ -11,10 +10,6 @@ use undula::problem::error::LoadError;
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match load(&args.case)? {
         Ok(case) if args.toml => print(&case.to_toml()),
-        Ok(case) if args.inf_sup => match inf_sup::report(case, args.from.as_deref()) {
-            Ok(text) => print(&text),
-            Err(error) => run::failed(error),
-        },
         Ok(case) => match case.sizes() {
             Ok(sizes) => {
                 let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };
@@ -66,6 +61,10 @@ pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Erro
         None => writeln!(out)?,
     }
     writeln!(out, "space     {}/{}", case.space.velocity.name(), case.space.pressure.name())?;
+    if case.stabilization.acts() {
+        let how = &case.stabilization;
+        writeln!(out, "          stabilisation: pressure {:?}, transport {:?}", how.pressure, how.transport)?;
+    }
     match &case.fluid {
         None => writeln!(out, "fluid     none: the interface is traction-free")?,
         Some(fluid) => write_fluid(&mut out, case, fluid)?,

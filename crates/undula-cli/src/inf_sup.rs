@@ -1,7 +1,10 @@
 //! `undula check --inf-sup`: the constants (5.24) and (5.25), and condition numbers of the matrix (5.35).
 
+use crate::args::{CheckArgs, print};
+use crate::{check, run};
 use std::fmt::Write;
 use std::path::Path;
+use std::process::ExitCode;
 use undula::error::Error;
 use undula::problem::case::Case;
 use undula::simulation::Simulation;
@@ -10,11 +13,23 @@ use undula::stability::{Conditions, Constants, InfSup, conditions, constants};
 /// Below this a constant is zero: it is the root of a rounding error.
 const ZERO: f64 = 1e-4;
 
+/// Loads the case and prints what there is to say.
+pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
+    let case = match check::load(&args.case)? {
+        Ok(case) => case,
+        Err(code) => return Ok(code),
+    };
+    match report(case, args.from.as_deref()) {
+        Ok(text) => print(&text),
+        Err(error) => run::failed(error),
+    }
+}
+
 /// What there is to say of `case`, with the state of the last checkpoint of the run in `from`.
 ///
 /// # Errors
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
-pub fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
+fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
     let mut simulation = Simulation::new(case, 1)?;
     if let Some(from) = from {
         undula::run::restore_latest(&mut simulation, from)?;

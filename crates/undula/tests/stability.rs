@@ -17,7 +17,7 @@ use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
 use undula::stability::{condition, conditions, constants, inf_sup, sample_deformation};
 
-const P1DC: PressureKind = PressureKind::P1dc;
+const P1DC: PressureKind = PressureKind::Pdc(1);
 
 /// The unit square with a pair of elements, closed in or open on the right.
 fn flow(mesh: Mesh<2>, degree: usize, pressure: PressureKind, open: bool) -> (FsiSpace<2>, Constraints<2>) {
@@ -43,24 +43,32 @@ fn constant(n: usize, degree: usize, pressure: PressureKind, open: bool) -> f64 
     found.constant
 }
 
-/// Stable pairs keep their constants, those of Q1–Q1 without stabilisation are zero or go there.
+/// Where the smooth modes decide, constants of stable pairs stay within 2 % under refinement. In a closed square
+/// modes at the corners do, and the constant creeps down to that of the continuous problem, at least sin(π/8).
 #[test]
 fn stable_pairs_keep_their_constants_under_refinement() {
-    for open in [false, true] {
-        for (name, pressure) in [("Q2-P1dc", P1DC), ("Q2-Q1", Continuous(1))] {
-            let all = [4, 8, 16].map(|n| constant(n, 2, pressure, open));
-            println!("{name}, open {open}: {all:.5?}");
-            assert!(all[2] > 0.2);
-            for pair in all.windows(2) {
-                assert!((pair[1] / pair[0] - 1.0).abs() < 0.02, "{name} open {open}: {all:?}");
-            }
+    for (name, pressure) in [("Q2-P1dc", P1DC), ("Q2-Q1", Continuous(1))] {
+        let open = [4, 8, 16].map(|n| constant(n, 2, pressure, true));
+        let closed = [4, 8, 16].map(|n| constant(n, 2, pressure, false));
+        println!("{name}, open {open:.5?}, closed {closed:.5?}");
+        assert!(open.windows(2).all(|pair| (pair[1] / pair[0] - 1.0).abs() < 0.02), "{name}: {open:?}");
+        let floor = (std::f64::consts::PI / 8.0).sin();
+        assert!(closed[2] > floor && closed[2] > 0.95 * closed[1], "{name}: {closed:?}");
+    }
+}
+
+/// Those of pairs of equal order without stabilisation are zero, or go there.
+#[test]
+fn pairs_of_equal_order_lose_their_constants() {
+    for degree in [1, 2] {
+        for open in [false, true] {
+            let all = [4, 8, 16].map(|n| constant(n, degree, Continuous(degree), open));
+            println!("Q{degree}-Q{degree}, open {open}: {all:?}");
+            assert!(
+                all[2] < 1e-4 || all[2] < 0.6 * all[1] && all[1] < 0.6 * all[0],
+                "{degree} {open}: {all:?}"
+            );
         }
-        let all = [4, 8, 16].map(|n| constant(n, 1, Continuous(1), open));
-        println!("Q1-Q1, open {open}: {all:.3e?}");
-        assert!(all[2] < 1e-4 || all[2] < 0.6 * all[1] && all[1] < 0.6 * all[0], "open {open}: {all:?}");
-        let all = [4, 8, 16].map(|n| constant(n, 2, Continuous(2), open));
-        println!("Q2-Q2, open {open}: {all:.3e?}");
-        assert!(all[2] < 1e-4 || all[2] < 0.6 * all[1] && all[1] < 0.6 * all[0], "open {open}: {all:?}");
     }
 }
 
@@ -118,7 +126,10 @@ fn constants_are_those_of_dense_eigenvalues() {
 #[test]
 fn constants_are_those_of_the_moved_mesh() {
     let (space, constraints) = flow(square(6), 2, Continuous(1), true);
-    let u = sample_deformation(&space);
+    let mut u = sample_deformation(&space);
+    for (u, x) in u.chunks_exact_mut(2).zip(&space.nodes.points) {
+        (u[0], u[1]) = (u[0] + 0.6 * x[0] + 0.4 * x[1], u[1] - 0.3 * x[1]);
+    }
     let here = inf_sup(&space, &constraints, &u, 4).unwrap();
     let mut mesh = space.mesh.clone();
     for cell in 0..mesh.n_cells() {

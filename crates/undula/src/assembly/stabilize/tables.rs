@@ -130,6 +130,7 @@ struct At<'a, const D: usize> {
     cell: usize,
     child: usize,
     q: usize,
+    x: [f64; D],
     inverse: Tensor<f64, D>,
     reference: &'a Reference,
 }
@@ -241,7 +242,8 @@ impl<const D: usize, const L: usize> Tables<D, L> {
         let jacobian = Tensor(space.mesh.map_gradient(cell, xi));
         let det = jacobian.det();
         let inverse = jacobian.cofactor().t() * (1.0 / det);
-        let at = At { cell, child, q, inverse, reference: from };
+        let x = space.mesh.map(cell, xi);
+        let at = At { cell, child, q, x, inverse, reference: from };
         if let Some(weight) = self.weight.last_mut() {
             weight.0[l] = if real { from.rule.weights[q] * det } else { 0.0 };
         }
@@ -249,7 +251,7 @@ impl<const D: usize, const L: usize> Tables<D, L> {
             set_tensor(last, &jacobian, l);
         }
         if let Some(last) = self.positions.last_mut() {
-            set_vector(last, Vector(space.mesh.map(cell, xi)), l);
+            set_vector(last, Vector(x), l);
         }
         let plain = at.plain(&from.plain[0], &from.velocity);
         put(&mut self.velocity.grad, &plain, l);
@@ -310,10 +312,9 @@ impl<const D: usize> At<'_, D> {
     fn pressure(&self, space: &FsiSpace<D>) -> Vec<Vector<f64, D>> {
         match space.pressure.kind {
             PressureKind::Continuous(_) => self.plain(&self.reference.plain[1], &self.reference.pressure),
-            PressureKind::P1dc => {
-                let h = space.pressure.frames[self.cell].1;
-                let unit = |d: usize| Vector(std::array::from_fn(|e| if d == e { 1.0 / h } else { 0.0 }));
-                std::iter::once(Vector::zero()).chain((0..D).map(unit)).collect()
+            PressureKind::Pdc(_) => {
+                let slopes = space.pressure.discontinuous_gradients(self.cell, &self.x);
+                slopes.into_iter().map(Vector).collect()
             }
         }
     }
