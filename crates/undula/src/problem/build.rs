@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme,
+    MotionModel, PressureElement, SolidLaw,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -174,6 +174,7 @@ impl Case {
         let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
+            domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
             tangent: match self.newton.jacobian {
                 JacobianKind::Automatic => Tangent::Automatic,
                 JacobianKind::Analytic => Tangent::Analytic,
@@ -220,12 +221,7 @@ impl Case {
     }
 
     fn scheme(&self) -> Scheme {
-        match self.time.as_ref().map(|t| t.scheme) {
-            Some(TimeScheme::ShiftedCrankNicolson { shift }) => Scheme::ShiftedCrankNicolson { shift },
-            Some(TimeScheme::CrankNicolson) => Scheme::CRANK_NICOLSON,
-            Some(TimeScheme::Theta { theta }) => Scheme::Theta { theta },
-            Some(TimeScheme::BackwardEuler) | None => Scheme::BACKWARD_EULER,
-        }
+        self.time.as_ref().map_or(Scheme::BACKWARD_EULER, |t| t.scheme.scheme())
     }
 
     /// One condition per boundary of `mesh`.
