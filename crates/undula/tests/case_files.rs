@@ -9,10 +9,11 @@ use undula::problem::builtin::builtin_cases;
 use undula::problem::case::*;
 use undula::problem::expression::Expression;
 use undula::problem::fit::MeshNames;
+use undula::space::Walls;
 
 #[test]
 fn every_builtin_case_loads_and_survives_the_way_back() {
-    assert_eq!(builtin_cases().len(), 12);
+    assert_eq!(builtin_cases().len(), 13);
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
         assert_eq!(case.name, shipped.name);
@@ -71,7 +72,15 @@ fn defaults() {
     assert_eq!(case.newton.jacobian, JacobianKind::Automatic);
     assert_eq!(
         case.motion,
-        MotionSpec { model: MotionModel::PseudoElastic, poisson: 0.0, offset: 0.01, exponent: 2.0 }
+        MotionSpec {
+            model: MotionModel::PseudoElastic,
+            poisson: 0.0,
+            offset: 0.01,
+            exponent: 2.0,
+            scale: None,
+            lagged: false,
+            walls: Walls::Fixed,
+        }
     );
     assert_eq!(case.space.pressure, PressureElement::P1dc);
     assert_eq!(case.space.quadrature, 3);

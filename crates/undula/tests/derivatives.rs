@@ -58,6 +58,10 @@ fn rules() -> Vec<StepRule> {
 
 const FLUID: Fluid = Fluid { rho: 1000.0, nu: 1e-3, extension: Extension::PseudoElastic { poisson: -0.2 } };
 const FLUID_HARMONIC: Fluid = Fluid { rho: 1.0, nu: 0.3, extension: Extension::Harmonic };
+const FLUID_LAGGED: Fluid =
+    Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: true }, ..FLUID_HARMONIC };
+const FLUID_STIFFENED: Fluid =
+    Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: false }, ..FLUID_HARMONIC };
 const SOLID: Solid = Solid { rho: 1e3, material: Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 } };
 
 /// Largest deviation of two results relative to the largest entry of the first.
@@ -120,6 +124,10 @@ fn fluid_jacobian_is_theorem_5_2() {
     check::<_, 3>(&FLUID);
     check::<_, 2>(&FLUID_HARMONIC);
     check::<_, 3>(&FLUID_HARMONIC);
+    for fluid in [FLUID_LAGGED, FLUID_STIFFENED] {
+        check::<_, 2>(&fluid);
+        check::<_, 3>(&fluid);
+    }
 }
 
 /// The same for the solid, Lemma 5.5.
@@ -208,6 +216,7 @@ fn couplings_are_those_of_the_derivative() {
     }
     run::<_, 2>(&FLUID);
     run::<_, 3>(&FLUID);
+    run::<_, 2>(&FLUID_STIFFENED);
     run::<_, 2>(&SOLID);
     run::<_, 3>(&SOLID);
 }

@@ -176,13 +176,13 @@ where
                                     column(self.rows_phi[batch * n + a][l], i, constraints.v[node(a)])
                                 }
                                 Test::Psi(i) => {
-                                    column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)])
+                                    column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)][i])
                                 }
                                 Test::Xi => self.rows_xi[batch * m + a][l],
                             };
                             let col = match piece.trial {
                                 Trial::V(j) => column((node(b) * D) as u32, j, constraints.v[node(b)]),
-                                Trial::U(j) => column((n_v + node(b) * D) as u32, j, constraints.u[node(b)]),
+                                Trial::U(j) => column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j]),
                                 Trial::P => self.rows_xi[batch * m + b][l],
                             };
                             let there = l < self.batches.active[batch] && row != DROP && col != DROP;

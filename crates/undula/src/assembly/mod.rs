@@ -234,6 +234,16 @@ impl<const D: usize> Assembler<D> {
         Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
     }
 
+    /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
+    /// anything to take, the operator not being constant.
+    pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
+        let changes = self.physics.fluid.is_some_and(|f| !f.extension.is_constant());
+        if changes {
+            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
+        }
+        changes
+    }
+
     /// What the linear solver may know of each unknown.
     pub fn unknowns(&self) -> Vec<Unknown> {
         let space = &self.space;
@@ -323,14 +333,10 @@ impl<const D: usize> Assembler<D> {
 }
 
 fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
-    let mut rows = vec![];
-    let lists = [(&constraints.v, 0, true), (&constraints.u, space.n_v(), space.deforms)];
-    for (list, first, there) in lists {
-        for node in (0..list.len()).filter(|&node| there && list[node]) {
-            rows.extend((0..D).map(|i| (first + node * D + i) as u32));
-        }
-    }
-    rows
+    let velocity = constraints.v.iter().flat_map(|&given| [given; D]);
+    let deformation = constraints.u.iter().flatten().copied();
+    let all = velocity.chain(deformation.filter(|_| space.deforms));
+    all.zip(0..).filter(|(given, _)| *given).map(|(_, row)| row).collect()
 }
 
 /// The kernels of both regions with their number of lanes hidden.

@@ -67,7 +67,7 @@ impl StepRule {
         let mut geometry = self.theta * cofactor(&lag.grad_u);
         geometry += ((1.0 - self.theta) * cofactor(&old.grad_u)).map(T::lift);
         form.pressure(new.p, &geometry, r);
-        form.constraint(place, new, lag, r);
+        form.constraint(&form.place(place, old), new, lag, r);
     }
 
     /// The explicit part: transport at the old time with weight 1 − θ, added to `r`.

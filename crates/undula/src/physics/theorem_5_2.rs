@@ -5,7 +5,7 @@
 //! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
 
 use super::step::TimePoint;
-use super::{Extension, Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
+use super::{Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
@@ -22,7 +22,8 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
     rate(form, rule, new, old, W, &mut r);
     transport(form, rule.theta, place, new, W, &mut r);
     constraint(rule.theta, new, old, W, &mut r);
-    r.grad_psi = extension(&form.extension, &W.grad_u, place.stiffness);
+    let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
+    r.grad_psi = form.extension.derivative(&new.grad_u, &W.grad_u, stiffness);
     r
 }
 
@@ -99,16 +100,6 @@ fn constraint<S: Scalar<Value = S>, const D: usize>(
     let grad_v_t = new.grad_v.t();
     r.xi += J
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
-}
-
-/// Derivative of the extension, a linear operator.
-#[inline(always)]
-fn extension<S: Scalar<Value = S>, const D: usize>(
-    extension: &Extension,
-    grad_w: &Tensor<S, D>,
-    stiffness: S,
-) -> Tensor<S, D> {
-    extension.stress(grad_w, stiffness)
 }
 
 /// (5.14) in the solid, Lemma 5.5.

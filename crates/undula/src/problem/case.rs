@@ -5,6 +5,7 @@
 
 use super::error::Place;
 use super::expression::Expression;
+use crate::space::Walls;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -92,6 +93,8 @@ pub enum MeshSource {
     TurekHron,
     /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
     SchaeferTurek,
+    /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
+    Rotor,
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -180,6 +183,12 @@ pub struct MotionSpec {
     pub offset: f64,
     /// Exponent of the stiffening; 0 switches it off.
     pub exponent: f64,
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh.
+    pub scale: Option<f64>,
+    /// Take J of the stiffening by J + 1/J from the last solution.
+    pub lagged: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
 }
 
 /// Operator of the extension.
@@ -187,8 +196,12 @@ pub struct MotionSpec {
 pub enum MotionModel {
     /// (∇u, ∇ψ), never stiffened.
     Harmonic,
+    /// (α ∇u, ∇ψ) with α = 2 − erf(5 d/L).
+    StiffenedHarmonic,
     /// (E_e (∇u + ∇uᵀ)/(2(1+ν_e)) + …, ∇ψ) with E_e stiffened near the interface.
     PseudoElastic,
+    /// The same with E_e (J + 1/J).
+    JacobianStiffened,
 }
 
 /// What holds on a boundary.

@@ -5,6 +5,7 @@ use super::case::{
     MotionModel, Precision, PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
 use super::expression::Expression;
+use crate::space::Walls;
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -92,6 +93,7 @@ impl Case {
         match &self.mesh.source {
             MeshSource::TurekHron => out.word("generator", "turek-hron"),
             MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
+            MeshSource::Rotor => out.word("generator", "rotor"),
             MeshSource::Box { lower, upper, cells } => {
                 out.word("generator", "box");
                 out.key("lower", pair(lower), "m");
@@ -152,13 +154,21 @@ impl Case {
             "model",
             match self.motion.model {
                 MotionModel::Harmonic => "harmonic",
+                MotionModel::StiffenedHarmonic => "stiffened-harmonic",
                 MotionModel::PseudoElastic => "pseudo-elastic",
+                MotionModel::JacobianStiffened => "jacobian-stiffened",
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
         out.key("offset", number(self.motion.offset), "m");
         out.key("exponent", number(self.motion.exponent), "");
-        out.word("walls", "fixed");
+        if let Some(scale) = self.motion.scale {
+            out.key("scale", number(scale), "m");
+        }
+        if self.motion.model == MotionModel::JacobianStiffened {
+            out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+        }
+        out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
     }
 
     fn write_time(&self, out: &mut Lines) {

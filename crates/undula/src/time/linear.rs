@@ -140,7 +140,10 @@ impl Linear {
             }
             Linearization::Condensed => {
                 let condensed = match &mut self.condensed {
-                    Some(condensed) => condensed,
+                    Some(condensed) => {
+                        condensed.renew_extension(assembler, view)?;
+                        condensed
+                    }
                     none => none.insert(Condensed::new(assembler, view, &self.make)?),
                 };
                 assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
@@ -217,7 +220,7 @@ impl Linear {
 /// Nodes of the solid whose deformation is not given.
 fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
     let (space, given) = (&assembler.space, &assembler.constraints.u);
-    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && !given[node];
+    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && given[node] == [false; D];
     (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
 }
 
@@ -265,6 +268,19 @@ impl Condensed {
             work: vec![0.0; assembler.space.n_unknowns()],
             system,
         })
+    }
+
+    /// Where the operator of the extension is not constant, it changes with the Jacobian.
+    fn renew_extension<const D: usize>(
+        &mut self,
+        assembler: &Assembler<D>,
+        view: &StepView<'_>,
+    ) -> Result<(), SolverError> {
+        let Some(e) = &mut self.extension else { return Ok(()) };
+        if assembler.renew_extension(view, &mut e.system) {
+            e.solver.factor(&e.system.matrix)?;
+        }
+        Ok(())
     }
 
     fn correct<const D: usize>(

@@ -313,14 +313,8 @@ impl<const D: usize> Stepper<D> {
 
     fn apply_boundary(&mut self, t: f64, factor: f64) {
         let State { v, u, .. } = &mut self.new;
+        self.assembler.constraints.load = factor;
         self.assembler.constraints.apply(&self.assembler.space, t, v, u);
-        if factor != 1.0 {
-            for (node, given) in self.assembler.constraints.v.iter().enumerate() {
-                if *given {
-                    v[node * D..(node + 1) * D].iter_mut().for_each(|x| *x *= factor);
-                }
-            }
-        }
     }
 
     /// The stationary solution at the present time, with the load raised in parts if need be.

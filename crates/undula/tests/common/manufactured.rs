@@ -14,6 +14,13 @@ pub const QUADRATURE: usize = 3;
 
 pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::Harmonic };
 pub const AUXETIC: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::PseudoElastic { poisson: -0.2 } };
+/// One of each kind.
+pub const EXTENSIONS: [Extension; 4] = [
+    Extension::Harmonic,
+    Extension::PseudoElastic { poisson: -0.2 },
+    Extension::JacobianStiffened { poisson: 0.1, lagged: true },
+    Extension::JacobianStiffened { poisson: 0.1, lagged: false },
+];
 pub const SOLID: Solid = Solid { rho: 2.1, material: Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 } };
 
 pub const FSI: Physics = Physics { fluid: Some(AUXETIC), solid: Some(SOLID) };
