@@ -32,9 +32,9 @@ young = 1e6
 body-force = [0]
 
 [motion]
-model = "biharmonic"
+model = "bi-harmonic"
 poisson = 0.5
-walls = "sliding"
+walls = "slide"
 
 [boundary.inflow]
 condition = "velocity"
@@ -96,9 +96,9 @@ own.toml:18:2: solid.lambda: missing: `mu` and `lambda` [Pa] belong together
 own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`
 own.toml:21:9: solid.young = 1e6: give either `mu` and `lambda` or `young` and `poisson`
 own.toml:22:14: solid.body-force = [0]: expected two expressions, as ["x component", "y component"], not 1 values
-own.toml:25:9: motion.model = "biharmonic": not yet available; expected one of `harmonic`, `pseudo-elastic`
+own.toml:25:9: motion.model = "bi-harmonic": expected one of `harmonic`, `stiffened-harmonic`, `pseudo-elastic`, `jacobian-stiffened`, `biharmonic`; did you mean `biharmonic`?
 own.toml:26:11: motion.poisson = 0.5: expected a number above -1 and below 0.5
-own.toml:27:9: motion.walls = "sliding": not yet available; expected one of `fixed`
+own.toml:27:9: motion.walls = "slide": expected one of `fixed`, `sliding`
 own.toml:31:18: boundary.inflow.velocity[0] = "1.5*sinn(y)": unknown function `sinn`; did you mean `sin`? (at byte 4)
 own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expression in quotes, not true or false
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?

@@ -79,6 +79,7 @@ fn defaults() {
             exponent: 2.0,
             scale: None,
             lagged: false,
+            hinged: false,
             walls: Walls::Fixed,
         }
     );

@@ -3,6 +3,7 @@
 use super::batch::Batches;
 use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
+use super::folds::Corners;
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
 use super::interior::Interior;
 use super::scatter::{DROP, PerThread, Shared};
@@ -77,7 +78,9 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) interior: Option<Interior<D, L>>,
     pub(super) scratch: PerThread<Scratch<D, L>>,
     /// Smallest J met by the last residual, per cell: `[batch][lane]`.
-    min_j: Vec<f64>,
+    pub(super) min_j: Vec<f64>,
+    /// Geometry at the nodes, once asked for.
+    pub(super) corners: Option<Corners<D, L>>,
     threads: usize,
 }
 
@@ -153,6 +156,7 @@ where
             interior: None,
             scratch,
             min_j,
+            corners: None,
             threads,
         }
     }

@@ -23,6 +23,11 @@ pub enum Extension {
         /// J of the old time, which keeps the extension linear; else that of the solution itself.
         lagged: bool,
     },
+    /// −Δu = w, −Δw = 0: a constant operator that assembly makes once for all, nothing at the points.
+    Biharmonic {
+        /// w = 0 on the outer boundary instead of ∂_n u = 0.
+        hinged: bool,
+    },
 }
 
 impl Extension {
@@ -44,6 +49,7 @@ impl Extension {
     #[inline(always)]
     pub fn stress<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>, stiffness: T) -> Tensor<T, D> {
         match *self {
+            Extension::Biharmonic { .. } => Tensor::zero(),
             Extension::Harmonic => *grad_u * stiffness,
             Extension::PseudoElastic { poisson } => elastic(poisson, grad_u) * stiffness,
             Extension::JacobianStiffened { poisson, lagged: true } => elastic(poisson, grad_u) * stiffness,

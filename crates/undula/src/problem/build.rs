@@ -127,6 +127,7 @@ impl Case {
             MotionModel::JacobianStiffened => {
                 Extension::JacobianStiffened { poisson: self.motion.poisson, lagged: self.motion.lagged }
             }
+            MotionModel::Biharmonic => Extension::Biharmonic { hinged: self.motion.hinged },
         };
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
@@ -256,7 +257,7 @@ impl Case {
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
         let m = &self.motion;
         let plain = match m.model {
-            MotionModel::Harmonic => true,
+            MotionModel::Harmonic | MotionModel::Biharmonic => true,
             MotionModel::StiffenedHarmonic => false,
             MotionModel::PseudoElastic | MotionModel::JacobianStiffened => m.exponent == 0.0,
         };
@@ -283,6 +284,9 @@ impl Case {
             }
         }
         let size = (area / space.nodes.len() as f64).sqrt();
+        // The operator of fourth order has the unit 1/m² besides.
+        let fourth = self.motion.model == MotionModel::Biharmonic;
+        let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
         let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density));
         Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness }
     }

@@ -187,6 +187,8 @@ pub struct MotionSpec {
     pub scale: Option<f64>,
     /// Take J of the stiffening by J + 1/J from the last solution.
     pub lagged: bool,
+    /// w = 0 instead of ∂_n u = 0 on the outer boundary (biharmonic).
+    pub hinged: bool,
     /// What the deformation does on the outer boundary of the fluid.
     pub walls: Walls,
 }
@@ -202,6 +204,8 @@ pub enum MotionModel {
     PseudoElastic,
     /// The same with E_e (J + 1/J).
     JacobianStiffened,
+    /// −Δu = w, −Δw = 0.
+    Biharmonic,
 }
 
 /// What holds on a boundary.

@@ -157,6 +157,7 @@ impl Case {
                 MotionModel::StiffenedHarmonic => "stiffened-harmonic",
                 MotionModel::PseudoElastic => "pseudo-elastic",
                 MotionModel::JacobianStiffened => "jacobian-stiffened",
+                MotionModel::Biharmonic => "biharmonic",
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
@@ -167,6 +168,9 @@ impl Case {
         }
         if self.motion.model == MotionModel::JacobianStiffened {
             out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+        }
+        if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
+            out.word("outer", if self.motion.hinged { "hinged" } else { "clamped" });
         }
         out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
     }

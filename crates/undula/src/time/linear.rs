@@ -247,7 +247,9 @@ impl Condensed {
         let extension = match assembler.extension(view) {
             None => None,
             Some(system) => {
-                let mut solver = make(Purpose::Correction);
+                // Of fourth order: single precision is not enough for the condition of its matrix.
+                let fourth = assembler.is_biharmonic();
+                let mut solver = make(if fourth { Purpose::Exact } else { Purpose::Correction });
                 let all = assembler.unknowns();
                 let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
                 solver.analyse(&system.matrix.pattern, &unknowns)?;

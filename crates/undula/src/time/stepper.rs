@@ -43,7 +43,7 @@ pub struct StepReport {
     pub parts: usize,
     /// Scaled norms of the equations at the end \[m/s\].
     pub norms: BlockNorms,
-    /// Smallest J at the quadrature points.
+    /// Smallest J at quadrature points and nodes.
     pub min_j: f64,
 }
 
@@ -302,13 +302,17 @@ impl<const D: usize> Stepper<D> {
             solved = self.newton.solve(&mut system, norm, reference);
         }
         let report = solved?;
+        let min_j = system.assembler.nodal_min_j(system.new);
+        if min_j <= 0.0 {
+            return Err(NewtonError::Inadmissible);
+        }
         if let Some(point) = &mut system.point {
             point.age = self.newton.age();
         }
         if system.linear.count_step() {
             self.newton.forget();
         }
-        Ok((report, system.norms, system.min_j))
+        Ok((report, system.norms, min_j))
     }
 
     fn apply_boundary(&mut self, t: f64, factor: f64) {
@@ -384,7 +388,8 @@ impl<const D: usize> Stepper<D> {
             Some(reference) => self.newton.solve(&mut system, reference, reference),
             None => Err(NewtonError::Inadmissible),
         };
-        let (norms, min_j) = (system.norms, system.min_j);
+        let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
+        let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
         self.linear.active = active;
         match solved {
             Ok(report) => {

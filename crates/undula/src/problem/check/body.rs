@@ -178,13 +178,15 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool) -> MotionSpec {
         ("stiffened-harmonic", MotionModel::StiffenedHarmonic),
         ("pseudo-elastic", MotionModel::PseudoElastic),
         ("jacobian-stiffened", MotionModel::JacobianStiffened),
+        ("biharmonic", MotionModel::Biharmonic),
     ];
-    let model = s.choice("model", &models, &["biharmonic"]).unwrap_or(MotionModel::PseudoElastic);
+    let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
     let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
     if jacobian == Some(true) && !moves {
         s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
     }
     let walls = s.choice("walls", &[("fixed", Walls::Fixed), ("sliding", Walls::Sliding)], &[]);
+    let outer = s.choice("outer", &[("clamped", false), ("hinged", true)], &[]);
     let spec = MotionSpec {
         model,
         poisson: s.number("poisson", 0.0, POISSON),
@@ -192,11 +194,13 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool) -> MotionSpec {
         exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
         scale: s.optional_number("scale", POSITIVE),
         lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),
+        hinged: outer.unwrap_or(false),
         walls: walls.unwrap_or_default(),
     };
     let used = [
         ("scale", model == MotionModel::StiffenedHarmonic),
         ("jacobian", model == MotionModel::JacobianStiffened),
+        ("outer", model == MotionModel::Biharmonic),
     ];
     for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
         let note = format!("motion.{key} has no effect with this motion.model");
