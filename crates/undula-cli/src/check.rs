@@ -60,7 +60,7 @@ pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Erro
         Some(Size { cells, unknowns }) => writeln!(out, ", {cells} cells, {unknowns} unknowns")?,
         None => writeln!(out)?,
     }
-    writeln!(out, "space     {:?}/{:?}", case.space.velocity, case.space.pressure)?;
+    writeln!(out, "space     {}/{}", case.space.velocity.name(), case.space.pressure.name())?;
     match &case.fluid {
         None => writeln!(out, "fluid     none: the interface is traction-free")?,
         Some(fluid) => write_fluid(&mut out, case, fluid)?,

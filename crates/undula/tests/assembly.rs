@@ -9,7 +9,7 @@ use undula::algebra::Csr;
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Fluid, Material, Solid, StepRule};
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
-use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, State, Walls};
 use undula::tangent::Tangent;
 
@@ -103,7 +103,7 @@ fn given(assembler: &Assembler<2>) -> Vec<bool> {
 
 #[test]
 fn jacobian_is_the_derivative_of_the_residual() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         for rule in RULES {
             for tangent in [Tangent::Automatic, Tangent::Analytic] {
                 check_jacobian(&coupled(FSI, pressure), rule, tangent);
@@ -116,7 +116,7 @@ fn jacobian_is_the_derivative_of_the_residual() {
 #[test]
 fn jacobian_of_every_extension() {
     for extension in EXTENSIONS {
-        let mut problem = coupled(Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI }, P1dc);
+        let mut problem = coupled(Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI }, Pdc(1));
         Arc::make_mut(&mut problem.space).walls = Walls::Sliding;
         check_jacobian(&problem, RULES[0], Tangent::Automatic);
         check_jacobian(&problem, RULES[0], Tangent::Analytic);
@@ -125,7 +125,7 @@ fn jacobian_of_every_extension() {
 
 #[test]
 fn lanes_agree_to_rounding() {
-    let problem = coupled(FSI, P1dc);
+    let problem = coupled(FSI, Pdc(1));
     for tangent in [Tangent::Automatic, Tangent::Analytic] {
         let with = |lanes| {
             let options = Options { lanes, threads: 1, quadrature: QUADRATURE };
@@ -146,7 +146,7 @@ fn lanes_agree_to_rounding() {
 
 #[test]
 fn threads_agree_bit_for_bit() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         let problem = coupled(FSI, pressure);
         let with = |threads, lanes| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -174,7 +174,7 @@ struct Reach {
 /// share of the fluid's cells in the rows of the interface.
 #[test]
 fn every_row_has_one_owner() {
-    let problem = coupled(FSI, P1dc);
+    let problem = coupled(FSI, Pdc(1));
     let space = &problem.space;
     let (_, matrix, assembler) = assembled(&problem, &options(), RULES[0], Tangent::Automatic);
     let (n, n_v, n_u) = (space.n_unknowns(), space.n_v(), space.n_u());
@@ -223,10 +223,10 @@ fn rows_change_with_their_own_parameters_only() {
     let softer = Solid { rho: 3.0, material: Material::StVenantKirchhoff { mu: 1.0, lambda: 9.0 } };
     let thicker = Fluid { rho: 2.0, nu: 0.9, ..FLUID };
     let matrix = |physics| {
-        let problem = coupled(physics, P1dc);
+        let problem = coupled(physics, Pdc(1));
         assembled(&problem, &options(), RULES[0], Tangent::Automatic).1
     };
-    let problem = coupled(FSI, P1dc);
+    let problem = coupled(FSI, Pdc(1));
     let (space, base) = (&problem.space, matrix(FSI));
     let (n_v, n_u) = (space.n_v(), space.n_u());
     let changed =

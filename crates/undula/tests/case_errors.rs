@@ -17,7 +17,7 @@ refine = 1.5
 grading = -1
 
 [space]
-velocity = "Q3"
+velocity = "Q5"
 pressure = "P1d"
 
 [fluid]
@@ -86,8 +86,8 @@ own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
-own.toml:10:12: space.velocity = "Q3": not yet available; expected one of `Q2`
-own.toml:11:12: space.pressure = "P1d": expected one of `P1dc`, `Q1`; did you mean `P1dc`?
+own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`
+own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`; did you mean `P1dc`?
 own.toml:14:11: fluid.density = -1000: expected a number above 0
 own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
 own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `kinematic-viscosity`, `body-force`
@@ -343,4 +343,26 @@ fn damaged_files_do_no_harm() {
         }
     }
     assert!(accepted > 100, "{accepted}");
+}
+
+/// Pairs for which the pressure is not determined; a solid alone has none.
+#[test]
+fn unstable_pairs_are_refused_with_the_reason() {
+    let refused = |set: &[&str]| wrong_builtin("fsi1", set);
+    assert_eq!(
+        refused(&["space.velocity=Q1"]),
+        "--set space.velocity=Q1: with the pressure Q1 a pair of equal order, which needs \
+         stabilisation (inf-sup condition (5.24)); velocities of degree 2 and above with their default pressure do not"
+    );
+    assert!(refused(&["space.pressure=Q2"]).contains("with the velocity Q2 a pair of equal order"));
+    assert_eq!(
+        refused(&["space.velocity=Q3", "space.pressure=P3dc"]),
+        "--set space.pressure=P3dc: has too many unknowns for the velocity Q3 (inf-sup \
+         condition (5.24)); P2dc goes with it"
+    );
+    assert!(refused(&["space.velocity=Q1", "space.pressure=P0"]).contains("checkerboard"));
+    for set in [&["space.velocity=Q3", "space.pressure=Q1"][..], &["solid=none", "space.pressure=P0"]] {
+        builtin("fsi1", set);
+    }
+    builtin("csm1", &["space.velocity=Q1"]);
 }

@@ -83,7 +83,7 @@ fn defaults() {
             walls: Walls::Fixed,
         }
     );
-    assert_eq!(case.space.pressure, PressureElement::P1dc);
+    assert_eq!(case.space.pressure, PressureElement::Pdc(1));
     assert_eq!(case.space.quadrature, 3);
     assert!(case.output.deformed && case.time.is_none() && case.solid.is_none());
 }

@@ -10,29 +10,15 @@
 mod manufactured;
 
 use manufactured::*;
-use std::sync::Arc;
 use undula::assembly::{Physics, StepView};
 use undula::math::Tensor;
-use undula::problem::manufactured::{Errors, Exact, InTime, Values, cos, number, sample, sin};
-use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::problem::manufactured::{Errors, InTime, sample};
+use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::Region;
 use undula::time::Scheme;
 
 /// Cells per direction.
 const LEVELS: [usize; 3] = [8, 16, 32];
-
-/// Not polynomial; F not symmetric, in the solid v ≠ ∂_t u; without deformation for a flow alone.
-fn smooth(deforms: bool) -> Exact {
-    let size = if deforms { 1.0 } else { 0.0 };
-    Arc::new(move |[x, y], t| {
-        let (w, a) = (bubble([x, y]) * size, number(1.0) + sin(t) * 0.3);
-        Values {
-            v: [sin(x * 2.0 + y * 1.5 + t), cos(x - y * 2.0 + t * 0.5)],
-            u: [w * a * (number(0.035) + y * 0.025), w * a * (x * 0.045 - number(0.05))],
-            p: sin(x * 3.0 + t) * cos(y * 2.0) + x,
-        }
-    })
-}
 
 /// A test case: what is solved and how.
 #[derive(Copy, Clone)]
@@ -113,7 +99,7 @@ fn force_error(pressure: PressureKind, n: usize) -> [f64; 2] {
 /// boundary shifted the pressure, and with it normal forces, by O(h²): 5.0e-4 on 16 × 16 cells.
 #[test]
 fn do_nothing_outflow_does_not_shift_normal_forces() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         let [coarse, fine] = [8, 16].map(|n| force_error(pressure, n));
         for i in 0..2 {
             let order = (coarse[i] / fine[i]).abs().log2();
@@ -123,7 +109,7 @@ fn do_nothing_outflow_does_not_shift_normal_forces() {
     }
 }
 
-const COUPLED: Run = Run { physics: FSI, pressure: P1dc, steps: 0, do_nothing: true };
+const COUPLED: Run = Run { physics: FSI, pressure: Pdc(1), steps: 0, do_nothing: true };
 const ALONE: Run = Run { physics: FLOW, ..COUPLED };
 const SOLID_ALONE: Run = Run { physics: BODY, ..COUPLED };
 

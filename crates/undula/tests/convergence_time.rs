@@ -70,7 +70,7 @@ fn errors(problem: &Manufactured, scheme: Scheme, steps: usize, uneven: bool) ->
 /// read at t. Errors of 128 steps as stored.
 fn check(name: &str, scheme: Scheme, uneven: bool, order: f64, stored: [f64; 4]) {
     let mesh = square(4, Cells::Square, Body::Block);
-    let problem = problem(&mesh, FSI, PressureKind::P1dc, in_the_spaces(), InTime::Derivative, QUADRATURE);
+    let problem = problem(&mesh, FSI, PressureKind::Pdc(1), in_the_spaces(), InTime::Derivative, QUADRATURE);
     let e = [32, 64, 128].map(|steps| errors(&problem, scheme, steps, uneven));
     let mut failures = vec![];
     for i in 0..6 {

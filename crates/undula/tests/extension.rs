@@ -11,7 +11,7 @@ use undula::physics::{Extension, Fluid, StepRule};
 use undula::problem::case::Case;
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::simulation::Simulation;
-use undula::space::PressureKind::P1dc;
+use undula::space::PressureKind::Pdc;
 use undula::space::{PsiOwner, State, Walls};
 
 fn coupled(extension: Extension, cells: Cells, body: Body, walls: Walls) -> Manufactured {
@@ -23,7 +23,7 @@ fn on_square(n: usize, extension: Extension, cells: Cells, body: Body, walls: Wa
     let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
     let physics = Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI };
     let mesh = square(n, cells, body);
-    let mut problem = problem(&mesh, physics, P1dc, nothing, InTime::Difference, QUADRATURE);
+    let mut problem = problem(&mesh, physics, Pdc(1), nothing, InTime::Difference, QUADRATURE);
     Arc::make_mut(&mut problem.space).walls = walls;
     problem
 }

@@ -15,7 +15,7 @@ use undula::mesh::generate::rectangle;
 use undula::nonlinear::NewtonError;
 use undula::physics::{Fluid, StepRule};
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
-use undula::space::PressureKind::{self, Continuous, P1dc};
+use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{BoundaryCondition, PsiOwner, Region, State};
 use undula::time::{Scheme, Stepper};
 
@@ -43,7 +43,7 @@ fn state(problem: &Manufactured, seed: u64, v: [f64; 2], p: f64) -> State {
     state.v.chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&v));
     state.u.iter_mut().for_each(|u| *u = 0.02 * random.next());
     let constant = |dof: usize| match space.pressure.kind {
-        P1dc if !dof.is_multiple_of(3) => 0.0,
+        Pdc(_) if !dof.is_multiple_of(3) => 0.0,
         _ => p,
     };
     state.p = (0..space.n_p()).map(constant).collect();
@@ -85,7 +85,7 @@ fn on_boundaries(problem: &Manufactured) -> Vec<bool> {
 /// closed surface add up to zero, whatever the deformation at both ends of the step.
 #[test]
 fn constant_pressure_does_no_net_work() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         let problem = bent(FSI, Body::Inclusion, pressure);
         let (new, old) = (state(&problem, 5, [0.0; 2], 3.0), state(&problem, 6, [0.0; 2], 0.0));
         let mut assembler = problem.assembler(&options());
@@ -104,7 +104,7 @@ fn constant_pressure_does_no_net_work() {
 
 #[test]
 fn rigid_motion_of_the_solid_has_no_stress() {
-    let problem = bent(BODY, Body::Block, P1dc);
+    let problem = bent(BODY, Body::Block, Pdc(1));
     let mut assembler = problem.assembler(&options());
     for angle in [0.0f64, 0.4, 1.6, 3.0] {
         let (c, s) = (angle.cos(), angle.sin());
@@ -126,7 +126,7 @@ fn rigid_motion_of_the_solid_has_no_stress() {
 fn rotating_flow_has_no_viscous_stress() {
     let forces = |nu: f64| {
         let physics = Physics { fluid: Some(Fluid { nu, ..AUXETIC }), ..FSI };
-        let mut problem = bent(physics, Body::Inclusion, P1dc);
+        let mut problem = bent(physics, Body::Inclusion, Pdc(1));
         for condition in &mut problem.conditions {
             if let BoundaryCondition::Outflow { do_nothing } = condition {
                 *do_nothing = false;
@@ -148,7 +148,7 @@ fn rotating_flow_has_no_viscous_stress() {
 /// The residual of a uniform flow vanishes on a mesh that moves at will, with do-nothing outflow.
 #[test]
 fn uniform_flow_on_a_moving_mesh_is_a_solution() {
-    let problem = bent(FSI, Body::Inclusion, P1dc);
+    let problem = bent(FSI, Body::Inclusion, Pdc(1));
     let v = [0.8, -0.3];
     let (new, old) = (state(&problem, 3, v, 0.0), state(&problem, 4, v, 0.0));
     let mut assembler = problem.assembler(&options());
@@ -169,7 +169,7 @@ fn uniform_flow_on_a_moving_mesh_stays_uniform() {
         p: number(0.0),
     });
     let mesh = square(4, Cells::Square, Body::Inclusion);
-    let mut problem = problem(&mesh, FSI, P1dc, exact, InTime::Difference, QUADRATURE);
+    let mut problem = problem(&mesh, FSI, Pdc(1), exact, InTime::Difference, QUADRATURE);
     problem.fluid = false;
     for scheme in [Scheme::BACKWARD_EULER, Scheme::CRANK_NICOLSON] {
         let mut stepper = problem.stepper(scheme, 0.0, false, &options());
@@ -186,7 +186,7 @@ fn uniform_flow_on_a_moving_mesh_stays_uniform() {
 #[test]
 fn extension_reproduces_affine_deformations() {
     for fluid in [FLUID, AUXETIC] {
-        let problem = bent(Physics { fluid: Some(fluid), ..FSI }, Body::Inclusion, P1dc);
+        let problem = bent(Physics { fluid: Some(fluid), ..FSI }, Body::Inclusion, Pdc(1));
         let mut at = state(&problem, 1, [0.0; 2], 0.0);
         at.u = nodal(&problem, |[x, y]| [0.1 + 0.2 * x - 0.1 * y, 0.15 * x + 0.05 * y - 0.3]);
         let mut assembler = problem.assembler(&options());
@@ -232,7 +232,7 @@ fn channel(cells: Cells) -> Mesh<2> {
 
 #[test]
 fn poiseuille_is_exact_with_do_nothing_outflow() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         for cells in [Cells::Square, Cells::Trapezia] {
             let mut problem =
                 problem(&channel(cells), FLOW, pressure, poiseuille(0.0), InTime::Difference, QUADRATURE);
@@ -265,7 +265,7 @@ fn forces(problem: &Manufactured, stepper: &mut Stepper<2>, name: &str, componen
 /// The force on a hole is that of the weight of the fluid displaced, by the residual and by the surface.
 #[test]
 fn force_on_a_hole_is_the_weight_displaced() {
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         let (f, mesh) = (2.5, square(4, Cells::Trapezia, Body::Inclusion));
         let problem = problem(&mesh, FLOW, pressure, poiseuille(f), InTime::Difference, QUADRATURE);
         let mut stepper = flow(&problem, f);
@@ -296,7 +296,7 @@ fn force_on_a_wall_is_its_shear() {
             mesh.facets[i].boundary = mesh.boundaries.len() as u16 - 1;
         }
     }
-    let problem = problem(&mesh, FLOW, P1dc, poiseuille(0.0), InTime::Difference, QUADRATURE);
+    let problem = problem(&mesh, FLOW, Pdc(1), poiseuille(0.0), InTime::Difference, QUADRATURE);
     let mut stepper = flow(&problem, 0.0);
     let [by_residual, by_surface] = forces(&problem, &mut stepper, "plate", 0);
     let shear = FLUID.rho * FLUID.nu * 4.0 * SPEED;
@@ -312,7 +312,7 @@ fn closed_box_is_singular() {
         u: [number(0.0); 2],
         p: number(0.0),
     });
-    for pressure in [P1dc, Continuous(1)] {
+    for pressure in [Pdc(1), Continuous(1)] {
         for cells in [Cells::Square, Cells::Curved] {
             let mut problem =
                 problem(&channel(cells), FLOW, pressure, lid.clone(), InTime::Difference, QUADRATURE);
@@ -335,7 +335,7 @@ fn closed_box_is_singular() {
 /// With an elastic body in it the closed box has a solution: its volume follows the flux over the walls.
 #[test]
 fn closed_box_with_a_body_is_regular() {
-    let mut problem = bent(FSI, Body::Inclusion, P1dc);
+    let mut problem = bent(FSI, Body::Inclusion, Pdc(1));
     for condition in &mut problem.conditions {
         if matches!(condition, BoundaryCondition::Outflow { .. }) {
             *condition = BoundaryCondition::Fixed;

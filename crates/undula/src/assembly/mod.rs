@@ -291,7 +291,7 @@ impl<const D: usize> Assembler<D> {
         for (dof, x) in space.pressure.points.iter().enumerate() {
             // Continuous pressures sit on vertices, which are nodes of the velocity, too.
             let node = match space.pressure.kind {
-                PressureKind::P1dc => first + dof as u32 / space.pressure.per_cell as u32,
+                PressureKind::Pdc(_) => first + dof as u32 / space.pressure.per_cell as u32,
                 PressureKind::Continuous(_) => space.pressure_node(dof),
             };
             list.push(Unknown { node, kind: Kind::Pressure, at: position(x) });

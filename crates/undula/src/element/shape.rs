@@ -46,6 +46,12 @@ impl Shape {
         }
     }
 
+    /// Whether node `node` of degree `degree` lies on no facet.
+    pub fn is_inner(self, degree: usize, node: usize) -> bool {
+        let at = self.lattice(degree, node);
+        (0..self.dim()).all(|d| at[d] != 0 && at[d] != degree)
+    }
+
     /// Cell-local numbers of the nodes on facet `facet`, in lexicographic order.
     pub fn facet_nodes(self, degree: usize, facet: usize) -> Vec<usize> {
         let (axis, side) = (facet / 2, facet % 2);

@@ -5,6 +5,7 @@ use crate::element::{Quadrature, lagrange};
 use crate::math::Tensor;
 use crate::mesh::{Locator, MeshError};
 
+use crate::space::pressure::monomials;
 use crate::space::{FsiSpace, Region};
 
 /// One component of the deformation of a material point \[m\].
@@ -46,9 +47,9 @@ impl<const D: usize> Functional<D> for Displacement {
 
 /// p(a) − p(b) \[Pa\] at material points.
 ///
-/// The pressure of the discrete solution is of second order at a point, and where it is discontinuous it
-/// has several values there. So it is recovered: a quadratic polynomial is fitted, by least squares over
-/// the cells around the point, to the moments of the pressure against 1 and x in each cell.
+/// A pressure of degree m is of order m + 1 at a point, and where it is discontinuous it has several values
+/// there. So it is recovered: a polynomial of degree m + 1 is fitted, by least squares over the cells around
+/// the point, to the moments of the pressure against the monomials of degree m in each cell.
 pub struct PressureDifference {
     /// (unknown, weight).
     terms: Vec<(u32, f64)>,
@@ -72,13 +73,14 @@ impl PressureDifference {
 fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32, f64)>, MeshError> {
     let patch = patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x);
     let size = patch.iter().map(|&c| space.mesh.cell_diameter(c)).fold(0.0, f64::max);
-    let rule = Quadrature::cell(space.mesh.shape, 4);
-    let n = monomials(&[0.0; D]).len();
+    let degree = space.pressure.kind.degree();
+    let rule = Quadrature::cell(space.mesh.shape, degree + 3);
+    let [n, n_moments] = [degree + 1, degree].map(|m| monomials(m, &[0.0; D]).len());
     // One row per cell and moment: those of the monomials, and those of the pressure basis.
     let mut rows: Vec<Vec<f64>> = vec![];
     let mut data: Vec<Vec<(u32, f64)>> = vec![];
     for &cell in &patch {
-        let (mut row, mut datum) = (vec![vec![0.0; n]; D + 1], vec![vec![]; D + 1]);
+        let (mut row, mut datum) = (vec![vec![0.0; n]; n_moments], vec![vec![]; n_moments]);
         let centre = space.mesh.centre(cell);
         let (mut volume, h) = (0.0, space.mesh.cell_diameter(cell));
         for (xi, w) in rule.points.iter().zip(&rule.weights) {
@@ -86,15 +88,13 @@ fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32
             let at = space.mesh.map(cell, xi);
             let weight = w * Tensor(space.mesh.map_gradient(cell, xi)).det();
             volume += weight;
-            let local = monomials(&std::array::from_fn::<f64, D, _>(|d| (at[d] - x[d]) / size));
+            let local = monomials(degree + 1, &std::array::from_fn::<f64, D, _>(|d| (at[d] - x[d]) / size));
+            let tested = monomials(degree, &std::array::from_fn::<f64, D, _>(|d| (at[d] - centre[d]) / h));
             let basis = space.pressure.basis(&space.mesh, cell, &xi, &at);
-            for m in 0..=D {
-                let moment = weight * if m == 0 { 1.0 } else { (at[m - 1] - centre[m - 1]) / h };
-                for (r, l) in row[m].iter_mut().zip(&local) {
-                    *r += moment * l;
-                }
-                datum[m]
-                    .extend(space.pressure.cell(cell).iter().zip(&basis).map(|(&dof, b)| (dof, moment * b)));
+            for ((row, datum), tested) in row.iter_mut().zip(&mut datum).zip(tested) {
+                let moment = weight * tested;
+                row.iter_mut().zip(&local).for_each(|(r, l)| *r += moment * l);
+                datum.extend(space.pressure.cell(cell).iter().zip(&basis).map(|(&dof, b)| (dof, moment * b)));
             }
         }
         rows.extend(row.into_iter().map(|r| r.into_iter().map(|x| x / volume).collect::<Vec<_>>()));
@@ -112,16 +112,6 @@ fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32
         terms.extend(datum.into_iter().map(|(dof, w)| (dof, share * w)));
     }
     Ok(terms)
-}
-
-/// 1, x_i, x_i x_j (i ≤ j).
-fn monomials(x: &[f64]) -> Vec<f64> {
-    let mut list = vec![1.0];
-    list.extend(x);
-    for i in 0..x.len() {
-        list.extend((i..x.len()).map(|j| x[i] * x[j]));
-    }
-    list
 }
 
 /// The solution of `a y = e₀` for a small symmetric positive definite matrix, by elimination.

@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    MotionModel, PressureElement, SolidLaw, TimeScheme,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -103,14 +103,11 @@ impl Case {
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
         let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
         let regions = mesh.cell_region.iter().map(region).collect();
-        let degree = match self.space.velocity {
-            VelocityElement::Q2 => 2,
-        };
         let pressure = match self.space.pressure {
-            PressureElement::P1dc => PressureKind::P1dc,
-            PressureElement::Q1 => PressureKind::Continuous(1),
+            PressureElement::Pdc(m) => PressureKind::Pdc(m),
+            PressureElement::Q(m) => PressureKind::Continuous(m),
         };
-        let mut space = FsiSpace::new(mesh, regions, degree, pressure);
+        let mut space = FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure);
         space.walls = self.motion.walls;
         let message = "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
         if space.walls == Walls::Sliding && self.fluid.is_some() && !space.slides() {

@@ -3,6 +3,7 @@
 //! `Case` is what the TOML file means. It is made by [`Case::from_toml`] only, so that code further down
 //! never meets an invalid one, and it is written back as `case.toml` into the output directory.
 
+pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
 use crate::space::Walls;
@@ -111,28 +112,12 @@ pub enum MeshSource {
 /// Finite element spaces by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpaceSpec {
-    /// Velocity and deformation: `Q2`.
+    /// Velocity and deformation.
     pub velocity: VelocityElement,
-    /// Pressure: `P1dc` or `Q1`.
+    /// Pressure.
     pub pressure: PressureElement,
     /// Gauss points per direction.
     pub quadrature: usize,
-}
-
-/// Space of velocity and deformation.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum VelocityElement {
-    /// Continuous biquadratic.
-    Q2,
-}
-
-/// Space of the pressure.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum PressureElement {
-    /// Discontinuous linear in the reference-domain coordinates of the cell.
-    P1dc,
-    /// Continuous bilinear.
-    Q1,
 }
 
 /// The flow.

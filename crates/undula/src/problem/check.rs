@@ -52,6 +52,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let mesh = body::mesh(root.section("mesh"), &root);
     let space = body::space(root.section("space"));
     let fluid = body::fluid(root.section("fluid"));
+    if fluid.is_some() {
+        body::refuse_pair(&root.section("space"), &space);
+    }
     let solid = body::solid(root.section("solid"));
     if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
         checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());

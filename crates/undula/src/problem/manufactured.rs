@@ -300,7 +300,8 @@ impl Manufactured {
                 let s = sample(&self.exact, space.pressure.points[dof as usize], t);
                 state.p[dof as usize] = match (space.pressure.kind, a) {
                     (PressureKind::Continuous(_), _) | (_, 0) => s.fields.p,
-                    (PressureKind::P1dc, a) => s.grad_p[a - 1] * space.pressure.frames[cell].1,
+                    (PressureKind::Pdc(_), a) if a <= 2 => s.grad_p[a - 1] * space.pressure.frames[cell].1,
+                    (PressureKind::Pdc(_), _) => 0.0,
                 };
             }
         }

@@ -10,6 +10,7 @@ pub mod builtin;
 pub mod case;
 mod check;
 pub mod compare;
+pub mod element;
 pub mod error;
 pub mod expression;
 pub mod fit;

@@ -2,7 +2,7 @@
 
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, Precision, PressureElement, SolidLaw, TimeScheme, VelocityElement,
+    MotionModel, Precision, SolidLaw, TimeScheme,
 };
 use super::expression::Expression;
 use crate::space::Walls;
@@ -111,19 +111,8 @@ impl Case {
             }
         }
         out.table("space");
-        out.word(
-            "velocity",
-            match self.space.velocity {
-                VelocityElement::Q2 => "Q2",
-            },
-        );
-        out.word(
-            "pressure",
-            match self.space.pressure {
-                PressureElement::P1dc => "P1dc",
-                PressureElement::Q1 => "Q1",
-            },
-        );
+        out.word("velocity", self.space.velocity.name());
+        out.word("pressure", self.space.pressure.name());
         out.key("quadrature", self.space.quadrature.to_string(), "Gauss points per direction");
     }
 

@@ -68,7 +68,7 @@ impl<const D: usize> FsiSpace<D> {
         }
         let deforms = regions.contains(&Region::Solid);
         let pressure_nodes = match pressure.kind {
-            PressureKind::P1dc => vec![],
+            PressureKind::Pdc(_) => vec![],
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
         let walls = Walls::Fixed;

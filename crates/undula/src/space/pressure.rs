@@ -8,12 +8,20 @@ use crate::mesh::Mesh;
 /// Which pressure space.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PressureKind {
-    /// Discontinuous polynomials of degree 1 in the reference-domain coordinates x of the cell,
-    /// 1, (x − x_c)/h, (y − y_c)/h: a basis mapped with the cell would lose an order on cells that are
-    /// not parallelograms.
-    P1dc,
-    /// Continuous Q_k.
+    /// Discontinuous polynomials of this total degree in the reference-domain coordinates x of the cell, spanned by
+    /// products of Legendre polynomials in (x − x_c)/h, so 1, (x − x_c)/h, (y − y_c)/h for degree 1: a basis mapped
+    /// with the cell would lose an order on cells that are not parallelograms.
+    Pdc(usize),
+    /// Continuous, of this degree.
     Continuous(usize),
+}
+
+impl PressureKind {
+    /// Polynomial degree.
+    pub fn degree(self) -> usize {
+        let (PressureKind::Pdc(degree) | PressureKind::Continuous(degree)) = self;
+        degree
+    }
 }
 
 /// The pressure unknowns.
@@ -27,7 +35,7 @@ pub struct PressureSpace<const D: usize> {
     pub per_cell: usize,
     /// `n_cells × per_cell`; `u32::MAX` on cells without pressure.
     pub cell_dofs: Vec<u32>,
-    /// Centre and size of every cell \[m\] (P1dc).
+    /// Centre and size of every cell \[m\] (Pdc).
     pub frames: Vec<([f64; D], f64)>,
     /// Position of every unknown \[m\].
     pub points: Vec<[f64; D]>,
@@ -48,8 +56,8 @@ impl<const D: usize> PressureSpace<D> {
                     points: nodes.points,
                 }
             }
-            PressureKind::P1dc => {
-                let per_cell = D + 1;
+            PressureKind::Pdc(degree) => {
+                let per_cell = monomials(degree, &[0.0; D]).len();
                 let mut cell_dofs = vec![u32::MAX; mesh.n_cells() * per_cell];
                 let (mut frames, mut points, mut n) = (vec![], vec![], 0);
                 for c in 0..mesh.n_cells() {
@@ -78,11 +86,46 @@ impl<const D: usize> PressureSpace<D> {
     pub fn basis(&self, mesh: &Mesh<D>, cell: usize, xi: &[f64], x: &[f64; D]) -> Vec<f64> {
         match self.kind {
             PressureKind::Continuous(degree) => lagrange::basis(mesh.shape, degree, xi).0,
-            PressureKind::P1dc => {
+            PressureKind::Pdc(degree) => {
                 let (centre, h) = &self.frames[cell];
-                let linear = (0..D).map(|d| (x[d] - centre[d]) / h);
-                std::iter::once(1.0).chain(linear).collect()
+                let factors: [Vec<f64>; D] =
+                    std::array::from_fn(|d| legendre(degree, (x[d] - centre[d]) / h));
+                products(degree, &factors)
             }
+        }
+    }
+}
+
+/// All products of the entries of `x` with at most `degree` factors, by degree: 1, x, y, x², x y, y², …
+pub fn monomials(degree: usize, x: &[f64]) -> Vec<f64> {
+    let powers = |x: &f64| (0..=degree).map(|i| x.powi(i as i32)).collect();
+    products(degree, &x.iter().map(powers).collect::<Vec<_>>())
+}
+
+/// Legendre polynomials on [−½, ½] up to `degree` at `t`, leading coefficients 1: 1, t, t² − 1/12, …
+fn legendre(degree: usize, t: f64) -> Vec<f64> {
+    let mut list = vec![1.0, t];
+    for n in 1..degree {
+        let square = (n * n) as f64;
+        list.push(t * list[n] - square / (4.0 * (4.0 * square - 1.0)) * list[n - 1]);
+    }
+    list.truncate(degree + 1);
+    list
+}
+
+/// All products with one of `factors[d]`, numbered by degree, for each coordinate d and a total of at most `degree`.
+fn products(degree: usize, factors: &[Vec<f64>]) -> Vec<f64> {
+    (0..=degree).flat_map(|total| products_of(total, factors)).collect()
+}
+
+/// Those of degree `total`.
+fn products_of(total: usize, factors: &[Vec<f64>]) -> Vec<f64> {
+    match factors {
+        [] if total == 0 => vec![1.0],
+        [] => vec![],
+        [first, rest @ ..] => {
+            let with = |i: usize| products_of(total - i, rest).into_iter().map(move |p| first[i] * p);
+            (0..=total).rev().flat_map(with).collect()
         }
     }
 }
@@ -93,4 +136,24 @@ fn cell_size<const D: usize>(mesh: &Mesh<D>, cell: usize) -> f64 {
     let det = |xi: &[f64; 3]| Tensor(mesh.map_gradient(cell, std::array::from_fn(|d| xi[d]))).det();
     let volume: f64 = rule.points.iter().zip(&rule.weights).map(|(xi, w)| w * det(xi)).sum();
     volume.abs().powf(1.0 / D as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bases_are_numbered_by_degree() {
+        assert_eq!(monomials(2, &[2.0, 3.0]), [1.0, 2.0, 3.0, 4.0, 6.0, 9.0]);
+        assert_eq!(monomials(1, &[2.0, 3.0, 5.0]), [1.0, 2.0, 3.0, 5.0]);
+        assert_eq!(monomials(0, &[2.0]), [1.0]);
+        let (x, w) = crate::element::quadrature::gauss(4);
+        let at: Vec<Vec<f64>> = x.iter().map(|x| legendre(3, x - 0.5)).collect();
+        for i in 0..4 {
+            for j in 0..i {
+                let product: f64 = at.iter().zip(&w).map(|(l, w)| w * l[i] * l[j]).sum();
+                assert!(product.abs() < 1e-16, "{i} and {j}");
+            }
+        }
+    }
 }

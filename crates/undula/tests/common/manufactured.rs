@@ -6,7 +6,7 @@ use undula::assembly::{Options, Physics};
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Number, sample};
+use undula::problem::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin};
 use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region, VelocityData};
 
 /// Gauss points per direction in the solver.
@@ -100,8 +100,8 @@ pub fn bend(mesh: &mut Mesh<2>, n: usize, cells: Cells) {
     }
 }
 
-/// Spaces on those regions of `mesh` whose equations there are.
-pub fn space(mesh: &Mesh<2>, physics: &Physics, pressure: PressureKind) -> Arc<FsiSpace<2>> {
+/// Spaces of degree `degree` for v and u on those regions of `mesh` whose equations there are.
+pub fn space(mesh: &Mesh<2>, physics: &Physics, degree: usize, pressure: PressureKind) -> Arc<FsiSpace<2>> {
     let mut keep = vec![];
     if physics.fluid.is_some() {
         keep.push("fluid");
@@ -113,7 +113,7 @@ pub fn space(mesh: &Mesh<2>, physics: &Physics, pressure: PressureKind) -> Arc<F
     let solid = mesh.region("solid");
     let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
     let regions = mesh.cell_region.iter().map(region).collect();
-    Arc::new(FsiSpace::new(mesh, regions, 2, pressure))
+    Arc::new(FsiSpace::new(mesh, regions, degree, pressure))
 }
 
 /// The velocity of `exact`.
@@ -122,7 +122,8 @@ pub fn velocity(exact: &Exact) -> VelocityData<2> {
     Arc::new(move |x: &[f64; 2], t| sample(&exact, *x, t).fields.v.0)
 }
 
-/// `exact` on `mesh`: its velocity given on all walls but the right one, which is a do-nothing outflow.
+/// `exact` on `mesh` with v and u of degree 2: its velocity given on all walls but the right one, which is a
+/// do-nothing outflow.
 pub fn problem(
     mesh: &Mesh<2>,
     physics: Physics,
@@ -131,7 +132,17 @@ pub fn problem(
     in_time: InTime,
     quadrature: usize,
 ) -> Manufactured {
-    let space = space(mesh, &physics, pressure);
+    problem_in(space(mesh, &physics, 2, pressure), physics, exact, in_time, quadrature)
+}
+
+/// The same in other spaces.
+pub fn problem_in(
+    space: Arc<FsiSpace<2>>,
+    physics: Physics,
+    exact: Exact,
+    in_time: InTime,
+    quadrature: usize,
+) -> Manufactured {
     let coupled = physics.fluid.is_some() && physics.solid.is_some();
     let condition = |name: &String| match name.as_str() {
         "interface" if coupled || physics.fluid.is_none() => BoundaryCondition::Free,
@@ -161,6 +172,19 @@ pub fn options() -> Options {
 pub fn bubble(x: [Number; 2]) -> Number {
     let [x, y] = x;
     (x - x * x) * (y - y * y) * 16.0
+}
+
+/// Not polynomial; F not symmetric, in the solid v ≠ ∂_t u; without deformation for a flow alone.
+pub fn smooth(deforms: bool) -> Exact {
+    let size = if deforms { 1.0 } else { 0.0 };
+    Arc::new(move |[x, y], t| {
+        let (w, a) = (bubble([x, y]) * size, number(1.0) + sin(t) * 0.3);
+        Values {
+            v: [sin(x * 2.0 + y * 1.5 + t), cos(x - y * 2.0 + t * 0.5)],
+            u: [w * a * (number(0.035) + y * 0.025), w * a * (x * 0.045 - number(0.05))],
+            p: sin(x * 3.0 + t) * cos(y * 2.0) + x,
+        }
+    })
 }
 
 /// Deterministic random numbers in (−½, ½) (xorshift).

@@ -2,9 +2,9 @@
 
 use super::{is_name, resolve};
 use crate::problem::case::{
-    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw, SolidSpec,
-    SpaceSpec, VelocityElement,
+    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, SolidLaw, SolidSpec, SpaceSpec, VelocityElement,
 };
+use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::space::Walls;
@@ -83,16 +83,31 @@ fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
 }
 
 pub(super) fn space(mut s: Section<'_, '_>) -> SpaceSpec {
-    let later = ["Q1", "Q3", "Q4", "P1", "P2", "P3", "P2-bubble"];
-    let velocity = s.choice("velocity", &[("Q2", VelocityElement::Q2)], &later);
-    let pressures = [("P1dc", PressureElement::P1dc), ("Q1", PressureElement::Q1)];
-    let pressure = s.choice("pressure", &pressures, &["Q2", "Q3", "P0", "P1", "P2", "P2dc"]);
-    let quadrature = s.integer("quadrature", 3, 2..=8);
+    let velocity = s.choice("velocity", &VELOCITIES, &["P1", "P2", "P3", "P2-bubble"]);
+    let pressure = s.choice("pressure", &PRESSURES, &["P1", "P2"]);
+    let velocity = velocity.unwrap_or(VelocityElement::Q(2));
+    let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
     s.finish();
-    SpaceSpec {
-        velocity: velocity.unwrap_or(VelocityElement::Q2),
-        pressure: pressure.unwrap_or(PressureElement::P1dc),
-        quadrature,
+    SpaceSpec { velocity, pressure: pressure.unwrap_or(velocity.pressure()), quadrature }
+}
+
+/// Refuse pairs of velocity and pressure for which the flow has no unique solution.
+pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
+    let SpaceSpec { velocity, pressure, .. } = *space;
+    let (key, pair) = match s.has("pressure") {
+        true => ("pressure", format!("with the velocity {}", velocity.name())),
+        false => ("velocity", format!("with the pressure {}", pressure.name())),
+    };
+    match velocity.stability(pressure) {
+        Stability::Stable => {}
+        Stability::Equal => s.wrong(
+            key,
+            format!(
+                "{pair} a pair of equal order, which needs stabilisation (inf-sup condition (5.24)); \
+                 velocities of degree 2 and above with their default pressure do not"
+            ),
+        ),
+        Stability::Refused(reason) => s.wrong("pressure", reason),
     }
 }
 
