@@ -304,7 +304,7 @@ fn a_case_that_is_not_there() {
     assert_eq!(
         told("missing/own.toml").0,
         "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
-         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`"
+         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`"
     );
     // A directory exists, but it cannot be read as a file.
     assert!(!told("src").1);
@@ -365,4 +365,31 @@ fn unstable_pairs_are_refused_with_the_reason() {
         builtin("fsi1", set);
     }
     builtin("csm1", &["space.velocity=Q1"]);
+}
+
+#[test]
+fn senseless_motions_are_refused() {
+    for (name, overrides, expected) in [
+        (
+            "fsi1",
+            &["motion.model=jacobian-stiffened", "motion.jacobian=lagged"][..],
+            "--set motion.jacobian=lagged: a stationary case has no last step to take J from; use `implicit`",
+        ),
+        (
+            "fsi3",
+            &["motion.model=biharmonic", "space.velocity=Q1", "space.pressure=P0"],
+            "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity",
+        ),
+    ] {
+        let message = wrong_builtin(name, overrides);
+        assert!(message.contains(expected), "{message}");
+    }
+    let case = builtin("fsi3", &["motion.scale=0.1", "motion.outer=hinged"]);
+    assert_eq!(
+        case.notes(),
+        [
+            "motion.scale has no effect with this motion.model",
+            "motion.outer has no effect with this motion.model"
+        ]
+    );
 }

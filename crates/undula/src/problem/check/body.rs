@@ -187,7 +187,7 @@ fn moduli(s: &mut Section<'_, '_>) -> (f64, f64) {
 }
 
 /// `moves`: whether the case has a last step to take J from.
-pub(super) fn motion(mut s: Section<'_, '_>, moves: bool) -> MotionSpec {
+pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElement) -> MotionSpec {
     let models = [
         ("harmonic", MotionModel::Harmonic),
         ("stiffened-harmonic", MotionModel::StiffenedHarmonic),
@@ -196,6 +196,9 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool) -> MotionSpec {
         ("biharmonic", MotionModel::Biharmonic),
     ];
     let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
+    if model == MotionModel::Biharmonic && velocity.degree() == 1 {
+        s.wrong("model", "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity");
+    }
     let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
     if jacobian == Some(true) && !moves {
         s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
