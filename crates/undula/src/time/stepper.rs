@@ -105,21 +105,21 @@ impl Start<'_> {
     fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
         if let Some((older, ratio)) = self.older {
             system.new.extrapolate(older, system.old, ratio);
-            self.complete(system);
+            self.complete(system, false);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
             if norm.is_some() {
                 return norm;
             }
         }
         system.new.copy_from(system.old);
-        self.complete(system);
+        self.complete(system, true);
         newton.norm(system)
     }
 
-    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>) {
-        let assembler = &*system.assembler;
+    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>, follow: bool) {
+        let assembler = &mut *system.assembler;
         assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
-        system.linear.start(assembler, self.k, system.rule.theta, system.new, system.old);
+        system.linear.start(assembler, self.k, system.rule, system.new, system.old, follow);
     }
 }
 
