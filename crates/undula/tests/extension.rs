@@ -191,13 +191,21 @@ fn linearizations_agree_for_every_model() {
     for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
         for model in MODELS {
             let end = |linearization: &str| {
-                let mut list = vec!["mesh.refine=0", "time.step=0.1", "solid.mu=1e5", "solid.lambda=4e5", walls];
+                let mut list =
+                    vec!["mesh.refine=0", "time.step=0.1", "solid.mu=1e5", "solid.lambda=4e5", walls];
                 list.extend(model);
-                list.extend([linearization, "newton.tolerance=1e-10"]);
+                list.push(linearization);
+                // Of fourth order: the residual that remains weighs more.
+                if model[0] == "motion.model=biharmonic" {
+                    list.push("newton.tolerance=1e-10");
+                }
                 let mut s = simulation("fsi3", &list);
                 let rows: Vec<_> = (0..4).map(|_| s.step().unwrap()).collect();
                 let reports: Vec<_> = rows.iter().map(|r| (r.newton_steps, r.jacobians)).collect();
-                println!("{model:?} {walls} {linearization} {reports:?} {:?} {}", rows[3].values, rows[3].min_j);
+                println!(
+                    "{model:?} {walls} {linearization} {reports:?} {:?} {}",
+                    rows[3].values, rows[3].min_j
+                );
                 s.stepper.new.clone()
             };
             let (a, b) = (end("newton.linearization=condensed"), end("newton.linearization=newton"));

@@ -47,7 +47,8 @@ fn mesh_is_that_of_the_book() {
 #[test]
 fn rotation_follows_the_converged_curve() {
     let mut simulation = rotor(&["mesh.refine=1", "time.step=0.1"]);
-    let mut expected = vec![(8.6, 0.03493), (9.0, 0.03783), (11.6, 0.05521), (14.0, 0.06793), (14.9, 0.07168)];
+    let mut expected =
+        vec![(8.6, 0.03493), (9.0, 0.03783), (11.6, 0.05521), (14.0, 0.06793), (14.9, 0.07168)];
     while !simulation.finished() {
         let row = simulation.step().unwrap();
         if let Some(at) = expected.iter().position(|(t, _)| (row.time - t).abs() < 1e-6) {
@@ -62,13 +63,20 @@ fn rotation_follows_the_converged_curve() {
 /// The step at which the mesh folds is tried in smaller parts; then all is as it was before, with the cells named.
 #[test]
 fn breakdown_leaves_the_last_solution() {
-    let mut simulation =
-        rotor(&["mesh.refine=0", "time.step=0.2", "time.end=30", "motion.model=harmonic", "time.max-halvings=3"]);
+    let mut simulation = rotor(&[
+        "mesh.refine=0",
+        "time.step=0.2",
+        "time.end=30",
+        "motion.model=harmonic",
+        "time.max-halvings=3",
+    ]);
     let failure = loop {
         let before = simulation.stepper.new.clone();
         let time = simulation.stepper.time;
         match simulation.step() {
-            Ok(row) => assert!(row.min_j > 0.0 && !simulation.finished(), "min J = {} at {}", row.min_j, row.time),
+            Ok(row) => {
+                assert!(row.min_j > 0.0 && !simulation.finished(), "min J = {} at {}", row.min_j, row.time)
+            }
             Err(Error::Breakdown(failure)) => {
                 assert!(simulation.stepper.new == before && simulation.stepper.time == time);
                 break failure;

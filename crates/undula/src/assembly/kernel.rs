@@ -3,8 +3,8 @@
 use super::batch::Batches;
 use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
-use super::folds::Corners;
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
+use super::folds::Corners;
 use super::interior::Interior;
 use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
@@ -186,7 +186,9 @@ where
                             };
                             let col = match piece.trial {
                                 Trial::V(j) => column((node(b) * D) as u32, j, constraints.v[node(b)]),
-                                Trial::U(j) => column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j]),
+                                Trial::U(j) => {
+                                    column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j])
+                                }
                                 Trial::P => self.rows_xi[batch * m + b][l],
                             };
                             let there = l < self.batches.active[batch] && row != DROP && col != DROP;

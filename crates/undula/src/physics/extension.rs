@@ -72,7 +72,8 @@ impl Extension {
         };
         let Kinematics { F_inv, J, .. } = Kinematics::of(grad_u);
         let slope = (J - S::one() / J) * (F_inv * *grad_w).trace();
-        elastic(poisson, grad_w) * (stiffness * stretch(grad_u)) + elastic(poisson, grad_u) * (stiffness * slope)
+        elastic(poisson, grad_w) * (stiffness * stretch(grad_u))
+            + elastic(poisson, grad_u) * (stiffness * slope)
     }
 }
 

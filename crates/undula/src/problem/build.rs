@@ -109,7 +109,8 @@ impl Case {
         };
         let mut space = FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure);
         space.walls = self.motion.walls;
-        let message = "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
+        let message =
+            "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
         if space.walls == Walls::Sliding && space.deforms && self.fluid.is_some() && !space.slides() {
             return Err(self.refuse("motion.walls", message.into()));
         }
