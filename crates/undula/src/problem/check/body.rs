@@ -94,20 +94,9 @@ pub(super) fn space(mut s: Section<'_, '_>) -> SpaceSpec {
 /// Refuse pairs of velocity and pressure for which the flow has no unique solution.
 pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
     let SpaceSpec { velocity, pressure, .. } = *space;
-    let (key, pair) = match s.has("pressure") {
-        true => ("pressure", format!("with the velocity {}", velocity.name())),
-        false => ("velocity", format!("with the pressure {}", pressure.name())),
-    };
-    match velocity.stability(pressure) {
-        Stability::Stable => {}
-        Stability::Equal => s.wrong(
-            key,
-            format!(
-                "{pair} a pair of equal order, which needs stabilisation (inf-sup condition (5.24)); \
-                 velocities of degree 2 and above with their default pressure do not"
-            ),
-        ),
-        Stability::Refused(reason) => s.wrong("pressure", reason),
+    // What pairs of equal order need is checked with `[stabilization]`.
+    if let Stability::Refused(reason) = velocity.stability(pressure) {
+        s.wrong("pressure", reason);
     }
 }
 
