@@ -75,7 +75,8 @@ pub enum End {
 /// Where J is smallest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid).
+    /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid), and of
+    /// the solid if its law needs J > 0.
     pub min_j: f64,
     /// The cell in which it lies, then all others with J ≤ 0.
     pub cells: Vec<u32>,
@@ -391,8 +392,9 @@ where
             (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect()
         };
         let batches = |region| {
-            let with_pressure = region == Region::Fluid;
-            Batches::new(space, &cells(region), with_pressure, options.quadrature, stiffness)
+            let cells = cells(region);
+            let with_pressure = cells.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
+            Batches::new(space, &cells, with_pressure, options.quadrature, stiffness)
         };
         let fluid = physics
             .fluid
@@ -454,7 +456,8 @@ where
         }
         if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
             let of_solid = k.residual(step, out);
-            min_j = min_j.or(Some(of_solid));
+            let counts = min_j.is_none() || k.form.material.needs_positive_volume();
+            min_j = if counts { Some(min_j.map_or(of_solid, |j: f64| j.min(of_solid))) } else { min_j };
         }
         min_j.unwrap_or(1.0)
     }
@@ -470,8 +473,17 @@ where
 
     fn worst(&self) -> Worst {
         let fluid = self.fluid.as_ref().and_then(Kernel::worst);
-        let worst = fluid.or_else(|| self.solid.as_ref().and_then(Kernel::worst));
-        let (min_j, cells) = worst.unwrap_or((1.0, vec![]));
+        let counts = |k: &&Kernel<Solid, D, L>| fluid.is_none() || k.form.material.needs_positive_volume();
+        let solid = self.solid.as_ref().filter(counts).and_then(Kernel::worst);
+        let (min_j, cells) = match (fluid, solid) {
+            (Some((a, list)), Some((b, more))) if a <= b => {
+                (a, [list, more.into_iter().filter(|_| b <= 0.0).collect()].concat())
+            }
+            (Some((a, list)), Some((b, more))) => {
+                (b, [more, list.into_iter().filter(|_| a <= 0.0).collect()].concat())
+            }
+            (fluid, solid) => fluid.or(solid).unwrap_or((1.0, vec![])),
+        };
         Worst { min_j, cells }
     }
 

@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme,
+    MotionModel, PressureElement, TimeScheme,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -17,7 +17,7 @@ use crate::functional::force::{ForceByResidual, ForceBySurface};
 use crate::functional::point::{Displacement, PressureDifference};
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
-use crate::physics::{Extension, Fluid, Material, Solid};
+use crate::physics::{Extension, Fluid, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
 use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
@@ -106,7 +106,9 @@ impl Case {
             PressureElement::Pdc(m) => PressureKind::Pdc(m),
             PressureElement::Q(m) => PressureKind::Continuous(m),
         };
-        Ok(FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure))
+        let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
+        let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
+        Ok(FsiSpace::with_pressure_in(mesh, regions, self.space.velocity.degree(), pressure, bodies))
     }
 
     /// Parameters of the equations.
@@ -117,10 +119,7 @@ impl Case {
         };
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
-        let solid = self.solid.as_ref().map(|s| {
-            let SolidLaw::StVenantKirchhoff = s.law;
-            Solid { rho: s.density, material: Material::StVenantKirchhoff { mu: s.mu, lambda: s.lambda } }
-        });
+        let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
         Physics { fluid, solid }
     }
 
@@ -320,8 +319,15 @@ impl Case {
 /// The key of `spec` that `error` is about.
 fn point_key(spec: &FunctionalSpec, error: &MeshError) -> &'static str {
     match (spec, error) {
-        (FunctionalSpec::PressureDifference { a, .. }, MeshError::Outside { point, .. }) => {
-            if point.as_slice() == a { "a" } else { "b" }
+        (
+            FunctionalSpec::PressureDifference { a, .. },
+            MeshError::Outside { point, .. } | MeshError::NoPressure { point },
+        ) => {
+            if point.as_slice() == a {
+                "a"
+            } else {
+                "b"
+            }
         }
         (FunctionalSpec::Displacement { .. }, _) => "point",
         _ => "on",

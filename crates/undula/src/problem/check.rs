@@ -70,7 +70,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
-        condition::functional(root.section("functional"), fluid.is_some(), solid.is_some());
+        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
     let output = solver::output(root.section("output"), &names, &functional);
     let case = Case {
         name,
