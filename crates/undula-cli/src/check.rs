@@ -61,6 +61,10 @@ pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Erro
         None => writeln!(out)?,
     }
     writeln!(out, "space     {}/{}", case.space.velocity.name(), case.space.pressure.name())?;
+    if case.stabilization.acts() {
+        let how = &case.stabilization;
+        writeln!(out, "          stabilisation: pressure {:?}, transport {:?}", how.pressure, how.transport)?;
+    }
     match &case.fluid {
         None => writeln!(out, "fluid     none: the interface is traction-free")?,
         Some(fluid) => write_fluid(&mut out, case, fluid)?,

@@ -67,5 +67,6 @@ pub mod problem;
 pub mod run;
 pub mod simulation;
 pub mod space;
+pub mod stability;
 pub mod tangent;
 pub mod time;

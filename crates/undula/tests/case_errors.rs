@@ -82,7 +82,7 @@ mesh = "moved"
 leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
-own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`, `fluid`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
+own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
@@ -354,11 +354,10 @@ fn damaged_files_do_no_harm() {
 fn unstable_pairs_are_refused_with_the_reason() {
     let refused = |set: &[&str]| wrong_builtin("fsi1", set);
     assert_eq!(
-        refused(&["space.velocity=Q1"]),
-        "--set space.velocity=Q1: with the pressure Q1 a pair of equal order, which needs \
-         stabilisation (inf-sup condition (5.24)); velocities of degree 2 and above with their default pressure do not"
+        refused(&["space.velocity=Q1", "stabilization.pressure=off"]),
+        "--set stabilization.pressure=off: the pair Q1/Q1 is of equal order: its inf-sup constants (5.24) and (5.25) \
+         are 0 or go to 0, and the pressure is not determined; expected `lps`, `pspg` or `brezzi-pitkaranta`"
     );
-    assert!(refused(&["space.pressure=Q2"]).contains("with the velocity Q2 a pair of equal order"));
     assert_eq!(
         refused(&["space.velocity=Q3", "space.pressure=P3dc"]),
         "--set space.pressure=P3dc: has too many unknowns for the velocity Q3 (inf-sup \
@@ -369,4 +368,49 @@ fn unstable_pairs_are_refused_with_the_reason() {
         builtin("fsi1", set);
     }
     builtin("csm1", &["space.velocity=Q1"]);
+}
+
+/// Terms that a pair does not need, keys without effect, and patches that are not there.
+#[test]
+fn senseless_stabilisation_is_refused_with_the_reason() {
+    for (set, words) in [
+        (
+            &["stabilization.pressure=lps"][..],
+            "works on continuous pressures only, and the pair Q2/P1dc needs none",
+        ),
+        (
+            &["space.pressure=Q1", "stabilization.pressure=lps"],
+            "the pair Q2/Q1 is stable, and would only lose",
+        ),
+        (&["stabilization.alpha=0.2"], "without effect: it belongs to a `pressure` term"),
+        (&["stabilization.delta=0.2"], "without effect: it belongs to a `transport` term"),
+        (&["stabilization.projection=patch"], "without effect"),
+        (&["space.pressure=Q2", "stabilization.directional=1"], "expected true or false"),
+        (&["space.pressure=Q2", "stabilization.alpha=0"], "expected a number above 0"),
+        (&["stabilization.transport=gls"], "expected one of `off`, `lps`, `supg`"),
+    ] {
+        let said = wrong_builtin("fsi1", set);
+        assert!(said.contains(words), "{set:?}: {said}");
+    }
+    let case = builtin("fsi1", &["space.pressure=Q2", "stabilization.projection=patch", "mesh.refine=0"]);
+    let said = case.sizes().err().map_or(String::new(), |e| e.to_string());
+    assert!(
+        said.contains("stabilization.projection=patch: the fluid does not consist of cells refined in four"),
+        "{said}"
+    );
+    builtin("fsi1", &["space.pressure=Q2", "stabilization.projection=patch", "mesh.refine=1"])
+        .sizes()
+        .unwrap();
+}
+
+/// A pair of equal order is stabilised unless something else is asked for.
+#[test]
+fn pairs_of_equal_order_are_stabilised() {
+    use undula::physics::PressureTerm;
+    for set in
+        [&["space.velocity=Q1"][..], &["space.pressure=Q2"], &["space.velocity=Q3", "space.pressure=Q3"]]
+    {
+        assert_eq!(builtin("fsi1", set).stabilization.pressure, PressureTerm::LocalProjection, "{set:?}");
+    }
+    assert!(!builtin("fsi1", &[]).stabilization.acts());
 }

@@ -182,6 +182,7 @@ fn constants_of_the_laws_are_checked() {
             &["solid.law=mooney-rivlin", "solid.c1=1", "solid.c2=1"],
             "give either `c1` and `c2` or `mu` and `c2`",
         ),
+        (&["solid.law=incompressible-neo-hookean", "space.pressure=Q2"], "Q2 with Q2 is not stable"),
         (&["solid.law=hooke"], "expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`"),
     ] {
         let told = wrong_builtin("csm1", overrides);

@@ -50,9 +50,13 @@ where
     }
 
     /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
-    pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
+    /// Unknowns inside of cells are eliminated if asked to.
+    pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32], eliminate: bool) {
         let b = &self.batches;
-        let layout = Layout::new(space.mesh.shape, space.nodes.degree, b.n_pressure, space.pressure.kind);
+        let mut layout = Layout::new(space.mesh.shape, space.nodes.degree, b.n_pressure, space.pressure.kind);
+        if !eliminate {
+            layout.outer = layout.all;
+        }
         let mut interior = Interior::new(layout, b.len());
         for (batch, cells) in b.cells.iter().enumerate() {
             for (lane, cell) in cells[..b.active[batch]].iter().enumerate() {

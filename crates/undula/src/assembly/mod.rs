@@ -16,11 +16,12 @@ pub mod kernel;
 pub mod points;
 pub mod scatter;
 pub mod simd;
+pub mod stabilize;
 mod tasks;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::{Lanes, Vector};
-use crate::physics::{Fluid, Outflow, Solid};
+use crate::physics::{Fluid, Outflow, Solid, Stabilization};
 use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
 use crate::tangent::Tangent;
 use batch::Batches;
@@ -31,6 +32,7 @@ use kernel::Kernel;
 pub use kernel::StepView;
 use scatter::DROP;
 use simd::Width;
+use stabilize::{Columns, Stabilizer};
 use std::sync::Arc;
 
 /// The equations of the regions; an absent one is `None`.
@@ -98,6 +100,7 @@ pub struct Assembler<const D: usize> {
     full: Option<(Arc<Pattern>, Vec<u32>)>,
     condensed: Option<Arc<CondensedSystem>>,
     blocks: FacetBlocks,
+    stabilized: bool,
 }
 
 /// The (v, p) system of condensed Newton: given unknowns and those inside of cells are left out.
@@ -150,7 +153,24 @@ impl<const D: usize> Assembler<D> {
             full: None,
             condensed: None,
             blocks,
+            stabilized: false,
         }
+    }
+
+    /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.
+    ///
+    /// # Panics
+    /// If π projects on patches that the mesh does not have, see [`stabilize::patches`].
+    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) {
+        if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
+            self.kernels.stabilize(how, fluid, &self.space, options);
+            self.stabilized = true;
+        }
+    }
+
+    /// Whether there is stabilisation, with parameters from the old state.
+    pub fn is_stabilized(&self) -> bool {
+        self.stabilized
     }
 
     /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
@@ -167,10 +187,14 @@ impl<const D: usize> Assembler<D> {
                 rows[row as usize].push(col);
             }
         });
+        let mut free: Vec<u32> = (0..space.n_unknowns() as u32).collect();
+        given.iter().for_each(|&row| free[row as usize] = DROP);
+        kernels.stabilization_entries(Columns::All, &free, &mut |row, col| rows[row as usize].push(col));
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
         kernels.set_slots(constraints, pattern.nnz(), &find);
+        kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find);
         outflow.set_slots(constraints, find);
         let diagonals = given.iter().map(|&row| find(row, row)).collect();
         *full = Some((Arc::clone(&pattern), diagonals));
@@ -199,10 +223,13 @@ impl<const D: usize> Assembler<D> {
         }
         let mut rows: Vec<Vec<u32>> = vec![vec![]; places.len()];
         self.kernels.condensed_entries(&number, &mut |row, col| rows[row as usize].push(col));
+        let visit = &mut |row: u32, col: u32| rows[row as usize].push(col);
+        self.kernels.stabilization_entries(Columns::Flow, &number, visit);
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
         self.kernels.set_condensed_slots(&number, pattern.nnz(), &find);
+        self.kernels.set_stabilization_slots(Columns::Flow, &number, pattern.nnz(), &find);
         let system = Arc::new(CondensedSystem { pattern, places, unknowns });
         self.condensed = Some(Arc::clone(&system));
         system
@@ -351,6 +378,15 @@ trait Kernels<const D: usize>: Send + Sync {
     fn eliminate(&mut self, b: &mut [f64]);
     fn recover(&self, x: &mut [f64]);
     fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64));
+    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options);
+    fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32));
+    fn set_stabilization_slots(
+        &mut self,
+        columns: Columns,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    );
 }
 
 /// The same with the kernels of both regions, fluid first.
@@ -376,6 +412,7 @@ macro_rules! both {
 struct Pair<const D: usize, const L: usize> {
     fluid: Option<Kernel<Fluid, D, L>>,
     solid: Option<Kernel<Solid, D, L>>,
+    stabilizer: Option<Stabilizer<D, L>>,
 }
 
 impl<const D: usize, const L: usize> Pair<D, L>
@@ -402,7 +439,7 @@ where
         let solid = physics
             .solid
             .map(|form| Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads));
-        Pair { fluid, solid }
+        Pair { fluid, solid, stabilizer: None }
     }
 }
 
@@ -434,6 +471,9 @@ where
     }
 
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>) {
+        if let (Some(s), Region::Fluid) = (&mut self.stabilizer, region) {
+            s.set_force(usize::from(end == End::Old), force);
+        }
         match region {
             Region::Fluid => self.fluid.as_mut().map(|k| fill_force(k, end, force)),
             Region::Solid => self.solid.as_mut().map(|k| fill_force(k, end, force)),
@@ -454,6 +494,9 @@ where
         if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
             min_j = Some(k.residual(step, out));
         }
+        if let (Some(s), true) = (&mut self.stabilizer, only != Some(Region::Solid)) {
+            s.residual(step, out);
+        }
         if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
             let of_solid = k.residual(step, out);
             let counts = min_j.is_none() || k.form.material.needs_positive_volume();
@@ -468,6 +511,9 @@ where
         }
         if let Some(k) = &mut self.solid {
             k.jacobian(step, tangent, out);
+        }
+        if let Some(s) = &mut self.stabilizer {
+            s.matrix(Columns::All, step, out);
         }
     }
 
@@ -488,7 +534,14 @@ where
     }
 
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
-        both!(mut self, k, k.prepare_condensed(space, facets));
+        // Stabilisation couples the inner unknowns of the fluid to others: nothing is eliminated there.
+        let eliminate = self.stabilizer.is_none();
+        if let Some(k) = &mut self.fluid {
+            k.prepare_condensed(space, facets, eliminate);
+        }
+        if let Some(k) = &mut self.solid {
+            k.prepare_condensed(space, facets, true);
+        }
     }
 
     fn inner(&self, visit: &mut dyn FnMut(u32)) {
@@ -510,6 +563,9 @@ where
 
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
         both!(mut self, k, k.condense(step, tangent, blocks, out));
+        if let Some(s) = &mut self.stabilizer {
+            s.matrix(Columns::Flow, step, out);
+        }
     }
 
     fn eliminate(&mut self, b: &mut [f64]) {
@@ -523,6 +579,32 @@ where
     fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64)) {
         if let Some(k) = &self.fluid {
             k.extension(step, visit);
+        }
+    }
+
+    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options) {
+        self.stabilizer = Some(Stabilizer::new(how, fluid, space, options.quadrature, options.threads));
+    }
+
+    fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        if let Some(s) = &self.stabilizer {
+            s.entries(columns, number, |_, row, col| {
+                if row != DROP {
+                    visit(row, col);
+                }
+            });
+        }
+    }
+
+    fn set_stabilization_slots(
+        &mut self,
+        columns: Columns,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) {
+        if let Some(s) = &mut self.stabilizer {
+            s.set_slots(columns, number, n_entries, find);
         }
     }
 }

@@ -17,7 +17,7 @@ use crate::functional::force::{ForceByResidual, ForceBySurface};
 use crate::functional::point::{Displacement, PressureDifference};
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
-use crate::physics::{Extension, Fluid, Solid};
+use crate::physics::{Extension, Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
 use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
@@ -108,7 +108,29 @@ impl Case {
         };
         let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
         let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
-        Ok(FsiSpace::with_pressure_in(mesh, regions, self.space.velocity.degree(), pressure, bodies))
+        let degree = self.space.velocity.degree();
+        let space = FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies);
+        self.check_patches(&space)?;
+        Ok(space)
+    }
+
+    /// Projections on patches need a mesh that has them.
+    fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+        let how = &self.stabilization;
+        let needed = how.projects() && how.projection == Projection::Patch;
+        if !needed || assembly::stabilize::patches(space).is_some() {
+            return Ok(());
+        }
+        let key = "stabilization.projection";
+        let message = "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, \
+                       or projection = \"cell\""
+            .into();
+        Err(Error::Case(CaseErrors(vec![CaseError {
+            place: self.place_of(key),
+            key: key.into(),
+            value: None,
+            message,
+        }])))
     }
 
     /// Parameters of the equations.
@@ -133,7 +155,8 @@ impl Case {
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
-        let assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let mut assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        assembler.stabilize(&self.stabilization, &options);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {

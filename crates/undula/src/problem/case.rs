@@ -6,7 +6,7 @@
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
-use crate::physics::Material;
+use crate::physics::{Material, Stabilization};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -21,6 +21,8 @@ pub struct Case {
     pub mesh: MeshSpec,
     /// Finite element spaces.
     pub space: SpaceSpec,
+    /// Terms that pairs of equal order need, and terms against oscillations by transport.
+    pub stabilization: Stabilization,
     /// The flow; `None` leaves its region out and makes the interface traction-free.
     pub fluid: Option<FluidSpec>,
     /// The elastic body; `None` leaves its region out and makes the interface a no-slip wall.

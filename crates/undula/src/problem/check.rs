@@ -6,6 +6,7 @@
 mod body;
 mod condition;
 mod solver;
+pub(super) mod stabilization;
 
 use super::case::{Case, Record};
 use super::error::CaseErrors;
@@ -55,7 +56,11 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     if fluid.is_some() {
         body::refuse_pair(&root.section("space"), &space);
     }
+    let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
     let solid = body::solid(root.section("solid"));
+    if let Some(solid) = &solid {
+        body::refuse_unstable_solid(&root.section("solid"), solid, &space);
+    }
     if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
         checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
     }
@@ -77,6 +82,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         title,
         mesh: mesh?,
         space,
+        stabilization: how,
         fluid,
         solid,
         motion,

@@ -4,7 +4,9 @@ use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
     MotionModel, Precision, TimeScheme,
 };
+use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
+use crate::physics::{PressureTerm, TransportTerm};
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -41,6 +43,11 @@ fn pair(x: &[f64; 2]) -> String {
     format!("[{}, {}]", number(x[0]), number(x[1]))
 }
 
+/// The name of `value` in a list of choices.
+pub(crate) fn name<T: PartialEq>(choices: &[(&'static str, T)], value: T) -> &'static str {
+    choices.iter().find(|(_, choice)| *choice == value).map_or("", |(name, _)| name)
+}
+
 /// Lines of TOML.
 struct Lines(String);
 
@@ -66,6 +73,7 @@ impl Case {
         out.word("name", &self.name);
         out.word("title", &self.title);
         self.write_mesh(&mut out);
+        self.write_stabilization(&mut out);
         self.write_bodies(&mut out);
         for (name, condition) in &self.boundary {
             out.table(&format!("boundary.{}", key(name)));
@@ -112,6 +120,27 @@ impl Case {
         out.word("velocity", self.space.velocity.name());
         out.word("pressure", self.space.pressure.name());
         out.key("quadrature", self.space.quadrature.to_string(), "Gauss points per direction");
+    }
+
+    /// Keys that matter only: others would be refused when read again.
+    fn write_stabilization(&self, out: &mut Lines) {
+        let how = &self.stabilization;
+        if self.fluid.is_none() {
+            return;
+        }
+        out.table("stabilization");
+        out.word("pressure", name(&PRESSURE, how.pressure));
+        out.word("transport", name(&TRANSPORT, how.transport));
+        if how.pressure != PressureTerm::None {
+            out.key("alpha", number(how.alpha), "");
+            out.key("directional", how.directional.to_string(), "axes of a cell apart");
+        }
+        if how.transport != TransportTerm::None {
+            out.key("delta", number(how.delta), "");
+        }
+        if how.projects() {
+            out.word("projection", name(&PROJECTION, how.projection));
+        }
     }
 
     fn write_bodies(&self, out: &mut Lines) {

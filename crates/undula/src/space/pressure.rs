@@ -108,6 +108,33 @@ impl<const D: usize> PressureSpace<D> {
     }
 }
 
+impl<const D: usize> PressureSpace<D> {
+    /// Gradients \[1/m\] with respect to x of the discontinuous basis of `cell` at `x`; empty where the space is
+    /// continuous.
+    pub fn discontinuous_gradients(&self, cell: usize, x: &[f64; D]) -> Vec<[f64; D]> {
+        let PressureKind::Pdc(degree) = self.kind else { return vec![] };
+        let (centre, h) = &self.frames[cell];
+        let at: [f64; D] = std::array::from_fn(|d| (x[d] - centre[d]) / h);
+        let along = |d: usize| {
+            let of = |e: usize| if d == e { legendre_slopes(degree, at[e]) } else { legendre(degree, at[e]) };
+            products(degree, &std::array::from_fn::<_, D, _>(of))
+        };
+        let parts: [Vec<f64>; D] = std::array::from_fn(along);
+        (0..self.per_cell).map(|a| std::array::from_fn(|d| parts[d][a] / h)).collect()
+    }
+}
+
+/// Derivatives of [`legendre`].
+fn legendre_slopes(degree: usize, t: f64) -> Vec<f64> {
+    let (values, mut list) = (legendre(degree, t), vec![0.0, 1.0]);
+    for n in 1..degree {
+        let square = (n * n) as f64;
+        list.push(values[n] + t * list[n] - square / (4.0 * (4.0 * square - 1.0)) * list[n - 1]);
+    }
+    list.truncate(degree + 1);
+    list
+}
+
 /// All products of the entries of `x` with at most `degree` factors, by degree: 1, x, y, x², x y, y², …
 pub fn monomials(degree: usize, x: &[f64]) -> Vec<f64> {
     let powers = |x: &f64| (0..=degree).map(|i| x.powi(i as i32)).collect();
@@ -165,6 +192,28 @@ mod tests {
             for j in 0..i {
                 let product: f64 = at.iter().zip(&w).map(|(l, w)| w * l[i] * l[j]).sum();
                 assert!(product.abs() < 1e-16, "{i} and {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_of_discontinuous_bases_are_differences() {
+        let mesh = crate::mesh::generate::rectangle([0.0; 2], [2.0, 3.0], [1, 1], 0).unwrap();
+        let x = [0.3, 0.7];
+        for degree in 0..4 {
+            let space = PressureSpace::new(&mesh, PressureKind::Pdc(degree), |_| true);
+            let exact = space.discontinuous_gradients(0, &x);
+            for d in 0..2 {
+                let moved = |h: f64| {
+                    let mut x = x;
+                    x[d] += h;
+                    space.basis(&mesh, 0, &[0.0; 3], &x)
+                };
+                let (plus, minus) = (moved(1e-5), moved(-1e-5));
+                assert_eq!(exact.len(), plus.len());
+                for (a, slope) in exact.iter().enumerate() {
+                    assert!((slope[d] - (plus[a] - minus[a]) / 2e-5).abs() < 1e-9, "{degree} {a}");
+                }
             }
         }
     }

@@ -32,6 +32,11 @@ pub struct StepperSettings {
     pub scales: Scales,
 }
 
+/// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
+/// v at which they have.
+const SETTLING: usize = 20;
+const SETTLED: f64 = 1e-7;
+
 /// How a step went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepReport {
@@ -82,6 +87,8 @@ pub struct Stepper<const D: usize> {
     /// Length of the last step \[s\]; 0 where there was none.
     last_step: f64,
     explicit: Vec<f64>,
+    /// What the criterion of the last stationary solution referred to.
+    reference: f64,
     /// Where the kept Jacobian was taken.
     point: Option<JacobianPoint>,
     force: [Option<Force<D>>; 2],
@@ -169,6 +176,7 @@ impl<const D: usize> Stepper<D> {
             old: initial.clone(),
             older: initial,
             last_step: 0.0,
+            reference: 0.0,
             point: None,
             explicit: vec![0.0; n],
             force,
@@ -333,7 +341,7 @@ impl<const D: usize> Stepper<D> {
         let mut last_load = 0.0f64;
         while load < 1.0 {
             let next = (load + increment).min(1.0);
-            match self.stationary_at(next, load, last_load) {
+            match self.stationary_at(next, load, last_load, 0.0) {
                 Ok(report) => {
                     total.newton_steps += report.newton_steps;
                     total.jacobians += report.jacobians;
@@ -346,10 +354,36 @@ impl<const D: usize> Stepper<D> {
                 Err(_) => increment = 0.5 * increment.min(1.0 - load),
             }
         }
+        self.settle(&mut total)?;
         Ok(total)
     }
 
-    fn stationary_at(&mut self, load: f64, before: f64, earlier: f64) -> Result<StepReport, StepFailure> {
+    /// Parameters of the stabilisation come from the state before: repeat until they are those of the solution.
+    fn settle(&mut self, total: &mut StepReport) -> Result<(), StepFailure> {
+        let reference = self.reference;
+        for _ in 0..if self.assembler.is_stabilized() { SETTLING } else { 0 } {
+            let before = self.new.v.clone();
+            let report = self.stationary_at(1.0, 0.0, 0.0, reference)?;
+            total.newton_steps += report.newton_steps;
+            total.jacobians += report.jacobians;
+            (total.norms, total.min_j) = (report.norms, report.min_j);
+            let size = |sum: f64, x: f64| sum.max(x.abs());
+            let change = before.iter().zip(&self.new.v).map(|(a, b)| a - b).fold(0.0, size);
+            if report.newton_steps == 0 || change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The criterion refers to the residual at the start, or to `least` if that is larger.
+    fn stationary_at(
+        &mut self,
+        load: f64,
+        before: f64,
+        earlier: f64,
+        least: f64,
+    ) -> Result<StepReport, StepFailure> {
         let t = self.time;
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
@@ -387,7 +421,10 @@ impl<const D: usize> Stepper<D> {
             norms: BlockNorms::default(),
         };
         let solved = match self.newton.norm(&mut system) {
-            Some(reference) => self.newton.solve(&mut system, reference, reference),
+            Some(norm) => {
+                self.reference = norm.max(least);
+                self.newton.solve(&mut system, norm, self.reference)
+            }
             None => Err(NewtonError::Inadmissible),
         };
         let (norms, min_j) = (system.norms, system.min_j);

@@ -92,20 +92,9 @@ pub(super) fn space(mut s: Section<'_, '_>) -> SpaceSpec {
 /// Refuse pairs of velocity and pressure for which the flow has no unique solution.
 pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
     let SpaceSpec { velocity, pressure, .. } = *space;
-    let (key, pair) = match s.has("pressure") {
-        true => ("pressure", format!("with the velocity {}", velocity.name())),
-        false => ("velocity", format!("with the pressure {}", pressure.name())),
-    };
-    match velocity.stability(pressure) {
-        Stability::Stable => {}
-        Stability::Equal => s.wrong(
-            key,
-            format!(
-                "{pair} a pair of equal order, which needs stabilisation (inf-sup condition (5.24)); \
-                 velocities of degree 2 and above with their default pressure do not"
-            ),
-        ),
-        Stability::Refused(reason) => s.wrong("pressure", reason),
+    // What pairs of equal order need is checked with `[stabilization]`.
+    if let Stability::Refused(reason) = velocity.stability(pressure) {
+        s.wrong("pressure", reason);
     }
 }
 
@@ -146,6 +135,18 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
     Some(SolidSpec { region, law, density, mu, lambda, c2, bulk, body_force })
+}
+
+/// The pressure of a solid has no stabilisation.
+pub(super) fn refuse_unstable_solid(s: &Section<'_, '_>, solid: &SolidSpec, space: &SpaceSpec) {
+    if solid.law.is_incompressible() && space.velocity.stability(space.pressure) != Stability::Stable {
+        let (velocity, pressure) = (space.velocity.name(), space.pressure.name());
+        let message = format!(
+            "{velocity} with {pressure} is not stable, and stabilisation is for the fluid only: take a pair such as \
+             Q2 with P1dc or Q1"
+        );
+        s.wrong("law", message);
+    }
 }
 
 /// Constants of a law \[Pa\].
