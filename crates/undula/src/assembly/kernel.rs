@@ -133,7 +133,7 @@ where
             },
         );
         let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes);
-        let pieces = pieces(&F::COUPLINGS, D, space.deforms);
+        let pieces = pieces(&form.couplings(), D, space.deforms);
         Kernel {
             form,
             batches,

@@ -480,8 +480,9 @@ where
             (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect()
         };
         let batches = |region| {
-            let with_pressure = region == Region::Fluid;
-            Batches::new(space, &cells(region), with_pressure, options.quadrature, stiffness)
+            let cells = cells(region);
+            let with_pressure = cells.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
+            Batches::new(space, &cells, with_pressure, options.quadrature, stiffness)
         };
         let fluid = physics
             .fluid
@@ -548,7 +549,11 @@ where
             s.residual(step, out);
         }
         if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
-            min_j = min_j.min(k.residual(step, out));
+            // While it iterates a solid may fold where its law does not mind; not at the end of a step.
+            let of_solid = k.residual(step, out);
+            if min_j == f64::INFINITY || k.form.material.needs_positive_volume() {
+                min_j = min_j.min(of_solid);
+            }
         }
         if min_j == f64::INFINITY { 1.0 } else { min_j }
     }

@@ -17,13 +17,17 @@ pub struct Fluid {
 }
 
 impl<const D: usize> WeakForm<D> for Fluid {
-    const COUPLINGS: Couplings = Couplings {
-        phi_v: Block::Full,
-        phi_u: Block::Full,
-        pressure: true,
-        psi_v: Block::Zero,
-        psi_u: Block::Stiffness,
-    };
+    fn couplings(&self) -> Couplings {
+        Couplings {
+            phi_v: Block::Full,
+            phi_u: Block::Full,
+            pressure: true,
+            xi_v: true,
+            xi_p: false,
+            psi_v: Block::Zero,
+            psi_u: Block::Stiffness,
+        }
+    }
 
     /// ρ J and ρ G, G = J ∇v F⁻¹ = ∇v (cof F)ᵀ.
     #[inline(always)]

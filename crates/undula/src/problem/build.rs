@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme,
+    MotionModel, PressureElement, TimeScheme,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -18,7 +18,7 @@ use crate::functional::point::{Displacement, PressureDifference};
 use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
-use crate::physics::{Extension, Fluid, Material, Projection, Solid};
+use crate::physics::{Extension, Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
 use crate::tangent::Tangent;
 use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
@@ -107,7 +107,10 @@ impl Case {
             PressureElement::Pdc(m) => PressureKind::Pdc(m),
             PressureElement::Q(m) => PressureKind::Continuous(m),
         };
-        let mut space = FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure);
+        let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
+        let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
+        let degree = self.space.velocity.degree();
+        let mut space = FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies);
         space.walls = self.motion.walls;
         let message =
             "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
@@ -149,10 +152,7 @@ impl Case {
         };
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
-        let solid = self.solid.as_ref().map(|s| {
-            let SolidLaw::StVenantKirchhoff = s.law;
-            Solid { rho: s.density, material: Material::StVenantKirchhoff { mu: s.mu, lambda: s.lambda } }
-        });
+        let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
         Physics { fluid, solid }
     }
 
@@ -375,8 +375,15 @@ fn smaller_extent(mesh: &Mesh<2>) -> f64 {
 /// The key of `spec` that `error` is about.
 fn point_key(spec: &FunctionalSpec, error: &MeshError) -> &'static str {
     match (spec, error) {
-        (FunctionalSpec::PressureDifference { a, .. }, MeshError::Outside { point, .. }) => {
-            if point.as_slice() == a { "a" } else { "b" }
+        (
+            FunctionalSpec::PressureDifference { a, .. },
+            MeshError::Outside { point, .. } | MeshError::NoPressure { point },
+        ) => {
+            if point.as_slice() == a {
+                "a"
+            } else {
+                "b"
+            }
         }
         (FunctionalSpec::Displacement { .. }, _) => "point",
         _ => "on",

@@ -58,6 +58,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
     let solid = body::solid(root.section("solid"));
+    if let Some(solid) = &solid {
+        body::refuse_unstable_solid(&root.section("solid"), solid, &space);
+    }
     if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
         checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
     }
@@ -73,7 +76,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
-        condition::functional(root.section("functional"), fluid.is_some(), solid.is_some());
+        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
     let output = solver::output(root.section("output"), &names, &functional);
     let case = Case {
         name,

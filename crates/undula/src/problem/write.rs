@@ -2,7 +2,7 @@
 
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, Precision, SolidLaw, TimeScheme,
+    MotionModel, Precision, TimeScheme,
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
@@ -156,15 +156,17 @@ impl Case {
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
-            out.word(
-                "law",
-                match solid.law {
-                    SolidLaw::StVenantKirchhoff => "st-venant-kirchhoff",
-                },
-            );
+            out.word("law", solid.law.name());
             out.key("density", number(solid.density), "kg/m³");
             out.key("mu", number(solid.mu), "Pa");
-            out.key("lambda", number(solid.lambda), "Pa");
+            if solid.law.is_mooney_rivlin() {
+                out.key("c2", number(solid.c2), "Pa, c1 = mu/2 - c2");
+            }
+            if !solid.law.is_incompressible() {
+                out.key("lambda", number(solid.lambda), "Pa");
+            } else if let Some(bulk) = solid.bulk {
+                out.key("bulk", number(bulk), "Pa");
+            }
             out.key("body-force", expressions(&solid.body_force), "m/s²");
         }
         out.table("motion");

@@ -34,7 +34,7 @@ pub enum PsiOwner {
     Relation,
 }
 
-/// Velocity and deformation on all of Ω, pressure in the fluid.
+/// Velocity and deformation on all of Ω, pressure in the fluid and in an incompressible solid.
 #[derive(Clone, Debug)]
 pub struct FsiSpace<const D: usize> {
     /// The mesh, restricted to the regions that take part.
@@ -58,8 +58,23 @@ pub struct FsiSpace<const D: usize> {
 impl<const D: usize> FsiSpace<D> {
     /// Spaces of degree `degree` for v and u on `mesh`, whose cells obey `regions`.
     pub fn new(mesh: Mesh<D>, regions: Vec<Region>, degree: usize, pressure: PressureKind) -> FsiSpace<D> {
+        FsiSpace::with_pressure_in(mesh, regions, degree, pressure, &[Region::Fluid])
+    }
+
+    /// The same with a pressure in each of `bodies`: one space, discontinuous from region to region, of which
+    /// p_f and p_s are the restrictions (section 5.3.2).
+    pub fn with_pressure_in(
+        mesh: Mesh<D>,
+        regions: Vec<Region>,
+        degree: usize,
+        pressure: PressureKind,
+        bodies: &[Region],
+    ) -> FsiSpace<D> {
         let nodes = Nodes::new(&mesh, degree);
-        let pressure = PressureSpace::new(&mesh, pressure, |c| regions[c] == Region::Fluid);
+        let of = |body: Region| {
+            PressureSpace::new(&mesh, pressure, |c| regions[c] == body && bodies.contains(&body))
+        };
+        let pressure = of(Region::Fluid).joined(of(Region::Solid));
         let mut owner = vec![PsiOwner::Extension; nodes.len()];
         for c in (0..mesh.n_cells()).filter(|&c| regions[c] == Region::Solid) {
             for &node in nodes.cell(c) {

@@ -42,6 +42,9 @@ pub fn constants(simulation: &Simulation, present: bool) -> Result<Option<Consta
     if assembler.physics.fluid.is_none() {
         return Ok(None);
     }
+    // The constants are those of the flow, whatever pressure the solid has.
+    let space =
+        &FsiSpace::new(space.mesh.clone(), space.regions.clone(), space.nodes.degree, space.pressure.kind);
     let u = if present { simulation.stepper.new.u.clone() } else { sample_deformation(space) };
     Ok(Some(Constants {
         reference: inf_sup(space, &assembler.constraints, &[], quadrature)?,

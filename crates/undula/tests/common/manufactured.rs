@@ -113,7 +113,9 @@ pub fn space(mesh: &Mesh<2>, physics: &Physics, degree: usize, pressure: Pressur
     let solid = mesh.region("solid");
     let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
     let regions = mesh.cell_region.iter().map(region).collect();
-    Arc::new(FsiSpace::new(mesh, regions, degree, pressure))
+    let own = physics.solid.is_some_and(|s| s.material.compliance().is_some());
+    let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
+    Arc::new(FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies))
 }
 
 /// The velocity of `exact`.
