@@ -129,7 +129,14 @@ impl StepRule {
         };
         form.rate(&dots, &inertia, r);
         form.pressure(new.p, &geometry, r);
-        form.constraint(place, new, lag, r);
+        form.constraint(&form.place(place, old), new, lag, r);
+        form.volume(self, new, lag, old, r);
+    }
+
+    /// 1/k \[1/s\]; 1 if stationary.
+    #[inline(always)]
+    pub fn rate(&self) -> f64 {
+        if self.per_k > 0.0 { self.per_k } else { 1.0 }
     }
 
     /// Transport integrated over the step; returns the factors of ∂_t and J F⁻ᵀ integrated alike.

@@ -4,7 +4,7 @@
 //! Errata of the printed theorem, each shown by the test `derivatives`: the data term
 //! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
 
-use super::{Extension, Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
+use super::{Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
@@ -22,16 +22,10 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
     for (weight, tau) in rule.transport_points() {
         transport(form, weight, place, &old.lerp(new, tau), &scaled(W, tau), &mut r);
     }
-    if rule.quadrature.is_empty() {
-        // The geometry of the old time is known.
-        let of_old = super::kinematics::cofactor(&old.grad_u);
-        r.grad_phi -= (1.0 - rule.theta) * of_old * W.p;
-    }
-    for (weight, tau) in rule.transport_points() {
-        pressure(weight, new.p, &old.lerp(new, tau), &(tau * W.grad_u), W.p, &mut r);
-    }
+    pressures(rule, new, old, W, &mut r);
     divergence(new, W, &mut r);
-    r.grad_psi = extension(&form.extension, &W.grad_u, place.stiffness);
+    let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
+    r.grad_psi = form.extension.derivative(&new.grad_u, &W.grad_u, stiffness);
     r
 }
 
@@ -91,6 +85,25 @@ fn scaled<S: Scalar<Value = S>, const D: usize>(W: &Fields<S, D>, tau: f64) -> F
     Fields::zero().lerp(W, tau)
 }
 
+/// Derivative of −(p J F⁻ᵀ, ∇φ), J F⁻ᵀ weighted over the step.
+#[inline(always)]
+fn pressures<S: Scalar<Value = S>, const D: usize>(
+    rule: &StepRule,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+    r: &mut Tested<S, D>,
+) {
+    if rule.quadrature.is_empty() {
+        // The geometry of the old time is known.
+        let of_old = super::kinematics::cofactor(&old.grad_u);
+        r.grad_phi -= (1.0 - rule.theta) * of_old * W.p;
+    }
+    for (weight, tau) in rule.transport_points() {
+        pressure(weight, new.p, &old.lerp(new, tau), &(tau * W.grad_u), W.p, r);
+    }
+}
+
 /// Derivative of −(p J F⁻ᵀ, ∇φ) in the directions `grad_w` and `q`.
 #[inline(always)]
 fn pressure<S: Scalar<Value = S>, const D: usize>(
@@ -122,17 +135,7 @@ fn divergence<S: Scalar<Value = S>, const D: usize>(
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
 }
 
-/// Derivative of the extension, a linear operator.
-#[inline(always)]
-fn extension<S: Scalar<Value = S>, const D: usize>(
-    extension: &Extension,
-    grad_w: &Tensor<S, D>,
-    stiffness: S,
-) -> Tensor<S, D> {
-    extension.stress(grad_w, stiffness)
-}
-
-/// (5.14) in the solid, Lemma 5.5.
+/// (5.14) in the solid, Lemma 5.5, with pressure and volume of an incompressible one.
 #[inline(always)]
 pub fn solid<S: Scalar<Value = S>, const D: usize>(
     form: &Solid,
@@ -141,22 +144,28 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     old: &Fields<S, D>,
     W: &Fields<S, D>,
 ) -> Tested<S, D> {
-    let Material::StVenantKirchhoff { mu, lambda } = form.material;
-    let mut grad_phi = Tensor::zero();
-    for (weight, tau) in rule.transport_points() {
-        let (at, grad_w) = (old.lerp(new, tau), tau * W.grad_u);
-        let F = Tensor::identity() + at.grad_u;
-        let Sigma = form.material.stress(&at.grad_u, &at.grad_u);
-        let dE = 0.5 * (grad_w.t() * F + F.t() * grad_w);
-        let dSigma = 2.0 * mu * dE + Tensor::identity() * (dE.trace() * lambda);
-        grad_phi += weight * (grad_w * Sigma + F * dSigma);
-    }
-    Tested {
+    let mut r = Tested {
         phi: rule.per_k * form.rho * W.v,
-        grad_phi,
         psi: rule.per_k * W.u - rule.theta * W.v,
         ..Tested::zero()
+    };
+    for (weight, tau) in rule.transport_points() {
+        let at = old.lerp(new, tau);
+        r.grad_phi += weight * form.material.derivative(&at.grad_u, &(tau * W.grad_u));
     }
+    let Some(compliance) = form.material.compliance() else { return r };
+    pressures(rule, new, old, W, &mut r);
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
+    let F_inv_t = F_inv.t();
+    let tr = (F_inv * W.grad_u).trace();
+    r.xi = if compliance == 0.0 {
+        let dcofactor = (F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * J;
+        let flux = F_inv_t.ddot(W.grad_v) * J + dcofactor.ddot(new.grad_v);
+        J * tr * rule.rate() + flux * (1.0 - rule.theta)
+    } else {
+        (J * tr * rule.theta + W.p * compliance) * rule.rate()
+    };
+    r
 }
 
 /// Derivative of the do-nothing correction −⟨ρν J (F⁻ᵀ∇vᵀ − tr(∇v F⁻¹) I) F⁻ᵀ n, φ⟩, absent from the printed

@@ -2,11 +2,12 @@
 
 use super::case::{
     Case, Condition, DomainMotion, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization,
-    MeshSource, MotionModel, Precision, SolidLaw, TimeScheme,
+    MeshSource, MotionModel, Precision, TimeScheme,
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
 use crate::physics::{PressureTerm, TransportTerm};
+use crate::space::Walls;
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -103,6 +104,7 @@ impl Case {
         match &self.mesh.source {
             MeshSource::TurekHron => out.word("generator", "turek-hron"),
             MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
+            MeshSource::Rotor => out.word("generator", "rotor"),
             MeshSource::Box { lower, upper, cells } => {
                 out.word("generator", "box");
                 out.key("lower", pair(lower), "m");
@@ -157,15 +159,17 @@ impl Case {
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
-            out.word(
-                "law",
-                match solid.law {
-                    SolidLaw::StVenantKirchhoff => "st-venant-kirchhoff",
-                },
-            );
+            out.word("law", solid.law.name());
             out.key("density", number(solid.density), "kg/m³");
             out.key("mu", number(solid.mu), "Pa");
-            out.key("lambda", number(solid.lambda), "Pa");
+            if solid.law.is_mooney_rivlin() {
+                out.key("c2", number(solid.c2), "Pa, c1 = mu/2 - c2");
+            }
+            if !solid.law.is_incompressible() {
+                out.key("lambda", number(solid.lambda), "Pa");
+            } else if let Some(bulk) = solid.bulk {
+                out.key("bulk", number(bulk), "Pa");
+            }
             out.key("body-force", expressions(&solid.body_force), "m/s²");
         }
         out.table("motion");
@@ -173,13 +177,25 @@ impl Case {
             "model",
             match self.motion.model {
                 MotionModel::Harmonic => "harmonic",
+                MotionModel::StiffenedHarmonic => "stiffened-harmonic",
                 MotionModel::PseudoElastic => "pseudo-elastic",
+                MotionModel::JacobianStiffened => "jacobian-stiffened",
+                MotionModel::Biharmonic => "biharmonic",
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
         out.key("offset", number(self.motion.offset), "m");
         out.key("exponent", number(self.motion.exponent), "");
-        out.word("walls", "fixed");
+        if let Some(scale) = self.motion.scale {
+            out.key("scale", number(scale), "m");
+        }
+        if self.motion.model == MotionModel::JacobianStiffened {
+            out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+        }
+        if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
+            out.word("outer", if self.motion.hinged { "hinged" } else { "clamped" });
+        }
+        out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
     }
 
     fn write_time(&self, out: &mut Lines) {

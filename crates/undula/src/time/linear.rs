@@ -148,7 +148,10 @@ impl Linear {
             }
             Linearization::Condensed => {
                 let condensed = match &mut self.condensed {
-                    Some(condensed) => condensed,
+                    Some(condensed) => {
+                        condensed.renew_extension(assembler, view)?;
+                        condensed
+                    }
                     none => none.insert(Condensed::new(assembler, view, &self.make)?),
                 };
                 condensed.rule = view.rule;
@@ -244,7 +247,7 @@ impl Linear {
 /// Nodes of the solid whose deformation is not given.
 fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
     let (space, given) = (&assembler.space, &assembler.constraints.u);
-    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && !given[node];
+    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && given[node] == [false; D];
     (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
 }
 
@@ -313,7 +316,9 @@ impl Condensed {
         let extension = match assembler.extension(view) {
             None => None,
             Some(system) => {
-                let mut solver = make(Purpose::Correction);
+                // Of fourth order: single precision is not enough for the condition of its matrix.
+                let fourth = assembler.is_biharmonic();
+                let mut solver = make(if fourth { Purpose::Exact } else { Purpose::Correction });
                 let all = assembler.unknowns();
                 let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
                 solver.analyse(&system.matrix.pattern, &unknowns)?;
@@ -335,6 +340,19 @@ impl Condensed {
             work: vec![0.0; assembler.space.n_unknowns()],
             system,
         })
+    }
+
+    /// Where the operator of the extension is not constant, it changes with the Jacobian.
+    fn renew_extension<const D: usize>(
+        &mut self,
+        assembler: &Assembler<D>,
+        view: &StepView<'_>,
+    ) -> Result<(), SolverError> {
+        let Some(e) = &mut self.extension else { return Ok(()) };
+        if assembler.renew_extension(view, &mut e.system) {
+            e.solver.factor(&e.system.matrix)?;
+        }
+        Ok(())
     }
 
     fn correct<const D: usize>(

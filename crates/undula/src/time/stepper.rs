@@ -59,7 +59,7 @@ pub struct StepReport {
     pub parts: usize,
     /// Scaled norms of the equations at the end \[m/s\].
     pub norms: BlockNorms,
-    /// Smallest J at the quadrature points.
+    /// Smallest J at quadrature points and nodes.
     pub min_j: f64,
 }
 
@@ -368,25 +368,23 @@ impl<const D: usize> Stepper<D> {
             solved = self.newton.solve(&mut system, norm, reference);
         }
         let report = solved?;
+        let min_j = system.assembler.nodal_min_j(system.new);
+        if min_j <= 0.0 {
+            return Err(NewtonError::Inadmissible);
+        }
         if let Some(point) = &mut system.point {
             point.age = self.newton.age();
         }
         if system.linear.count_step() {
             self.newton.forget();
         }
-        Ok((report, system.norms, system.min_j))
+        Ok((report, system.norms, min_j))
     }
 
     fn apply_boundary(&mut self, t: f64, factor: f64) {
         let State { v, u, .. } = &mut self.new;
+        self.assembler.constraints.load = factor;
         self.assembler.constraints.apply(&self.assembler.space, t, v, u);
-        if factor != 1.0 {
-            for (node, given) in self.assembler.constraints.v.iter().enumerate() {
-                if *given {
-                    v[node * D..(node + 1) * D].iter_mut().for_each(|x| *x *= factor);
-                }
-            }
-        }
     }
 
     /// The stationary solution at the present time, with the load raised in parts if need be.
@@ -486,7 +484,8 @@ impl<const D: usize> Stepper<D> {
             }
             None => Err(NewtonError::Inadmissible),
         };
-        let (norms, min_j) = (system.norms, system.min_j);
+        let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
+        let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
         self.linear.active = active;
         match solved {
             Ok(report) => {
