@@ -83,17 +83,20 @@ pub struct CheckArgs {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Compare all Jacobians at one state; exit code 1 if they do not agree
-    #[arg(long, conflicts_with = "toml")]
+    #[arg(long, conflicts_with = "toml", group = "at_state")]
     pub jacobian: bool,
-    /// That state is the last checkpoint of the run in this directory, with its case [default: a random one]
-    #[arg(long, value_name = "RUN_DIR", conflicts_with = "case", requires = "jacobian")]
-    pub from: Option<PathBuf>,
     /// Another random state
     #[arg(long, value_name = "N", default_value_t = 1, requires = "jacobian")]
     pub seed: u32,
     /// Print the case as TOML with all defaults instead of the summary
     #[arg(long)]
     pub toml: bool,
+    /// Compute inf-sup constants and condition numbers, as section 5.3 of the book warns of them
+    #[arg(long, conflicts_with = "toml", group = "at_state")]
+    pub inf_sup: bool,
+    /// Take the state of the last checkpoint of the run in this directory, and its case where none is named
+    #[arg(long, value_name = "RUN_DIR", requires = "at_state")]
+    pub from: Option<PathBuf>,
 }
 
 /// `undula new`.

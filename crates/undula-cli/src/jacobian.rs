@@ -11,11 +11,10 @@ use undula::simulation::Simulation;
 
 /// Compares them at a random state, or at that of a run; exit code 1 if they do not agree.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
-    let case =
-        match check::load_from(args.from.as_deref(), args.case.as_deref().unwrap_or_default(), &args.set)? {
-            Ok(case) => case,
-            Err(code) => return Ok(code),
-        };
+    let case = match check::of(args)? {
+        Ok(case) => case,
+        Err(code) => return Ok(code),
+    };
     match report(args, case) {
         Ok(report) => {
             let printed = print(&report.to_string())?;

@@ -5,6 +5,7 @@ mod bench;
 mod cases;
 mod check;
 mod compare;
+mod inf_sup;
 mod jacobian;
 mod new;
 mod plot;
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
         Command::Check(args) if args.jacobian => jacobian::run(&args),
+        Command::Check(args) if args.inf_sup => inf_sup::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Cases => cases::run(),
         Command::New(args) => new::run(&args),

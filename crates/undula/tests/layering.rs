@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 18] = [
+const LAYERS: [(&str, &str); 19] = [
     ("math", ""),
     ("algebra", ""),
     ("physics", "math"),
@@ -24,6 +24,7 @@ const LAYERS: [(&str, &str); 18] = [
     ("error", "*"),
     ("simulation", "*"),
     ("jacobian", "*"),
+    ("stability", "*"),
     ("run", "*"),
     ("bench", "*"),
 ];

@@ -128,7 +128,7 @@ where
         TangentTasks { kernel: k, step, linearization, tangent, directions, batch, scratch: s }.run();
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
         let tangents = k.tangents(batch, &s.tangent);
-        let reduced = linearization == Linearization::Reduced && !k.has_relation();
+        let reduced = linearization == Linearization::Reduced && !k.relation();
         let (pieces, piece) = (&k.pieces, &mut s.piece);
         Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, out });
     }

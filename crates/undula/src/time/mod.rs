@@ -1,12 +1,15 @@
 //! Steps in time.
 
+pub mod adaptive;
 pub mod linear;
+pub mod parts;
 pub mod scheme;
 pub mod stepper;
 pub mod system;
 
 pub use crate::tangent::Linearization;
+pub use adaptive::{Adaptive, AdaptiveSettings};
 pub use linear::{Linear, MakeSolver, Purpose};
-pub use scheme::Scheme;
+pub use scheme::{Damping, DomainMotion, Scheme};
 pub use stepper::{Clock, Force, JacobianPoint, StepFailure, StepReport, Stepper, StepperSettings};
 pub use system::{BlockNorms, Scales};
