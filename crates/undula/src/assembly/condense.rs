@@ -45,7 +45,10 @@ where
     /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
     pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
         let b = &self.batches;
-        let layout = Layout::new(space.mesh.shape, space.nodes.degree, b.n_pressure, space.pressure.kind);
+        let layout = {
+            let (shape, degree) = (space.mesh.shape, space.nodes.degree);
+            Layout::new(shape, degree, b.n_basis, b.n_pressure, space.pressure.kind)
+        };
         let mut interior = Interior::new(layout, b.len());
         for (batch, cells) in b.cells.iter().enumerate() {
             for (lane, cell) in cells[..b.active[batch]].iter().enumerate() {

@@ -3,13 +3,14 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, SolidLaw, TimeScheme,
+    MotionModel, PressureElement, SolidLaw, TimeScheme, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu, SingleLu};
 use crate::assembly::{self, Assembler, Physics};
+use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
@@ -36,7 +37,9 @@ impl Case {
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
         let spec = &self.mesh;
-        let refine = spec.refine as usize;
+        let triangles = self.space.velocity.shape() == Shape::Triangle;
+        // Triangles are refined after they are made.
+        let refine = if triangles { 0 } else { spec.refine as usize };
         let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
             MeshSource::TurekHron => {
                 (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
@@ -50,6 +53,13 @@ impl Case {
                 (mesh.refined(refine, &[]), vec![])
             }
         };
+        if triangles {
+            if !matches!(spec.source, MeshSource::File(_)) {
+                mesh = mesh.triangulated();
+            }
+            mesh = mesh.refined(spec.refine as usize, &curves);
+        }
+        self.check_shape(&mesh)?;
         for (name, inside) in &spec.region {
             mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
                 .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
@@ -71,6 +81,23 @@ impl Case {
             mesh.check().map_err(|e| self.blame(key, e))?;
         }
         Ok(mesh)
+    }
+
+    /// Refuses cells on which the velocity does not live.
+    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
+        let velocity = self.space.velocity;
+        if mesh.shape == velocity.shape() {
+            return Ok(());
+        }
+        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
+        let reason = format!(
+            "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
+            velocity.name(),
+            velocity.shape().name(),
+            mesh.shape.name(),
+            velocity.shape().name()
+        );
+        Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
     }
 
     /// An error of the mesh, told with the place of the `key` of the case that is to blame.
@@ -104,9 +131,13 @@ impl Case {
         let regions = mesh.cell_region.iter().map(region).collect();
         let pressure = match self.space.pressure {
             PressureElement::Pdc(m) => PressureKind::Pdc(m),
-            PressureElement::Q(m) => PressureKind::Continuous(m),
+            PressureElement::Q(m) | PressureElement::P(m) => PressureKind::Continuous(m),
         };
-        Ok(FsiSpace::new(mesh, regions, self.space.velocity.degree(), pressure))
+        let degree = self.space.velocity.degree();
+        Ok(match self.space.velocity {
+            VelocityElement::P2Bubble => FsiSpace::with_bubbles(mesh, regions, degree, pressure),
+            _ => FsiSpace::new(mesh, regions, degree, pressure),
+        })
     }
 
     /// Parameters of the equations.

@@ -27,7 +27,7 @@ pub enum BoundaryCondition<const D: usize> {
 pub struct Constraints<const D: usize> {
     /// Velocity nodes that are given.
     pub v: Vec<bool>,
-    /// Deformation nodes that are given (always 0).
+    /// Deformation nodes that are given (always 0), bubbles among them.
     pub u: Vec<bool>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
@@ -56,6 +56,8 @@ impl<const D: usize> Constraints<D> {
                 }
             }
         }
+        // Bubbles are of the velocity alone.
+        c.u[space.nodes.n_lagrange..].fill(true);
         for node in 0..n {
             if let (false, Some(data)) = (fixed[node], given[node].take()) {
                 c.data.push((node as u32, data));
