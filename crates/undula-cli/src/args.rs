@@ -79,6 +79,12 @@ pub struct CheckArgs {
     /// Print the case as TOML with all defaults instead of the summary
     #[arg(long)]
     pub toml: bool,
+    /// Compute inf-sup constants and condition numbers, as section 5.3 of the book warns of them
+    #[arg(long, conflicts_with = "toml")]
+    pub inf_sup: bool,
+    /// Take the state of the last checkpoint of the run in this directory
+    #[arg(long, value_name = "RUN_DIR", requires = "inf_sup")]
+    pub from: Option<PathBuf>,
 }
 
 /// `undula new`.

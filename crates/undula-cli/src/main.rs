@@ -5,6 +5,7 @@ mod bench;
 mod cases;
 mod check;
 mod compare;
+mod inf_sup;
 mod new;
 mod plot;
 mod progress;
@@ -17,6 +18,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Run(args) => run::run(&args),
+        Command::Check(args) if args.inf_sup => inf_sup::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Cases => cases::run(),
         Command::New(args) => new::run(&args),

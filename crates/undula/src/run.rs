@@ -412,8 +412,10 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
     if space.deforms {
         point_data.push(Field::new("deformation", 2, state.u[..2 * n].to_vec()));
     }
-    if space.pressure.n > 0 {
-        point_data.push(Field::new("pressure", 1, nodal_pressure(space, state)));
+    for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
+        if let Some(values) = nodal_pressure(space, state, region) {
+            point_data.push(Field::new(name, 1, values));
+        }
     }
     let solid = space.regions.iter().map(|r| if *r == Region::Solid { 1.0 } else { 0.0 }).collect();
     FieldSnapshot {
@@ -434,13 +436,13 @@ fn points_of(space: &FsiSpace<2>, cell: usize) -> &[u32] {
     &space.nodes.cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
 }
 
-/// Pressure at the nodes, the mean over the cells of the fluid; 0 inside the solid.
-fn nodal_pressure(space: &FsiSpace<2>, state: &State) -> Vec<f64> {
+/// Pressure of a region at the nodes, the mean over its cells; 0 outside. `None` if the region has none.
+fn nodal_pressure(space: &FsiSpace<2>, state: &State, region: Region) -> Option<Vec<f64>> {
     let n = space.nodes.n_lagrange;
     let (mut sum, mut count) = (vec![0.0; n], vec![0.0; n]);
     for cell in 0..space.mesh.n_cells() {
         let dofs = space.pressure.cell(cell);
-        if dofs.is_empty() {
+        if dofs.is_empty() || space.regions[cell] != region {
             continue;
         }
         for (a, &node) in points_of(space, cell).iter().enumerate() {
@@ -451,7 +453,8 @@ fn nodal_pressure(space: &FsiSpace<2>, state: &State) -> Vec<f64> {
             count[node as usize] += 1.0;
         }
     }
-    sum.iter().zip(&count).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 }).collect()
+    let mean = sum.iter().zip(&count).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 });
+    count.iter().any(|c| *c > 0.0).then(|| mean.collect())
 }
 
 /// A breakdown in words.

@@ -243,3 +243,15 @@ fn a_detour_outlives_a_restart() {
         assert!(first.stepper.new == second.stepper.new, "other bits");
     }
 }
+
+#[test]
+fn the_extension_follows_a_start_value_that_moves_by_more_than_a_cell() {
+    let sets =
+        ["mesh.refine=0", "mesh.grading=4", "time.step=0.02", "solid.body-force=[0,-20]", "newton.start=old"];
+
+    let mut stepper = builtin("fsi3", &sets).build_stepper(1).unwrap();
+    for step in 0..6 {
+        let report = stepper.step(0.02).unwrap();
+        assert_eq!(report.parts, 1, "step {step}");
+    }
+}

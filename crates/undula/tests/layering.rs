@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 17] = [
+const LAYERS: [(&str, &str); 18] = [
     ("math", ""),
     ("algebra", ""),
     ("physics", "math"),
@@ -23,6 +23,7 @@ const LAYERS: [(&str, &str); 17] = [
     ("problem", "* error"),
     ("error", "*"),
     ("simulation", "*"),
+    ("stability", "*"),
     ("run", "*"),
     ("bench", "*"),
 ];

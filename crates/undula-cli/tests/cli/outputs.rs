@@ -96,3 +96,19 @@ fn cases_new_and_check() {
     here.write("resolved.toml", &resolved.out);
     assert_eq!(here.run("check resolved.toml --toml", &[]).out, resolved.out);
 }
+
+/// Constants of the case alone and of the state of a run, in words.
+#[test]
+fn inf_sup_constants_are_told_with_what_they_mean() {
+    let here = Place::new("inf-sup");
+    here.run("run fsi3 -o results --quiet", &SMALL).expect(0, &[]);
+    let common = ["reference domain, (5.25)", "(5.24)", "coupled matrix (5.35)", "extension: ALE", "2-norm"];
+    let small = &SMALL[..];
+    let said = here.run("check --inf-sup fsi3", small).expect(0, &common);
+    assert!(said.out.contains("with a smooth deformation"), "{}", said.out);
+    let said = here.run("check --inf-sup fsi3 --from results", small).expect(0, &common);
+    assert!(said.out.contains("on the domain at t = 0.05 s"), "{}", said.out);
+    let equal = [small, &["space.velocity=Q1"]].concat();
+    here.run("check --inf-sup fsi3", &equal).expect(0, &["(5.25)", "(5.24)"]);
+    here.run("check fsi3 --from results", &[]).expect(2, &["--inf-sup"]);
+}

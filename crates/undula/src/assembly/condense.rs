@@ -29,8 +29,13 @@ pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece>
         }
         if c.pressure {
             list.push(Piece { test: Test::Phi(i), trial: Trial::P, block: Block::Stiffness });
+        }
+        if c.xi_v || (c.pressure && relation) {
             list.push(Piece { test: Test::Xi, trial: Trial::V(i), block: Block::Stiffness });
         }
+    }
+    if c.xi_p {
+        list.push(Piece { test: Test::Xi, trial: Trial::P, block: Block::Mass });
     }
     list
 }
@@ -40,15 +45,19 @@ where
     Lanes<L>: Width,
 {
     /// Whether u follows v by the velocity-deformation relation.
-    const RELATION: bool = !matches!(F::COUPLINGS.psi_v, Block::Zero);
+    fn relation(&self) -> bool {
+        self.form.couplings().psi_v != Block::Zero
+    }
 
     /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
-    pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
+    /// Unknowns inside of cells are eliminated if asked to.
+    pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32], eliminate: bool) {
         let b = &self.batches;
-        let layout = {
-            let (shape, degree) = (space.mesh.shape, space.nodes.degree);
-            Layout::new(shape, degree, b.n_basis, b.n_pressure, space.pressure.kind)
-        };
+        let (shape, degree) = (space.mesh.shape, space.nodes.degree);
+        let mut layout = Layout::new(shape, degree, b.n_basis, b.n_pressure, space.pressure.kind);
+        if !eliminate {
+            layout.outer = layout.all;
+        }
         let mut interior = Interior::new(layout, b.len());
         for (batch, cells) in b.cells.iter().enumerate() {
             for (lane, cell) in cells[..b.active[batch]].iter().enumerate() {
@@ -56,7 +65,7 @@ where
                 interior.facets.extend(with.map(|(f, _)| (batch as u32, lane as u32, f as u32)));
             }
         }
-        self.condensed = condensed_pieces(&F::COUPLINGS, D, Self::RELATION);
+        self.condensed = condensed_pieces(&self.form.couplings(), D, self.relation());
         self.interior = Some(interior);
     }
 
@@ -142,7 +151,7 @@ where
         let mut copies = std::mem::take(&mut interior.copies);
         let (shared, pieces) = (copies.share(out), Pieces::new(&mut factors, kept));
         let outer = interior.layout.outer;
-        let coupling = if Self::RELATION { step.rule.theta / step.rule.per_k } else { 0.0 };
+        let coupling = if self.relation() { step.rule.theta / step.rule.per_k } else { 0.0 };
         self.for_each_batch(|batch| {
             self.scratch.with(|s| {
                 let directions = Directions::Condensed { coupling };

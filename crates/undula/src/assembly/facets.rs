@@ -120,7 +120,7 @@ impl<const D: usize> OutflowFacets<D> {
                             let given_v = constraints.v[b as usize];
                             visit(row, if given_v || row == DROP { DROP } else { v as u32 });
                             if self.deforms {
-                                let given_u = constraints.u[b as usize];
+                                let given_u = constraints.u[b as usize][j];
                                 visit(row, if given_u || row == DROP { DROP } else { (n_v + v) as u32 });
                             }
                         }

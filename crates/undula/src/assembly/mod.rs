@@ -5,25 +5,29 @@
 //! After the first call nothing is allocated.
 
 pub mod batch;
+pub mod biharmonic;
 pub mod chunks;
 mod condense;
 pub mod contract;
 pub mod evaluate;
 pub mod extension;
 pub mod facets;
+mod folds;
 pub mod interior;
 pub mod kernel;
 pub mod points;
 pub mod scatter;
 pub mod simd;
+pub mod stabilize;
 mod tasks;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::{Lanes, Vector};
-use crate::physics::{Fluid, Outflow, Solid};
-use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
+use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
 use batch::Batches;
+use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
 use facets::OutflowFacets;
 use interior::FacetBlocks;
@@ -31,6 +35,7 @@ use kernel::Kernel;
 pub use kernel::StepView;
 use scatter::DROP;
 use simd::Width;
+use stabilize::{Columns, Stabilizer};
 use std::sync::Arc;
 
 /// The equations of the regions; an absent one is `None`.
@@ -75,7 +80,7 @@ pub enum End {
 /// Where J is smallest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid).
+    /// Smallest J at a quadrature point or node, fluid and solid.
     pub min_j: f64,
     /// The cell in which it lies, then all others with J ≤ 0.
     pub cells: Vec<u32>,
@@ -91,12 +96,15 @@ pub struct Assembler<const D: usize> {
     pub physics: Physics,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
+    /// The extension where it is of fourth order.
+    biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
     /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
     full: Option<(Arc<Pattern>, Vec<u32>)>,
     condensed: Option<Arc<CondensedSystem>>,
     blocks: FacetBlocks,
+    stabilized: bool,
 }
 
 /// The (v, p) system of condensed Newton: given unknowns and those inside of cells are left out.
@@ -139,22 +147,46 @@ impl<const D: usize> Assembler<D> {
         };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
+        let biharmonic = match physics.fluid.map(|f| f.extension) {
+            Some(Extension::Biharmonic { hinged }) if space.deforms => {
+                Some(Biharmonic::new(&space, &constraints, hinged, options.quadrature))
+            }
+            _ => None,
+        };
         Assembler {
             space,
             constraints,
             physics,
             kernels,
             outflow,
+            biharmonic,
             given,
             full: None,
             condensed: None,
             blocks,
+            stabilized: false,
         }
+    }
+
+    /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.
+    ///
+    /// # Panics
+    /// If π projects on patches that the mesh does not have, see [`stabilize::patches`].
+    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) {
+        if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
+            self.kernels.stabilize(how, fluid, &self.space, options);
+            self.stabilized = true;
+        }
+    }
+
+    /// Whether there is stabilisation, with parameters from the old state.
+    pub fn is_stabilized(&self) -> bool {
+        self.stabilized
     }
 
     /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
     pub fn pattern(&mut self) -> Arc<Pattern> {
-        let Self { space, constraints, kernels, outflow, given, full, .. } = self;
+        let Self { space, constraints, kernels, outflow, biharmonic, given, full, .. } = self;
         if let Some((pattern, _)) = full {
             return Arc::clone(pattern);
         }
@@ -166,10 +198,24 @@ impl<const D: usize> Assembler<D> {
                 rows[row as usize].push(col);
             }
         });
+        let mut free: Vec<u32> = (0..space.n_unknowns() as u32).collect();
+        given.iter().for_each(|&row| free[row as usize] = DROP);
+        kernels.stabilization_entries(Columns::All, &free, &mut |row, col| rows[row as usize].push(col));
+        if let Some(b) = biharmonic {
+            b.visit(&mut |row, col, _| {
+                if free[col as usize] != DROP {
+                    rows[row as usize].push(col);
+                }
+            });
+        }
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
+        if let Some(b) = biharmonic {
+            b.set_slots(find);
+        }
         kernels.set_slots(constraints, pattern.nnz(), &find);
+        kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find);
         outflow.set_slots(constraints, find);
         let diagonals = given.iter().map(|&row| find(row, row)).collect();
         *full = Some((Arc::clone(&pattern), diagonals));
@@ -198,10 +244,13 @@ impl<const D: usize> Assembler<D> {
         }
         let mut rows: Vec<Vec<u32>> = vec![vec![]; places.len()];
         self.kernels.condensed_entries(&number, &mut |row, col| rows[row as usize].push(col));
+        let visit = &mut |row: u32, col: u32| rows[row as usize].push(col);
+        self.kernels.stabilization_entries(Columns::Flow, &number, visit);
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
         self.kernels.set_condensed_slots(&number, pattern.nnz(), &find);
+        self.kernels.set_stabilization_slots(Columns::Flow, &number, pattern.nnz(), &find);
         let system = Arc::new(CondensedSystem { pattern, places, unknowns });
         self.condensed = Some(Arc::clone(&system));
         system
@@ -230,8 +279,26 @@ impl<const D: usize> Assembler<D> {
         if !self.space.deforms || self.physics.fluid.is_none() {
             return None;
         }
-        let visit = |put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put);
+        let visit = |put: &mut dyn FnMut(u32, u32, f64)| match &self.biharmonic {
+            Some(b) => b.visit(put),
+            None => self.kernels.extension(step, put),
+        };
         Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
+    }
+
+    /// Whether the extension is of fourth order.
+    pub fn is_biharmonic(&self) -> bool {
+        self.biharmonic.is_some()
+    }
+
+    /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
+    /// anything to take, the operator not being constant.
+    pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
+        let changes = self.physics.fluid.is_some_and(|f| !f.extension.is_constant());
+        if changes {
+            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
+        }
+        changes
     }
 
     /// What the linear solver may know of each unknown.
@@ -274,10 +341,13 @@ impl<const D: usize> Assembler<D> {
 
     /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0.
     ///
-    /// Returns the smallest J at the quadrature points.
+    /// Returns the smallest J at the quadrature points of both regions.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
         let min_j = self.kernels.residual(step, None, out);
         self.outflow.residual(step.new, step.rule.theta, out);
+        if let Some(b) = &self.biharmonic {
+            b.residual(&step.new.u, out);
+        }
         for &row in &self.given {
             out[row as usize] = 0.0;
         }
@@ -293,6 +363,9 @@ impl<const D: usize> Assembler<D> {
         }
         self.kernels.residual(step, Some(region), out);
         if region == Region::Fluid {
+            if let Some(b) = &self.biharmonic {
+                b.residual(&step.new.u, out);
+            }
             self.outflow.residual(step.new, step.rule.theta, out);
             self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
         }
@@ -304,12 +377,21 @@ impl<const D: usize> Assembler<D> {
         out.values.fill(0.0);
         self.kernels.jacobian(step, tangent, &mut out.values);
         self.outflow.jacobian(step, tangent, &mut out.values);
+        if let Some(b) = &self.biharmonic {
+            b.jacobian(&mut out.values);
+        }
         for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
     }
 
-    /// Where J was smallest in the last residual.
+    /// The smallest J of the last residual and at the nodes of `state`: quadrature points alone do not see cells
+    /// that fold at a corner.
+    pub fn nodal_min_j(&mut self, state: &State) -> f64 {
+        if self.space.deforms { self.kernels.nodal_min_j(&self.space, &state.u) } else { 1.0 }
+    }
+
+    /// Where J was smallest in the last residual, and at the nodes if that was asked for since.
     pub fn worst(&self) -> Worst {
         self.kernels.worst()
     }
@@ -323,14 +405,10 @@ impl<const D: usize> Assembler<D> {
 }
 
 fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
-    let mut rows = vec![];
-    let lists = [(&constraints.v, 0, true), (&constraints.u, space.n_v(), space.deforms)];
-    for (list, first, there) in lists {
-        for node in (0..list.len()).filter(|&node| there && list[node]) {
-            rows.extend((0..D).map(|i| (first + node * D + i) as u32));
-        }
-    }
-    rows
+    let velocity = constraints.v.iter().flat_map(|&given| [given; D]);
+    let deformation = constraints.u.iter().flatten().copied();
+    let all = velocity.chain(deformation.filter(|_| space.deforms));
+    all.zip(0..).filter(|(given, _)| *given).map(|(_, row)| row).collect()
 }
 
 /// The kernels of both regions with their number of lanes hidden.
@@ -341,6 +419,7 @@ trait Kernels<const D: usize>: Send + Sync {
     fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
     fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
+    fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64;
     fn worst(&self) -> Worst;
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
     fn inner(&self, visit: &mut dyn FnMut(u32));
@@ -350,6 +429,15 @@ trait Kernels<const D: usize>: Send + Sync {
     fn eliminate(&mut self, b: &mut [f64]);
     fn recover(&self, x: &mut [f64]);
     fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64));
+    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options);
+    fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32));
+    fn set_stabilization_slots(
+        &mut self,
+        columns: Columns,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    );
 }
 
 /// The same with the kernels of both regions, fluid first.
@@ -375,6 +463,7 @@ macro_rules! both {
 struct Pair<const D: usize, const L: usize> {
     fluid: Option<Kernel<Fluid, D, L>>,
     solid: Option<Kernel<Solid, D, L>>,
+    stabilizer: Option<Stabilizer<D, L>>,
 }
 
 impl<const D: usize, const L: usize> Pair<D, L>
@@ -391,8 +480,9 @@ where
             (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect()
         };
         let batches = |region| {
-            let with_pressure = region == Region::Fluid;
-            Batches::new(space, &cells(region), with_pressure, options.quadrature, stiffness)
+            let cells = cells(region);
+            let with_pressure = cells.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
+            Batches::new(space, &cells, with_pressure, options.quadrature, stiffness)
         };
         let fluid = physics
             .fluid
@@ -400,7 +490,7 @@ where
         let solid = physics
             .solid
             .map(|form| Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads));
-        Pair { fluid, solid }
+        Pair { fluid, solid, stabilizer: None }
     }
 }
 
@@ -432,6 +522,9 @@ where
     }
 
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>) {
+        if let (Some(s), Region::Fluid) = (&mut self.stabilizer, region) {
+            s.set_force(usize::from(end == End::Old), force);
+        }
         match region {
             Region::Fluid => self.fluid.as_mut().map(|k| fill_force(k, end, force)),
             Region::Solid => self.solid.as_mut().map(|k| fill_force(k, end, force)),
@@ -448,15 +541,21 @@ where
     }
 
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64 {
-        let mut min_j = None;
+        let mut min_j = f64::INFINITY;
         if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
-            min_j = Some(k.residual(step, out));
+            min_j = min_j.min(k.residual(step, out));
+        }
+        if let (Some(s), true) = (&mut self.stabilizer, only != Some(Region::Solid)) {
+            s.residual(step, out);
         }
         if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
+            // While it iterates a solid may fold where its law does not mind; not at the end of a step.
             let of_solid = k.residual(step, out);
-            min_j = min_j.or(Some(of_solid));
+            if min_j == f64::INFINITY || k.form.material.needs_positive_volume() {
+                min_j = min_j.min(of_solid);
+            }
         }
-        min_j.unwrap_or(1.0)
+        if min_j == f64::INFINITY { 1.0 } else { min_j }
     }
 
     fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
@@ -466,17 +565,36 @@ where
         if let Some(k) = &mut self.solid {
             k.jacobian(step, tangent, out);
         }
+        if let Some(s) = &mut self.stabilizer {
+            s.matrix(Columns::All, step, out);
+        }
+    }
+
+    fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64 {
+        let mut min_j = f64::INFINITY;
+        both!(mut self, k, min_j = min_j.min(k.nodal_min_j(space, u)));
+        min_j
     }
 
     fn worst(&self) -> Worst {
-        let fluid = self.fluid.as_ref().and_then(Kernel::worst);
-        let worst = fluid.or_else(|| self.solid.as_ref().and_then(Kernel::worst));
-        let (min_j, cells) = worst.unwrap_or((1.0, vec![]));
-        Worst { min_j, cells }
+        let mut list = vec![];
+        both!(self, k, list.extend(k.worst()));
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let min_j = list.first().map_or(1.0, |worst| worst.0);
+        // Of the other region those cells that are folded, too.
+        let cells = |(j, cells): (f64, Vec<u32>)| if j <= 0.0 || j == min_j { cells } else { vec![] };
+        Worst { min_j, cells: list.into_iter().flat_map(cells).collect() }
     }
 
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {
-        both!(mut self, k, k.prepare_condensed(space, facets));
+        // Stabilisation couples the inner unknowns of the fluid to others: nothing is eliminated there.
+        let eliminate = self.stabilizer.is_none();
+        if let Some(k) = &mut self.fluid {
+            k.prepare_condensed(space, facets, eliminate);
+        }
+        if let Some(k) = &mut self.solid {
+            k.prepare_condensed(space, facets, true);
+        }
     }
 
     fn inner(&self, visit: &mut dyn FnMut(u32)) {
@@ -498,6 +616,9 @@ where
 
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
         both!(mut self, k, k.condense(step, tangent, blocks, out));
+        if let Some(s) = &mut self.stabilizer {
+            s.matrix(Columns::Flow, step, out);
+        }
     }
 
     fn eliminate(&mut self, b: &mut [f64]) {
@@ -511,6 +632,32 @@ where
     fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64)) {
         if let Some(k) = &self.fluid {
             k.extension(step, visit);
+        }
+    }
+
+    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options) {
+        self.stabilizer = Some(Stabilizer::new(how, fluid, space, options.quadrature, options.threads));
+    }
+
+    fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        if let Some(s) = &self.stabilizer {
+            s.entries(columns, number, |_, row, col| {
+                if row != DROP {
+                    visit(row, col);
+                }
+            });
+        }
+    }
+
+    fn set_stabilization_slots(
+        &mut self,
+        columns: Columns,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) {
+        if let Some(s) = &mut self.stabilizer {
+            s.set_slots(columns, number, n_entries, find);
         }
     }
 }

@@ -12,6 +12,7 @@ pub mod kinematics;
 pub mod material;
 pub mod outflow;
 pub mod solid;
+pub mod stabilization;
 pub mod step;
 pub mod theorem_5_2;
 
@@ -23,4 +24,5 @@ pub use kinematics::Kinematics;
 pub use material::Material;
 pub use outflow::Outflow;
 pub use solid::Solid;
+pub use stabilization::{PressureTerm, Projection, Stabilization, TransportTerm};
 pub use step::StepRule;

@@ -67,7 +67,14 @@ impl StepRule {
         let mut geometry = self.theta * cofactor(&lag.grad_u);
         geometry += ((1.0 - self.theta) * cofactor(&old.grad_u)).map(T::lift);
         form.pressure(new.p, &geometry, r);
-        form.constraint(place, new, lag, r);
+        form.constraint(&form.place(place, old), new, lag, r);
+        form.volume(self, new, lag, old, r);
+    }
+
+    /// 1/k \[1/s\]; 1 if stationary.
+    #[inline(always)]
+    pub fn rate(&self) -> f64 {
+        if self.per_k > 0.0 { self.per_k } else { 1.0 }
     }
 
     /// The explicit part: transport at the old time with weight 1 − θ, added to `r`.

@@ -5,8 +5,8 @@
 //! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
 
 use super::step::TimePoint;
-use super::{Extension, Fields, Fluid, Kinematics, Material, Outflow, Place, Solid, StepRule, Tested};
-use crate::math::{Scalar, Tensor, Vector};
+use super::{Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
+use crate::math::{Scalar, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
 #[inline(always)]
@@ -22,7 +22,8 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
     rate(form, rule, new, old, W, &mut r);
     transport(form, rule.theta, place, new, W, &mut r);
     constraint(rule.theta, new, old, W, &mut r);
-    r.grad_psi = extension(&form.extension, &W.grad_u, place.stiffness);
+    let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
+    r.grad_psi = form.extension.derivative(&new.grad_u, &W.grad_u, stiffness);
     r
 }
 
@@ -101,35 +102,36 @@ fn constraint<S: Scalar<Value = S>, const D: usize>(
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
 }
 
-/// Derivative of the extension, a linear operator.
-#[inline(always)]
-fn extension<S: Scalar<Value = S>, const D: usize>(
-    extension: &Extension,
-    grad_w: &Tensor<S, D>,
-    stiffness: S,
-) -> Tensor<S, D> {
-    extension.stress(grad_w, stiffness)
-}
-
-/// (5.14) in the solid, Lemma 5.5.
+/// (5.14) in the solid, Lemma 5.5, with pressure and volume of an incompressible one.
 #[inline(always)]
 pub fn solid<S: Scalar<Value = S>, const D: usize>(
     form: &Solid,
     rule: &StepRule,
     new: &Fields<S, D>,
+    old: &Fields<S, D>,
     W: &Fields<S, D>,
 ) -> Tested<S, D> {
-    let F = Tensor::identity() + new.grad_u;
-    let Material::StVenantKirchhoff { mu, lambda } = form.material;
-    let Sigma = form.material.stress(&new.grad_u, &new.grad_u);
-    let dE = 0.5 * (W.grad_u.t() * F + F.t() * W.grad_u);
-    let dSigma = 2.0 * mu * dE + Tensor::identity() * (dE.trace() * lambda);
-    Tested {
+    let mut r = Tested {
         phi: rule.per_k * form.rho * W.v,
-        grad_phi: rule.theta * (W.grad_u * Sigma + F * dSigma),
+        grad_phi: rule.theta * form.material.derivative(&new.grad_u, &W.grad_u),
         psi: rule.per_k * W.u - rule.theta * W.v,
         ..Tested::zero()
-    }
+    };
+    let Some(compliance) = form.material.compliance() else { return r };
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
+    let F_inv_t = F_inv.t();
+    let tr = (F_inv * W.grad_u).trace();
+    let of_old = super::kinematics::cofactor(&old.grad_u);
+    r.grad_phi -= (rule.theta * (F_inv_t * J) + (1.0 - rule.theta) * of_old) * W.p;
+    let dcofactor = (F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * J;
+    r.grad_phi -= rule.theta * (dcofactor * new.p);
+    r.xi = if compliance == 0.0 {
+        let flux = F_inv_t.ddot(W.grad_v) * J + dcofactor.ddot(new.grad_v);
+        J * tr * rule.rate() + flux * (1.0 - rule.theta)
+    } else {
+        (J * tr * rule.theta + W.p * compliance) * rule.rate()
+    };
+    r
 }
 
 /// Derivative of the do-nothing correction −⟨ρν J (F⁻ᵀ∇vᵀ − tr(∇v F⁻¹) I) F⁻ᵀ n, φ⟩, absent from the printed

@@ -113,7 +113,7 @@ pub struct Errors {
     pub v: f64,
     /// On all of Ω \[m²\].
     pub u: f64,
-    /// On F \[Pa m\].
+    /// Where there is a pressure \[Pa m\].
     pub p: f64,
 }
 
@@ -281,6 +281,9 @@ impl Manufactured {
             r.psi += weight * part.psi;
         }
         form.constraint(&place, &new.fields, &new.fields, &mut r);
+        let mut at = new.fields;
+        at.p = theta * new.fields.p + (1.0 - theta) * old.fields.p;
+        form.volume(&StepRule::theta(t - t_old, theta), &at, &at, &old.fields, &mut r);
         r
     }
 
@@ -324,7 +327,7 @@ impl Manufactured {
             if deforms {
                 e.u += point.weight * square(point.fields.u - exact.u);
             }
-            if point.region == Region::Fluid {
+            if !point.pressure.is_empty() {
                 let p = sample(&self.exact, point.x, t_p).fields.p;
                 e.p += point.weight * (point.fields.p - p).powi(2);
             }

@@ -210,6 +210,17 @@ impl<'c, 'd> Section<'c, 'd> {
         }
     }
 
+    pub fn boolean(&mut self, key: &str, default: bool) -> bool {
+        let Some(item) = self.item(key) else { return default };
+        match &item.value {
+            Value::Other("true or false", text) => text == "true",
+            _ => {
+                self.wrong_type(key, item, "true or false");
+                default
+            }
+        }
+    }
+
     pub fn string(&mut self, key: &str) -> Option<String> {
         let item = self.item(key)?;
         match &item.value {

@@ -2,9 +2,12 @@
 
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, Precision, SolidLaw, TimeScheme,
+    MotionModel, Precision, TimeScheme,
 };
+use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
+use crate::physics::{PressureTerm, TransportTerm};
+use crate::space::Walls;
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -41,6 +44,11 @@ fn pair(x: &[f64; 2]) -> String {
     format!("[{}, {}]", number(x[0]), number(x[1]))
 }
 
+/// The name of `value` in a list of choices.
+pub(crate) fn name<T: PartialEq>(choices: &[(&'static str, T)], value: T) -> &'static str {
+    choices.iter().find(|(_, choice)| *choice == value).map_or("", |(name, _)| name)
+}
+
 /// Lines of TOML.
 struct Lines(String);
 
@@ -66,6 +74,7 @@ impl Case {
         out.word("name", &self.name);
         out.word("title", &self.title);
         self.write_mesh(&mut out);
+        self.write_stabilization(&mut out);
         self.write_bodies(&mut out);
         for (name, condition) in &self.boundary {
             out.table(&format!("boundary.{}", key(name)));
@@ -92,6 +101,7 @@ impl Case {
         match &self.mesh.source {
             MeshSource::TurekHron => out.word("generator", "turek-hron"),
             MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
+            MeshSource::Rotor => out.word("generator", "rotor"),
             MeshSource::Box { lower, upper, cells } => {
                 out.word("generator", "box");
                 out.key("lower", pair(lower), "m");
@@ -118,6 +128,27 @@ impl Case {
         );
     }
 
+    /// Keys that matter only: others would be refused when read again.
+    fn write_stabilization(&self, out: &mut Lines) {
+        let how = &self.stabilization;
+        if self.fluid.is_none() {
+            return;
+        }
+        out.table("stabilization");
+        out.word("pressure", name(&PRESSURE, how.pressure));
+        out.word("transport", name(&TRANSPORT, how.transport));
+        if how.pressure != PressureTerm::None {
+            out.key("alpha", number(how.alpha), "");
+            out.key("directional", how.directional.to_string(), "axes of a cell apart");
+        }
+        if how.transport != TransportTerm::None {
+            out.key("delta", number(how.delta), "");
+        }
+        if how.projects() {
+            out.word("projection", name(&PROJECTION, how.projection));
+        }
+    }
+
     fn write_bodies(&self, out: &mut Lines) {
         if let Some(fluid) = &self.fluid {
             out.table("fluid");
@@ -129,15 +160,17 @@ impl Case {
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
-            out.word(
-                "law",
-                match solid.law {
-                    SolidLaw::StVenantKirchhoff => "st-venant-kirchhoff",
-                },
-            );
+            out.word("law", solid.law.name());
             out.key("density", number(solid.density), "kg/m³");
             out.key("mu", number(solid.mu), "Pa");
-            out.key("lambda", number(solid.lambda), "Pa");
+            if solid.law.is_mooney_rivlin() {
+                out.key("c2", number(solid.c2), "Pa, c1 = mu/2 - c2");
+            }
+            if !solid.law.is_incompressible() {
+                out.key("lambda", number(solid.lambda), "Pa");
+            } else if let Some(bulk) = solid.bulk {
+                out.key("bulk", number(bulk), "Pa");
+            }
             out.key("body-force", expressions(&solid.body_force), "m/s²");
         }
         out.table("motion");
@@ -145,13 +178,25 @@ impl Case {
             "model",
             match self.motion.model {
                 MotionModel::Harmonic => "harmonic",
+                MotionModel::StiffenedHarmonic => "stiffened-harmonic",
                 MotionModel::PseudoElastic => "pseudo-elastic",
+                MotionModel::JacobianStiffened => "jacobian-stiffened",
+                MotionModel::Biharmonic => "biharmonic",
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
         out.key("offset", number(self.motion.offset), "m");
         out.key("exponent", number(self.motion.exponent), "");
-        out.word("walls", "fixed");
+        if let Some(scale) = self.motion.scale {
+            out.key("scale", number(scale), "m");
+        }
+        if self.motion.model == MotionModel::JacobianStiffened {
+            out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+        }
+        if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
+            out.word("outer", if self.motion.hinged { "hinged" } else { "clamped" });
+        }
+        out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
     }
 
     fn write_time(&self, out: &mut Lines) {

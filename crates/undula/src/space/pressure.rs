@@ -1,4 +1,4 @@
-//! Pressure spaces on the fluid cells.
+//! Pressure spaces on the cells of the fluid, and of an incompressible solid.
 
 use super::dofs::Nodes;
 use crate::element::{Quadrature, lagrange};
@@ -76,6 +76,18 @@ impl<const D: usize> PressureSpace<D> {
         }
     }
 
+    /// Together with a space on other cells; both stay apart where their cells meet.
+    pub fn joined(mut self, other: PressureSpace<D>) -> PressureSpace<D> {
+        for (dof, of_other) in self.cell_dofs.iter_mut().zip(other.cell_dofs) {
+            if of_other != u32::MAX {
+                *dof = self.n as u32 + of_other;
+            }
+        }
+        self.points.extend(other.points);
+        self.n += other.n;
+        self
+    }
+
     /// Unknowns of cell `cell`; empty where there is no pressure.
     pub fn cell(&self, cell: usize) -> &[u32] {
         let dofs = &self.cell_dofs[cell * self.per_cell..(cell + 1) * self.per_cell];
@@ -94,6 +106,33 @@ impl<const D: usize> PressureSpace<D> {
             }
         }
     }
+}
+
+impl<const D: usize> PressureSpace<D> {
+    /// Gradients \[1/m\] with respect to x of the discontinuous basis of `cell` at `x`; empty where the space is
+    /// continuous.
+    pub fn discontinuous_gradients(&self, cell: usize, x: &[f64; D]) -> Vec<[f64; D]> {
+        let PressureKind::Pdc(degree) = self.kind else { return vec![] };
+        let (centre, h) = &self.frames[cell];
+        let at: [f64; D] = std::array::from_fn(|d| (x[d] - centre[d]) / h);
+        let along = |d: usize| {
+            let of = |e: usize| if d == e { legendre_slopes(degree, at[e]) } else { legendre(degree, at[e]) };
+            products(degree, &std::array::from_fn::<_, D, _>(of))
+        };
+        let parts: [Vec<f64>; D] = std::array::from_fn(along);
+        (0..self.per_cell).map(|a| std::array::from_fn(|d| parts[d][a] / h)).collect()
+    }
+}
+
+/// Derivatives of [`legendre`].
+fn legendre_slopes(degree: usize, t: f64) -> Vec<f64> {
+    let (values, mut list) = (legendre(degree, t), vec![0.0, 1.0]);
+    for n in 1..degree {
+        let square = (n * n) as f64;
+        list.push(values[n] + t * list[n] - square / (4.0 * (4.0 * square - 1.0)) * list[n - 1]);
+    }
+    list.truncate(degree + 1);
+    list
 }
 
 /// All products of the entries of `x` with at most `degree` factors, by degree: 1, x, y, x², x y, y², …
@@ -153,6 +192,28 @@ mod tests {
             for j in 0..i {
                 let product: f64 = at.iter().zip(&w).map(|(l, w)| w * l[i] * l[j]).sum();
                 assert!(product.abs() < 1e-16, "{i} and {j}");
+            }
+        }
+    }
+
+    #[test]
+    fn gradients_of_discontinuous_bases_are_differences() {
+        let mesh = crate::mesh::generate::rectangle([0.0; 2], [2.0, 3.0], [1, 1], 0).unwrap();
+        let x = [0.3, 0.7];
+        for degree in 0..4 {
+            let space = PressureSpace::new(&mesh, PressureKind::Pdc(degree), |_| true);
+            let exact = space.discontinuous_gradients(0, &x);
+            for d in 0..2 {
+                let moved = |h: f64| {
+                    let mut x = x;
+                    x[d] += h;
+                    space.basis(&mesh, 0, &[0.0; 3], &x)
+                };
+                let (plus, minus) = (moved(1e-5), moved(-1e-5));
+                assert_eq!(exact.len(), plus.len());
+                for (a, slope) in exact.iter().enumerate() {
+                    assert!((slope[d] - (plus[a] - minus[a]) / 2e-5).abs() < 1e-9, "{degree} {a}");
+                }
             }
         }
     }

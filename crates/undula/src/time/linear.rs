@@ -4,6 +4,7 @@ use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::nonlinear::Seconds;
+use crate::physics::StepRule;
 use crate::space::{PsiOwner, State};
 use crate::tangent::Tangent;
 use std::sync::Arc;
@@ -140,7 +141,10 @@ impl Linear {
             }
             Linearization::Condensed => {
                 let condensed = match &mut self.condensed {
-                    Some(condensed) => condensed,
+                    Some(condensed) => {
+                        condensed.renew_extension(assembler, view)?;
+                        condensed
+                    }
                     none => none.insert(Condensed::new(assembler, view, &self.make)?),
                 };
                 assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
@@ -194,22 +198,41 @@ impl Linear {
     }
 
     /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes
-    /// it for granted.
+    /// it for granted; with `follow` the extension goes along: a solid that moves by more than the size of a
+    /// cell would fold its neighbours otherwise.
     pub fn start<const D: usize>(
-        &self,
-        assembler: &Assembler<D>,
+        &mut self,
+        assembler: &mut Assembler<D>,
         k: f64,
-        theta: f64,
+        rule: StepRule,
         new: &mut State,
         old: &State,
+        follow: bool,
     ) {
-        if self.active != Linearization::Condensed {
+        if self.active != Linearization::Condensed || relation(assembler).next().is_none() {
             return;
         }
+        if follow && self.condensed.is_none() {
+            // What goes wrong here goes wrong again, and is told, where the matrix is made.
+            let view = StepView { rule, new, old };
+            self.condensed = Condensed::new(assembler, &view, &self.make).ok();
+        }
+        let mut condensed = self.condensed.as_mut().filter(|_| follow);
+        if let Some(condensed) = &mut condensed {
+            condensed.work.fill(0.0);
+        }
+        let n_v = assembler.space.n_v();
         for node in relation(assembler) {
             for at in node * D..(node + 1) * D {
-                new.u[at] = old.u[at] + k * (theta * new.v[at] + (1.0 - theta) * old.v[at]);
+                let u = old.u[at] + k * (rule.theta * new.v[at] + (1.0 - rule.theta) * old.v[at]);
+                if let Some(condensed) = &mut condensed {
+                    condensed.work[n_v + at] = new.u[at] - u;
+                }
+                new.u[at] = u;
             }
+        }
+        if let Some(condensed) = condensed {
+            condensed.follow(&mut new.u, n_v);
         }
     }
 }
@@ -217,7 +240,7 @@ impl Linear {
 /// Nodes of the solid whose deformation is not given.
 fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
     let (space, given) = (&assembler.space, &assembler.constraints.u);
-    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && !given[node];
+    let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && given[node] == [false; D];
     (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
 }
 
@@ -244,7 +267,9 @@ impl Condensed {
         let extension = match assembler.extension(view) {
             None => None,
             Some(system) => {
-                let mut solver = make(Purpose::Correction);
+                // Of fourth order: single precision is not enough for the condition of its matrix.
+                let fourth = assembler.is_biharmonic();
+                let mut solver = make(if fourth { Purpose::Exact } else { Purpose::Correction });
                 let all = assembler.unknowns();
                 let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
                 solver.analyse(&system.matrix.pattern, &unknowns)?;
@@ -265,6 +290,19 @@ impl Condensed {
             work: vec![0.0; assembler.space.n_unknowns()],
             system,
         })
+    }
+
+    /// Where the operator of the extension is not constant, it changes with the Jacobian.
+    fn renew_extension<const D: usize>(
+        &mut self,
+        assembler: &Assembler<D>,
+        view: &StepView<'_>,
+    ) -> Result<(), SolverError> {
+        let Some(e) = &mut self.extension else { return Ok(()) };
+        if assembler.renew_extension(view, &mut e.system) {
+            e.solver.factor(&e.system.matrix)?;
+        }
+        Ok(())
     }
 
     fn correct<const D: usize>(
@@ -301,6 +339,16 @@ impl Condensed {
             for (x, &place) in extension.x.iter().zip(&extension.system.places) {
                 delta[place as usize] = *x;
             }
+        }
+    }
+
+    /// Subtract from `u` the extension of the update of the solid in `work`, whose other entries are zero.
+    fn follow(&mut self, u: &mut [f64], n_v: usize) {
+        let Some(extension) = &mut self.extension else { return };
+        extension.system.right_hand_side(&self.work, &self.work, &mut extension.b);
+        extension.solver.apply(&extension.b, &mut extension.x);
+        for (x, &place) in extension.x.iter().zip(&extension.system.places) {
+            u[place as usize - n_v] -= x;
         }
     }
 }

@@ -32,6 +32,11 @@ pub struct StepperSettings {
     pub scales: Scales,
 }
 
+/// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
+/// v at which they have.
+const SETTLING: usize = 20;
+const SETTLED: f64 = 1e-7;
+
 /// How a step went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepReport {
@@ -43,7 +48,7 @@ pub struct StepReport {
     pub parts: usize,
     /// Scaled norms of the equations at the end \[m/s\].
     pub norms: BlockNorms,
-    /// Smallest J at the quadrature points.
+    /// Smallest J at quadrature points and nodes.
     pub min_j: f64,
 }
 
@@ -82,6 +87,8 @@ pub struct Stepper<const D: usize> {
     /// Length of the last step \[s\]; 0 where there was none.
     last_step: f64,
     explicit: Vec<f64>,
+    /// What the criterion of the last stationary solution referred to.
+    reference: f64,
     /// Where the kept Jacobian was taken.
     point: Option<JacobianPoint>,
     force: [Option<Force<D>>; 2],
@@ -105,21 +112,21 @@ impl Start<'_> {
     fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
         if let Some((older, ratio)) = self.older {
             system.new.extrapolate(older, system.old, ratio);
-            self.complete(system);
+            self.complete(system, false);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
             if norm.is_some() {
                 return norm;
             }
         }
         system.new.copy_from(system.old);
-        self.complete(system);
+        self.complete(system, true);
         newton.norm(system)
     }
 
-    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>) {
-        let assembler = &*system.assembler;
+    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>, follow: bool) {
+        let assembler = &mut *system.assembler;
         assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
-        system.linear.start(assembler, self.k, system.rule.theta, system.new, system.old);
+        system.linear.start(assembler, self.k, system.rule, system.new, system.old, follow);
     }
 }
 
@@ -169,6 +176,7 @@ impl<const D: usize> Stepper<D> {
             old: initial.clone(),
             older: initial,
             last_step: 0.0,
+            reference: 0.0,
             point: None,
             explicit: vec![0.0; n],
             force,
@@ -302,25 +310,23 @@ impl<const D: usize> Stepper<D> {
             solved = self.newton.solve(&mut system, norm, reference);
         }
         let report = solved?;
+        let min_j = system.assembler.nodal_min_j(system.new);
+        if min_j <= 0.0 {
+            return Err(NewtonError::Inadmissible);
+        }
         if let Some(point) = &mut system.point {
             point.age = self.newton.age();
         }
         if system.linear.count_step() {
             self.newton.forget();
         }
-        Ok((report, system.norms, system.min_j))
+        Ok((report, system.norms, min_j))
     }
 
     fn apply_boundary(&mut self, t: f64, factor: f64) {
         let State { v, u, .. } = &mut self.new;
+        self.assembler.constraints.load = factor;
         self.assembler.constraints.apply(&self.assembler.space, t, v, u);
-        if factor != 1.0 {
-            for (node, given) in self.assembler.constraints.v.iter().enumerate() {
-                if *given {
-                    v[node * D..(node + 1) * D].iter_mut().for_each(|x| *x *= factor);
-                }
-            }
-        }
     }
 
     /// The stationary solution at the present time, with the load raised in parts if need be.
@@ -333,7 +339,7 @@ impl<const D: usize> Stepper<D> {
         let mut last_load = 0.0f64;
         while load < 1.0 {
             let next = (load + increment).min(1.0);
-            match self.stationary_at(next, load, last_load) {
+            match self.stationary_at(next, load, last_load, 0.0) {
                 Ok(report) => {
                     total.newton_steps += report.newton_steps;
                     total.jacobians += report.jacobians;
@@ -346,10 +352,36 @@ impl<const D: usize> Stepper<D> {
                 Err(_) => increment = 0.5 * increment.min(1.0 - load),
             }
         }
+        self.settle(&mut total)?;
         Ok(total)
     }
 
-    fn stationary_at(&mut self, load: f64, before: f64, earlier: f64) -> Result<StepReport, StepFailure> {
+    /// Parameters of the stabilisation come from the state before: repeat until they are those of the solution.
+    fn settle(&mut self, total: &mut StepReport) -> Result<(), StepFailure> {
+        let reference = self.reference;
+        for _ in 0..if self.assembler.is_stabilized() { SETTLING } else { 0 } {
+            let before = self.new.v.clone();
+            let report = self.stationary_at(1.0, 0.0, 0.0, reference)?;
+            total.newton_steps += report.newton_steps;
+            total.jacobians += report.jacobians;
+            (total.norms, total.min_j) = (report.norms, report.min_j);
+            let size = |sum: f64, x: f64| sum.max(x.abs());
+            let change = before.iter().zip(&self.new.v).map(|(a, b)| a - b).fold(0.0, size);
+            if report.newton_steps == 0 || change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The criterion refers to the residual at the start, or to `least` if that is larger.
+    fn stationary_at(
+        &mut self,
+        load: f64,
+        before: f64,
+        earlier: f64,
+        least: f64,
+    ) -> Result<StepReport, StepFailure> {
         let t = self.time;
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
@@ -387,10 +419,14 @@ impl<const D: usize> Stepper<D> {
             norms: BlockNorms::default(),
         };
         let solved = match self.newton.norm(&mut system) {
-            Some(reference) => self.newton.solve(&mut system, reference, reference),
+            Some(norm) => {
+                self.reference = norm.max(least);
+                self.newton.solve(&mut system, norm, self.reference)
+            }
             None => Err(NewtonError::Inadmissible),
         };
-        let (norms, min_j) = (system.norms, system.min_j);
+        let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
+        let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
         self.linear.active = active;
         match solved {
             Ok(report) => {

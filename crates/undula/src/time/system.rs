@@ -139,5 +139,9 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
 
     fn update(&mut self, omega: f64, delta: &[f64]) {
         self.new.add_scaled(omega, delta);
+        let constraints = &self.assembler.constraints;
+        if constraints.follows {
+            constraints.apply_data(&self.assembler.space, self.time, &mut self.new.v, &self.new.u);
+        }
     }
 }

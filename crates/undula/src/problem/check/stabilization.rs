@@ -1,0 +1,85 @@
+//! The table `[stabilization]`.
+
+use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
+use crate::problem::case::SpaceSpec;
+use crate::problem::element::{PressureElement, Stability};
+use crate::problem::read::{POSITIVE, Section};
+
+/// Names of the terms in the divergence equation.
+pub(in crate::problem) const PRESSURE: [(&str, PressureTerm); 4] = [
+    ("off", PressureTerm::None),
+    ("brezzi-pitkaranta", PressureTerm::BrezziPitkaranta),
+    ("lps", PressureTerm::LocalProjection),
+    ("pspg", PressureTerm::Pspg),
+];
+
+/// Names of the terms in the momentum equation.
+pub(in crate::problem) const TRANSPORT: [(&str, TransportTerm); 3] =
+    [("off", TransportTerm::None), ("lps", TransportTerm::LocalProjection), ("supg", TransportTerm::Supg)];
+
+/// Names of the projections.
+pub(in crate::problem) const PROJECTION: [(&str, Projection); 2] =
+    [("cell", Projection::Cell), ("patch", Projection::Patch)];
+
+/// Pairs of equal order get local projections unless another term is asked for, stable ones nothing.
+pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bool) -> Stabilization {
+    let equal = space.velocity.stability(space.pressure) == Stability::Equal;
+    let default = if equal && fluid { PressureTerm::LocalProjection } else { PressureTerm::None };
+    let how = Stabilization {
+        pressure: s.choice("pressure", &PRESSURE, &[]).unwrap_or(default),
+        transport: s.choice("transport", &TRANSPORT, &[]).unwrap_or(TransportTerm::None),
+        alpha: s.number("alpha", 0.1, POSITIVE),
+        delta: s.number("delta", 0.1, POSITIVE),
+        projection: s.choice("projection", &PROJECTION, &[]).unwrap_or(Projection::Cell),
+        directional: s.boolean("directional", false),
+    };
+    if fluid {
+        refuse_pressure(&s, &how, space, equal);
+        refuse_without_effect(&s, &how);
+    }
+    s.finish();
+    how
+}
+
+/// Terms that the pair needs, or that do it no good.
+fn refuse_pressure(s: &Section<'_, '_>, how: &Stabilization, space: &SpaceSpec, equal: bool) {
+    let (v, p) = (space.velocity.name(), space.pressure.name());
+    let discontinuous = matches!(space.pressure, PressureElement::Pdc(_));
+    if how.pressure == PressureTerm::None && equal {
+        s.wrong(
+            "pressure",
+            format!(
+                "the pair {v}/{p} is of equal order: its inf-sup constants (5.24) and (5.25) are 0 or go to 0, and \
+                 the pressure is not determined; expected `lps`, `pspg` or `brezzi-pitkaranta`"
+            ),
+        );
+    } else if how.pressure != PressureTerm::None && discontinuous {
+        s.wrong(
+            "pressure",
+            format!("works on continuous pressures only, and the pair {v}/{p} needs none; expected `off`"),
+        );
+    } else if how.pressure == PressureTerm::LocalProjection && !equal
+        || how.pressure == PressureTerm::BrezziPitkaranta && !equal
+    {
+        s.wrong(
+            "pressure",
+            format!("the pair {v}/{p} is stable, and would only lose accuracy; expected `off` or `pspg`"),
+        );
+    }
+}
+
+/// Keys that nothing depends on.
+fn refuse_without_effect(s: &Section<'_, '_>, how: &Stabilization) {
+    let pressure = how.pressure != PressureTerm::None;
+    let transport = how.transport != TransportTerm::None;
+    for (key, matters, needs) in [
+        ("alpha", pressure, "a `pressure` term"),
+        ("directional", pressure, "a `pressure` term"),
+        ("delta", transport, "a `transport` term"),
+        ("projection", how.projects(), "`pressure` or `transport` = `lps`"),
+    ] {
+        if s.has(key) && !matters {
+            s.wrong(key, format!("without effect: it belongs to {needs}"));
+        }
+    }
+}
