@@ -104,7 +104,7 @@ own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expr
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?
 own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
-own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`
+own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
 own.toml:45:7: time.end = 0: expected a time after the start, 0 s
 own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
@@ -140,9 +140,28 @@ fn further_mistakes() {
             "own.toml:9:10: solid.lambda = -2: expected a number above -2/3 mu = -2 Pa",
         ),
         (
-            "[time]\nscheme = \"bdf2\"\nstep = 1\nend = 2\n",
-            "own.toml:7:10: time.scheme = \"bdf2\": not yet available; expected one of `backward-euler`, `theta`, \
-          `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "[time]\nscheme = \"bdf2\"\ndomain-motion = \"secant\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"secant\": `bdf2` takes all terms at the new time, elsewhere it \
+          would lose its order: leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"cg1\"\ndomain-motion = \"midpoint\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"midpoint\": `cg1` integrates all terms over the step: expected \
+          `galerkin`, or leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"rannacher\"\nstep = 1\nend = 2\n",
+            "own.toml:7:10: time.scheme = \"rannacher\": 2 steps of backward Euler take 2 s of every 1 s: none is left",
+        ),
+        (
+            "[time]\nstep = \"0.1+t\"\nend = 0.2\n[time.adaptive]\ntolerance = 2\n",
+            "own.toml:7:8: time.step = \"0.1+t\": expected a number, the first step: [time.adaptive] chooses the others\n\
+          own.toml:10:13: time.adaptive.tolerance = 2: expected a number above 0 and below 1",
+        ),
+        (
+            "[time]\nstep = 0.1\nend = 2\n[time.adaptive]\nmin-step = 0.2\nmax-step = 0.05\n",
+            "own.toml:10:12: time.adaptive.min-step = 0.2: expected at most time.step, 0.1 s\n\
+          own.toml:11:12: time.adaptive.max-step = 0.05: expected at least time.step, 0.1 s",
         ),
         (
             "[time]\nstep = 1.0\nend = 2\n",
@@ -216,15 +235,15 @@ fn mistakes_in_overrides_name_the_override() {
     for (overrides, expected) in [
         (
             &["time.scheme=cn"][..],
-            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`",
         ),
         (
             &["time.scheme=crank-nicholson"],
-            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`; did you mean `crank-nicolson`?",
+            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`; did you mean `crank-nicolson`?",
         ),
         (
             &["time.setp=0.1"],
-            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `domain-term`",
+            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `rannacher-steps`, `rannacher-interval`, `domain-motion`, `adaptive`",
         ),
         (
             &["fluid.density=-1", "mesh.refine=x"],

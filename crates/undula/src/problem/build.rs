@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, TimeScheme, VelocityElement,
+    MotionModel, PressureElement, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -159,7 +159,8 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        let triangles = space.mesh.shape == Shape::Triangle;
+        if !needed || !triangles && assembly::stabilize::patches(space).is_some() {
             return Ok(());
         }
         let key = "stabilization.projection";
@@ -219,6 +220,7 @@ impl Case {
         let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
+            domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
             tangent: match self.newton.jacobian {
                 JacobianKind::Automatic => Tangent::Automatic,
                 JacobianKind::Analytic => Tangent::Analytic,
@@ -265,12 +267,7 @@ impl Case {
     }
 
     fn scheme(&self) -> Scheme {
-        match self.time.as_ref().map(|t| t.scheme) {
-            Some(TimeScheme::ShiftedCrankNicolson { shift }) => Scheme::ShiftedCrankNicolson { shift },
-            Some(TimeScheme::CrankNicolson) => Scheme::CRANK_NICOLSON,
-            Some(TimeScheme::Theta { theta }) => Scheme::Theta { theta },
-            Some(TimeScheme::BackwardEuler) | None => Scheme::BACKWARD_EULER,
-        }
+        self.time.as_ref().map_or(Scheme::BACKWARD_EULER, |t| t.scheme.scheme())
     }
 
     /// One condition per boundary of `mesh`.
