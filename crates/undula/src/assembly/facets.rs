@@ -41,7 +41,7 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
         let inverse_t = cofactor * (1.0 / jacobian.det());
         // Nanson: n dS = cof(DX) N dS for the reference normal N of the facet.
         let normal = mesh.shape.facet_normal(local);
-        let area = cofactor * Vector(from_fn(|d| normal[d]));
+        let area = cofactor * Vector(std::array::from_fn(|d| normal[d]));
         let size = area.dot(area).sqrt();
         let grad = |a: usize| {
             let reference = Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
