@@ -110,6 +110,7 @@ const HEIGHT: f64 = 0.41;
 fn source(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::TurekHron => "channel with cylinder and beam (turek-hron)".into(),
+        MeshSource::Rotor => "square with a free bar (rotor)".into(),
         MeshSource::SchaeferTurek => "channel with cylinder (schaefer-turek)".into(),
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),
@@ -135,9 +136,16 @@ fn mean_inflow(case: &Case) -> Option<f64> {
 
 fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
     let (rho, mu, lambda) = (solid.density, solid.mu, solid.lambda);
+    writeln!(out, "solid     density {rho} kg/m³, {}", solid.law.name())?;
+    if solid.c2 > 0.0 {
+        writeln!(out, "          c1 {:.4e} Pa, c2 {:.4e} Pa", 0.5 * mu - solid.c2, solid.c2)?;
+    }
+    if lambda.is_infinite() {
+        writeln!(out, "          mu {mu:.4e} Pa (Young {:.4e} Pa), volume kept", 3.0 * mu)?;
+        return writeln!(out, "          waves {:.4} m/s (shear)", (mu / rho).sqrt());
+    }
     let poisson = lambda / (2.0 * (lambda + mu));
     let young = 2.0 * mu * (1.0 + poisson);
-    writeln!(out, "solid     density {rho} kg/m³, {:?}", solid.law)?;
     writeln!(
         out,
         "          mu {mu:.4e} Pa, lambda {lambda:.4e} Pa (Young {young:.4e} Pa, Poisson {poisson:.4})"

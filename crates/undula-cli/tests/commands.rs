@@ -91,7 +91,7 @@ space     Q2/P1dc
 fluid     density 1000 kg/m³, viscosity 0.001 m²/s (1.000e0 Pa s)
           inflow: v = (1.5*2.0*y*(0.41-y)/(0.41/2)^2*ramp(t,2), 0) m/s
           Re = 200.0000 with the mean inflow 2.0000 m/s and 0.1 m
-solid     density 1000 kg/m³, StVenantKirchhoff
+solid     density 1000 kg/m³, st-venant-kirchhoff
           mu 2.0000e6 Pa, lambda 8.0000e6 Pa (Young 5.6000e6 Pa, Poisson 0.4000)
           waves 44.7214 m/s (shear), 109.5445 m/s (pressure)
           density ratio solid/fluid 1.000

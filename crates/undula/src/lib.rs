@@ -21,6 +21,7 @@
 //! | fluid momentum (5.15) | φ on F | (ρ J (∂ₜv + ∇v F⁻¹(v − ∂ₜu)), φ) + (J σ F⁻ᵀ, ∇φ) = (ρ J f, φ) | [`physics::fluid`], [`physics::outflow`] |
 //! | divergence (5.16) | ξ on F | (J F⁻¹ : ∇vᵀ, ξ) = 0 | [`physics::fluid`] |
 //! | solid momentum (5.17) | φ on S | (ρ ∂ₜv, φ) + (F Σ, ∇φ) = (ρ f, φ) | [`physics::solid`], [`physics::material`] |
+//! | volume of an incompressible solid | ξ on S | (J − 1, ξ) = 0, with −(p J F⁻ᵀ, ∇φ) in its momentum | [`physics::solid`] |
 //! | velocity-deformation (5.17) | ψ on S | (∂ₜu − v, ψ) = 0 | [`physics::solid`] |
 //! | extension (5.18) | ψ on F | (σₑ(u), ∇ψ) = 0, u given on the interface | [`physics::extension`] |
 //!

@@ -29,8 +29,13 @@ pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece>
         }
         if c.pressure {
             list.push(Piece { test: Test::Phi(i), trial: Trial::P, block: Block::Stiffness });
+        }
+        if c.xi_v || (c.pressure && relation) {
             list.push(Piece { test: Test::Xi, trial: Trial::V(i), block: Block::Stiffness });
         }
+    }
+    if c.xi_p {
+        list.push(Piece { test: Test::Xi, trial: Trial::P, block: Block::Mass });
     }
     list
 }
@@ -40,7 +45,9 @@ where
     Lanes<L>: Width,
 {
     /// Whether u follows v by the velocity-deformation relation.
-    const RELATION: bool = !matches!(F::COUPLINGS.psi_v, Block::Zero);
+    fn relation(&self) -> bool {
+        self.form.couplings().psi_v != Block::Zero
+    }
 
     /// Make room for the condensed system; `facets` are cells with a facet term, in the order of its blocks.
     /// Unknowns inside of cells are eliminated if asked to.
@@ -57,7 +64,7 @@ where
                 interior.facets.extend(with.map(|(f, _)| (batch as u32, lane as u32, f as u32)));
             }
         }
-        self.condensed = condensed_pieces(&F::COUPLINGS, D, Self::RELATION);
+        self.condensed = condensed_pieces(&self.form.couplings(), D, self.relation());
         self.interior = Some(interior);
     }
 
@@ -143,7 +150,7 @@ where
         let mut copies = std::mem::take(&mut interior.copies);
         let (shared, pieces) = (copies.share(out), Pieces::new(&mut factors, kept));
         let outer = interior.layout.outer;
-        let coupling = if Self::RELATION { step.rule.theta / step.rule.per_k } else { 0.0 };
+        let coupling = if self.relation() { step.rule.theta / step.rule.per_k } else { 0.0 };
         self.for_each_batch(|batch| {
             self.scratch.with(|s| {
                 let directions = Directions::Condensed { coupling };

@@ -58,11 +58,16 @@ pub fn pieces(c: &Couplings, dim: usize, deforms: bool) -> Vec<Piece> {
         }
         if c.pressure {
             add(Test::Phi(i), Trial::P, Block::Stiffness);
-            add(Test::Xi, Trial::V(i), Block::Stiffness);
-            if deforms {
-                add(Test::Xi, Trial::U(i), Block::Stiffness);
-            }
         }
+        if c.xi_v {
+            add(Test::Xi, Trial::V(i), Block::Stiffness);
+        }
+        if c.pressure && deforms {
+            add(Test::Xi, Trial::U(i), Block::Stiffness);
+        }
+    }
+    if c.xi_p {
+        add(Test::Xi, Trial::P, Block::Mass);
     }
     list
 }
@@ -122,6 +127,7 @@ impl<const D: usize, const L: usize> Tangents<'_, D, L> {
     pub fn contract(&self, piece: &Piece, out: &mut [Lanes<L>]) {
         out.fill(Lanes::zero());
         match (piece.test, piece.trial) {
+            (Test::Xi, Trial::P) => self.pressures(piece, out),
             (Test::Xi, _) => self.divergence(piece, out),
             (_, Trial::P) => self.pressure(piece, out),
             _ => match piece.block {
@@ -183,6 +189,23 @@ impl<const D: usize, const L: usize> Tangents<'_, D, L> {
                 }
                 for (p, out) in pressure.iter().zip(out) {
                     out.add_product_lanes(*p, t);
+                }
+            }
+        }
+    }
+
+    /// p against ξ: values only.
+    #[inline(always)]
+    fn pressures(&self, piece: &Piece, out: &mut [Lanes<L>]) {
+        let (row, column) = (piece.test.component(D), piece.trial.component(D));
+        let m = self.n_pressure;
+        for q in 0..self.n_points {
+            let pressure = &self.pressure[q * m..(q + 1) * m];
+            let value = self.entry(q, row, column);
+            for (test, out) in pressure.iter().zip(out.chunks_exact_mut(m)) {
+                let weighted = *test * value;
+                for (trial, out) in pressure.iter().zip(out) {
+                    out.add_product_lanes(*trial, weighted);
                 }
             }
         }

@@ -59,7 +59,7 @@ impl PressureDifference {
     /// At reference positions \[m\].
     ///
     /// # Errors
-    /// If a point lies outside of the mesh.
+    /// If a point lies outside of the mesh, or where there is no pressure.
     pub fn new<const D: usize>(space: &FsiSpace<D>, a: [f64; D], b: [f64; D]) -> Result<Self, MeshError> {
         let mut terms = vec![];
         for (x, sign) in [(a, 1.0), (b, -1.0)] {
@@ -72,6 +72,9 @@ impl PressureDifference {
 /// Weights of the pressure unknowns in the recovered value at `x`.
 fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32, f64)>, MeshError> {
     let patch = patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x);
+    if patch.iter().all(|&c| space.pressure.cell(c).is_empty()) {
+        return Err(MeshError::NoPressure { point: x.to_vec() });
+    }
     let size = patch.iter().map(|&c| space.mesh.cell_diameter(c)).fold(0.0, f64::max);
     let degree = space.pressure.kind.degree();
     let rule = Quadrature::cell(space.mesh.shape, degree + 3);
@@ -136,19 +139,26 @@ fn solve_small(mut a: Vec<Vec<f64>>) -> Vec<f64> {
     y
 }
 
-/// The fluid cells at `x` and their neighbours across nodes.
+/// The cells at `x` and their neighbours across nodes, all of one region: of the fluid if it is at `x`, else of
+/// the solid.
 fn patch_around<const D: usize>(space: &FsiSpace<D>, cell: usize, x: [f64; D]) -> Vec<usize> {
-    let fluid = |c: &usize| space.regions[*c] == Region::Fluid;
+    let of_fluid = patch_in(space, Region::Fluid, cell, x);
+    if of_fluid.is_empty() { patch_in(space, Region::Solid, cell, x) } else { of_fluid }
+}
+
+fn patch_in<const D: usize>(space: &FsiSpace<D>, region: Region, cell: usize, x: [f64; D]) -> Vec<usize> {
+    let inside = |c: &usize| space.regions[*c] == region;
     let near = |&node: &u32| {
         let at = space.nodes.points[node as usize];
         (0..D).all(|d| (at[d] - x[d]).abs() < 1e-9)
     };
     let touching = |nodes: &[u32]| -> Vec<usize> {
         let shares = |c: &usize| space.nodes.cell(*c).iter().any(|n| nodes.contains(n));
-        (0..space.mesh.n_cells()).filter(fluid).filter(shares).collect()
+        (0..space.mesh.n_cells()).filter(inside).filter(shares).collect()
     };
     let at_node: Vec<u32> = space.nodes.cell(cell).iter().copied().filter(near).collect();
-    let inner = if at_node.is_empty() { vec![cell] } else { touching(&at_node) };
+    let inner =
+        if at_node.is_empty() { vec![cell].into_iter().filter(inside).collect() } else { touching(&at_node) };
     let nodes: Vec<u32> = inner.iter().flat_map(|&c| space.nodes.cell(c).to_vec()).collect();
     touching(&nodes)
 }

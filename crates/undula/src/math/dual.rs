@@ -95,4 +95,9 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     fn frozen(self) -> Self {
         Dual { re: self.re, eps: S::zero() }
     }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Dual { re: self.re.ln(), eps: self.eps / self.re }
+    }
 }

@@ -167,4 +167,9 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn frozen(self) -> Self {
         self
     }
+
+    #[inline(always)]
+    fn ln(self) -> Self {
+        Lanes(self.0.map(f64::ln))
+    }
 }

@@ -30,6 +30,9 @@ pub trait Scalar:
     /// The same value with its derivative dropped (identity unless `Self` carries one).
     fn frozen(self) -> Self;
 
+    /// Natural logarithm.
+    fn ln(self) -> Self;
+
     /// Zero.
     #[inline(always)]
     fn zero() -> Self {
@@ -59,5 +62,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn frozen(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn ln(self) -> f64 {
+        f64::ln(self)
     }
 }

@@ -156,4 +156,10 @@ pub enum MeshError {
         /// Position of the nearest node \[m\].
         nearest: Vec<f64>,
     },
+    /// A point where there is no pressure.
+    #[error("there is no pressure at {point:?}, inside a compressible solid")]
+    NoPressure {
+        /// The point \[m\].
+        point: Vec<f64>,
+    },
 }

@@ -17,13 +17,17 @@ pub struct Fluid {
 }
 
 impl<const D: usize> WeakForm<D> for Fluid {
-    const COUPLINGS: Couplings = Couplings {
-        phi_v: Block::Full,
-        phi_u: Block::Full,
-        pressure: true,
-        psi_v: Block::Zero,
-        psi_u: Block::Stiffness,
-    };
+    fn couplings(&self) -> Couplings {
+        Couplings {
+            phi_v: Block::Full,
+            phi_u: Block::Full,
+            pressure: true,
+            xi_v: true,
+            xi_p: false,
+            psi_v: Block::Zero,
+            psi_u: Block::Stiffness,
+        }
+    }
 
     /// ρ J and ρ G, G = J ∇v F⁻¹ = ∇v (cof F)ᵀ.
     #[inline(always)]
@@ -61,6 +65,12 @@ impl<const D: usize> WeakForm<D> for Fluid {
     #[inline(always)]
     fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>) {
         r.grad_phi -= *cofactor * p;
+    }
+
+    /// The stiffness of the extension may depend on where the step begins.
+    #[inline(always)]
+    fn place<S: Scalar<Value = S>>(&self, place: &Place<S, D>, old: &Fields<S, D>) -> Place<S, D> {
+        Place { stiffness: self.extension.stiffness(place.stiffness, &old.grad_u), ..*place }
     }
 
     /// (J F⁻¹ : ∇vᵀ, ξ) and the extension (σ_e(u), ∇ψ).

@@ -1,6 +1,6 @@
 //! The contracts between an equation and everything else.
 
-use super::{Dots, Fields, Place, Tested};
+use super::{Dots, Fields, Place, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// What multiplies the time derivatives in the momentum equation: `mass ∂_t v − motion ∂_t u`.
@@ -24,8 +24,12 @@ pub struct Couplings {
     pub phi_v: Block,
     /// Momentum on deformation.
     pub phi_u: Block,
-    /// Momentum on pressure, and divergence on velocity and deformation.
+    /// Momentum on pressure, and divergence on deformation.
     pub pressure: bool,
+    /// Divergence on velocity.
+    pub xi_v: bool,
+    /// Divergence on pressure, through values.
+    pub xi_p: bool,
     /// Extension or velocity-deformation relation on velocity.
     pub psi_v: Block,
     /// Extension or velocity-deformation relation on deformation.
@@ -52,7 +56,7 @@ pub enum Block {
 /// the same either way, only the derivative differs.
 pub trait WeakForm<const D: usize>: Sync {
     /// Blocks that are not zero.
-    const COUPLINGS: Couplings;
+    fn couplings(&self) -> Couplings;
 
     /// What multiplies the time derivatives, at one state.
     fn inertia<T: Scalar>(&self, at: &Fields<T, D>, lag: &Fields<T, D>) -> Inertia<T, D>;
@@ -73,6 +77,12 @@ pub trait WeakForm<const D: usize>: Sync {
     /// The pressure `p` of the step; `cofactor` is J F⁻ᵀ weighted over the step.
     fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>);
 
+    /// What a step that begins with `old` sees at a place.
+    #[inline(always)]
+    fn place<S: Scalar<Value = S>>(&self, place: &Place<S, D>, _old: &Fields<S, D>) -> Place<S, D> {
+        *place
+    }
+
     /// Terms that hold at the new time alone.
     fn constraint<T: Scalar>(
         &self,
@@ -81,6 +91,19 @@ pub trait WeakForm<const D: usize>: Sync {
         lag: &Fields<T, D>,
         r: &mut Tested<T, D>,
     );
+
+    /// What an equation says about the volume of the step; nothing unless it is incompressible without being
+    /// a flow.
+    #[inline(always)]
+    fn volume<T: Scalar>(
+        &self,
+        _rule: &StepRule,
+        _new: &Fields<T, D>,
+        _lag: &Fields<T, D>,
+        _old: &Fields<T::Value, D>,
+        _r: &mut Tested<T, D>,
+    ) {
+    }
 }
 
 /// A term on a boundary facet, weighed by θ and 1 − θ like transport.

@@ -28,3 +28,14 @@ impl<T: Scalar, const D: usize> Kinematics<T, D> {
 pub fn cofactor<T: Scalar, const D: usize>(grad_u: &Tensor<T, D>) -> Tensor<T, D> {
     (Tensor::identity() + *grad_u).cofactor()
 }
+
+/// J − 1 at ∇u, in a form linear in ∇u with the rest kept in `lag`, and without cancellation at small ∇u:
+/// S : ∇u with S = ∫₀¹ cof(I + τ ∇u_lag) dτ, for `D` = 1, 2, 3.
+#[inline(always)]
+pub fn volume_change<T: Scalar, const D: usize>(grad_u: &Tensor<T, D>, lag: &Tensor<T, D>) -> T {
+    let mut S = Tensor::identity() + 0.5 * (Tensor::identity() * lag.trace() - lag.t());
+    if D == 3 {
+        S += 1.0 / 3.0 * lag.cofactor();
+    }
+    S.ddot(*grad_u)
+}

@@ -1,10 +1,23 @@
 //! Constitutive laws of the solid.
+//!
+//! Every law but the linear one is hyperelastic: P = F Σ = ∂W/∂F with the stored energy W per reference
+//! volume. In two dimensions all of them mean plane strain: F is extended by 1 in the third direction, so
+//! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
+use super::kinematics::{Kinematics, volume_change};
 use crate::math::{Scalar, Tensor};
 
-/// Second Piola-Kirchhoff stress Σ as a function of the deformation.
+/// Stress as a function of the deformation. At rest compressible laws agree with Hooke's law of the same
+/// μ and λ.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Material {
+    /// Hooke's law P = 2 μ ε + λ tr(ε) I, ε = ½ (∇u + ∇uᵀ): small strains and rotations only.
+    Linear {
+        /// Shear modulus \[Pa\].
+        mu: f64,
+        /// First Lamé parameter \[Pa\].
+        lambda: f64,
+    },
     /// Σ = 2 μ E + λ tr(E) I, E = ½ (FᵀF − I), (5.6).
     StVenantKirchhoff {
         /// Shear modulus \[Pa\].
@@ -12,33 +25,173 @@ pub enum Material {
         /// First Lamé parameter \[Pa\].
         lambda: f64,
     },
+    /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)², Σ = μ (I − C⁻¹) + λ (J − 1) J C⁻¹. Polyconvex.
+    NeoHookean {
+        /// Shear modulus \[Pa\].
+        mu: f64,
+        /// First Lamé parameter \[Pa\].
+        lambda: f64,
+    },
+    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂) (J − 1)²; μ = 2 (c₁ + c₂).
+    /// Polyconvex for c₁, c₂ ≥ 0 and λ ≥ 4 c₂.
+    MooneyRivlin {
+        /// Half of the shear modulus that goes with I₁ \[Pa\].
+        c1: f64,
+        /// Half of the shear modulus that goes with I₂ \[Pa\].
+        c2: f64,
+        /// First Lamé parameter at rest \[Pa\].
+        lambda: f64,
+    },
+    /// Mooney-Rivlin with J = 1 and its own pressure p; neo-Hookean with c₂ = 0:
+    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J − p (J − 1), so that p = 0 at rest and, with c₂ = 0, the
+    /// Cauchy stress is −p I + μ (F Fᵀ − I).
+    ///
+    /// Where J = 1 the logarithm is nothing but a shift of p. With J − 1 in its place a dilatation would meet no
+    /// resistance at rest and less than none under p > 0; those that a continuous pressure does not see would
+    /// grow (Auricchio, Beirão da Veiga, Lovadina, Reali 2005 on such instabilities).
+    ///
+    /// With a finite λ the constraint is J − 1 + p/κ' = 0, κ' = λ − 4 c₂, as if ½ κ' (J − 1)² were added to W: the
+    /// compressible law in mixed form.
+    Incompressible {
+        /// Half of the shear modulus that goes with I₁ \[Pa\].
+        c1: f64,
+        /// Half of the shear modulus that goes with I₂ \[Pa\].
+        c2: f64,
+        /// 1/κ' \[1/Pa\]; 0 for J = 1.
+        compliance: f64,
+    },
+}
+
+/// c₁, c₂ and what stands before J⁻ᵀ: the laws of rubber are
+/// P = 2 (c₁ + 2 c₂)(F − F⁻ᵀ) + 4 c₂ F (tr(E) I − E) + h (J − 1) F⁻ᵀ.
+struct Rubber<T> {
+    /// 2 (c₁ + 2 c₂) \[Pa\].
+    shear: f64,
+    /// 4 c₂ \[Pa\].
+    second: f64,
+    /// h \[Pa\].
+    volume: T,
+    /// Derivative of h (J − 1) with respect to J.
+    slope: T,
 }
 
 impl Material {
-    /// Σ at ∇u, with the factor that a fixed-point iteration keeps in `lag`:
-    /// E = ½ (∇u + ∇uᵀ + ∇u_lagᵀ ∇u).
+    /// The incompressible law; with a finite `lambda` \[Pa\] above 4 c₂ only nearly so, and Hooke's law of
+    /// μ = 2 (c₁ + c₂) and `lambda` at rest.
+    pub fn incompressible(c1: f64, c2: f64, lambda: f64) -> Material {
+        Material::Incompressible { c1, c2, compliance: 1.0 / (lambda - 4.0 * c2) }
+    }
+
+    /// 1/κ' of a law with a pressure of its own; `None` for the others.
+    pub fn compliance(&self) -> Option<f64> {
+        match *self {
+            Material::Incompressible { compliance, .. } => Some(compliance),
+            _ => None,
+        }
+    }
+
+    /// Whether the law has no meaning where J ≤ 0.
+    pub fn needs_positive_volume(&self) -> bool {
+        !matches!(self, Material::Linear { .. } | Material::StVenantKirchhoff { .. })
+    }
+
+    #[inline(always)]
+    fn rubber<T: Scalar>(&self, J: T) -> Option<Rubber<T>> {
+        let compressible = |c1: f64, c2: f64, lambda: f64| Rubber {
+            shear: 2.0 * (c1 + 2.0 * c2),
+            second: 4.0 * c2,
+            volume: J * (lambda - 4.0 * c2),
+            slope: (J + J - T::one()) * (lambda - 4.0 * c2),
+        };
+        match *self {
+            Material::Linear { .. } | Material::StVenantKirchhoff { .. } => None,
+            Material::NeoHookean { mu, lambda } => Some(compressible(0.5 * mu, 0.0, lambda)),
+            Material::MooneyRivlin { c1, c2, lambda } => Some(compressible(c1, c2, lambda)),
+            Material::Incompressible { c1, c2, .. } => Some(compressible(c1, c2, 4.0 * c2)),
+        }
+    }
+
+    /// First Piola-Kirchhoff stress P = F Σ at ∇u, without −p J F⁻ᵀ of an incompressible law, in the form that
+    /// a fixed-point iteration needs: linear in ∇u, with the rest kept in `lag`.
+    ///
+    /// That is E = ½ (∇u + ∇uᵀ + ∇u_lagᵀ ∇u) and, for the laws of rubber, F − F⁻ᵀ = 2 F_lag⁻ᵀ E and J − 1 as in
+    /// [`volume_change`]. At rest the matrix of the iteration is that of Hooke's law, so that it converges
+    /// for small strains, and what it converges to is the law.
     ///
     /// Erratum: section 5.2.1 prints ½ ∇u^(l−1) ∇u^(l)ᵀ, whose limit is ½ (F Fᵀ − I), another equation.
     #[inline(always)]
-    pub fn stress<T: Scalar, const D: usize>(
+    pub fn piola<T: Scalar, const D: usize>(
         &self,
         grad_u: &Tensor<T, D>,
         lag: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        match *self {
-            Material::StVenantKirchhoff { mu, lambda } => {
-                let E = 0.5 * (*grad_u + grad_u.t() + lag.t() * *grad_u);
-                2.0 * mu * E + Tensor::identity() * (E.trace() * lambda)
-            }
+        let hooke =
+            |E: Tensor<T, D>, mu: f64, lambda: f64| 2.0 * mu * E + Tensor::identity() * (E.trace() * lambda);
+        if let Material::Linear { mu, lambda } = *self {
+            return hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda);
         }
+        let E = 0.5 * (*grad_u + grad_u.t() + lag.t() * *grad_u);
+        if let Material::StVenantKirchhoff { mu, lambda } = *self {
+            return (Tensor::identity() + *lag) * hooke(E, mu, lambda);
+        }
+        let Kinematics { F, F_inv, J } = Kinematics::of(lag);
+        let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else { return Tensor::zero() };
+        let change = volume * volume_change(grad_u, lag);
+        let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
+        if second != 0.0 {
+            P += second * (F * (Tensor::identity() * E.trace() - E));
+        }
+        P
     }
 
-    /// Stored energy per reference volume \[J/m³\]: μ E:E + ½ λ tr(E)².
-    pub fn energy<const D: usize>(&self, grad_u: &Tensor<f64, D>) -> f64 {
+    /// Derivative of [`Material::piola`] at ∇u in the direction ∇w by hand, Lemma 5.5.
+    #[inline(always)]
+    pub fn derivative<T: Scalar, const D: usize>(
+        &self,
+        grad_u: &Tensor<T, D>,
+        grad_w: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        if let Material::Linear { .. } = self {
+            return self.piola(grad_w, grad_w);
+        }
+        let Kinematics { F, F_inv, J } = Kinematics::of(grad_u);
+        let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
+        let dE = 0.5 * (grad_w.t() * F + F.t() * *grad_w);
+        if let Material::StVenantKirchhoff { mu, lambda } = *self {
+            let Sigma = |E: Tensor<T, D>| 2.0 * mu * E + Tensor::identity() * (E.trace() * lambda);
+            return *grad_w * Sigma(E) + F * Sigma(dE);
+        }
+        let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else { return Tensor::zero() };
+        let cross = |E: Tensor<T, D>| Tensor::identity() * E.trace() - E;
+        let F_inv_t = F_inv.t();
+        let turned = F_inv_t * grad_w.t() * F_inv_t;
+        shear * (*grad_w + turned)
+            + second * (*grad_w * cross(E) + F * cross(dE))
+            + F_inv_t * (slope * J * (F_inv * *grad_w).trace())
+            - turned * (volume * volume_change(grad_u, grad_u))
+    }
+
+    /// Stored energy W per reference volume \[J/m³\]; of a law with J = 1 that of the deformation alone.
+    pub fn energy<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> T {
+        let hooke =
+            |E: Tensor<T, D>, mu: f64, lambda: f64| E.ddot(E) * mu + E.trace() * E.trace() * (0.5 * lambda);
+        let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
+        let J = (Tensor::identity() + *grad_u).det();
+        let change = volume_change(grad_u, grad_u);
+        let squared = |c1: f64, c2: f64| {
+            E.trace() * (2.0 * c1 + 4.0 * c2) + (E.trace() * E.trace() - E.ddot(E)) * (2.0 * c2)
+        };
+        let compressible = |c1: f64, c2: f64, lambda: f64| {
+            squared(c1, c2) - J.ln() * (2.0 * (c1 + 2.0 * c2)) + change * change * (0.5 * (lambda - 4.0 * c2))
+        };
         match *self {
-            Material::StVenantKirchhoff { mu, lambda } => {
-                let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
-                mu * E.ddot(E) + 0.5 * lambda * E.trace() * E.trace()
+            Material::Linear { mu, lambda } => hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda),
+            Material::StVenantKirchhoff { mu, lambda } => hooke(E, mu, lambda),
+            Material::NeoHookean { mu, lambda } => compressible(0.5 * mu, 0.0, lambda),
+            Material::MooneyRivlin { c1, c2, lambda } => compressible(c1, c2, lambda),
+            Material::Incompressible { c1, c2, compliance } => {
+                let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
+                compressible(c1, c2, bulk + 4.0 * c2)
             }
         }
     }

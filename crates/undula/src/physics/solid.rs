@@ -1,10 +1,12 @@
 //! Elastodynamics in Lagrangian coordinates.
 
 use super::form::Block;
-use super::{Couplings, Dots, Fields, Inertia, Material, Place, Tested, WeakForm};
+use super::kinematics::{cofactor, volume_change};
+use super::{Couplings, Dots, Fields, Inertia, Material, Place, StepRule, Tested, WeakForm};
 use crate::math::{Scalar, Tensor};
 
-/// Momentum and velocity-deformation relation (5.17) in the solid region.
+/// Momentum and velocity-deformation relation (5.17) in the solid region, and J = 1 with a pressure of its own
+/// if the law asks for it.
 #[derive(Copy, Clone, Debug)]
 pub struct Solid {
     /// Density ρ_s \[kg/m³\] of the reference configuration.
@@ -14,13 +16,17 @@ pub struct Solid {
 }
 
 impl<const D: usize> WeakForm<D> for Solid {
-    const COUPLINGS: Couplings = Couplings {
-        phi_v: Block::Mass,
-        phi_u: Block::Stiffness,
-        pressure: false,
-        psi_v: Block::Mass,
-        psi_u: Block::Mass,
-    };
+    fn couplings(&self) -> Couplings {
+        Couplings {
+            phi_v: Block::Mass,
+            phi_u: Block::Stiffness,
+            pressure: self.material.compliance().is_some(),
+            xi_v: self.material.compliance() == Some(0.0),
+            xi_p: self.material.compliance().is_some_and(|c| c > 0.0),
+            psi_v: Block::Mass,
+            psi_u: Block::Mass,
+        }
+    }
 
     /// ρ_s; the reference configuration does not move.
     #[inline(always)]
@@ -35,7 +41,7 @@ impl<const D: usize> WeakForm<D> for Solid {
         r.psi += dots.u;
     }
 
-    /// (F Σ, ∇φ) − (ρ_s f, φ) − (v, ψ).
+    /// (P, ∇φ) − (ρ_s f, φ) − (v, ψ), P = F Σ.
     #[inline(always)]
     fn transport<T: Scalar>(
         &self,
@@ -45,15 +51,18 @@ impl<const D: usize> WeakForm<D> for Solid {
         weight: f64,
         r: &mut Tested<T, D>,
     ) {
-        let F = Tensor::identity() + lag.grad_u;
-        let Sigma = self.material.stress(&at.grad_u, &lag.grad_u);
-        r.grad_phi += weight * (F * Sigma);
+        r.grad_phi += weight * self.material.piola(&at.grad_u, &lag.grad_u);
         r.phi -= weight * self.rho * place.force.map(T::lift);
         r.psi -= weight * at.v;
     }
 
+    /// −(p J F⁻ᵀ, ∇φ).
     #[inline(always)]
-    fn pressure<T: Scalar>(&self, _: T, _: &Tensor<T, D>, _: &mut Tested<T, D>) {}
+    fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>) {
+        if self.material.compliance().is_some() {
+            r.grad_phi -= *cofactor * p;
+        }
+    }
 
     #[inline(always)]
     fn constraint<T: Scalar>(
@@ -63,5 +72,35 @@ impl<const D: usize> WeakForm<D> for Solid {
         _: &Fields<T, D>,
         _: &mut Tested<T, D>,
     ) {
+    }
+
+    /// ((J − 1)/k + (1 − θ) J F⁻ᵀ : ∇v, ξ) at the new time, which has the unit of the divergence in the fluid;
+    /// J − 1 alone if stationary. Both terms vanish.
+    ///
+    /// With J = 1 alone the velocity of the new time is bound only together with that of the old:
+    /// J F⁻ᵀ : ∇v would take the factor −(1 − θ)/θ from step to step, and p be of first order with
+    /// oscillations. The part of u that the next step takes from v is bound, too, so that the factor is 0.
+    ///
+    /// With a finite bulk modulus (J − 1 + p/κ', ξ)/k, J − 1 weighed by θ and 1 − θ because p belongs to
+    /// t⁻ + θk.
+    #[inline(always)]
+    fn volume<T: Scalar>(
+        &self,
+        rule: &StepRule,
+        new: &Fields<T, D>,
+        lag: &Fields<T, D>,
+        old: &Fields<T::Value, D>,
+        r: &mut Tested<T, D>,
+    ) {
+        let Some(compliance) = self.material.compliance() else { return };
+        let change = volume_change(&new.grad_u, &lag.grad_u);
+        if compliance == 0.0 {
+            let flux = cofactor(&lag.grad_u).ddot(new.grad_v);
+            r.xi += change * rule.rate() + flux * (1.0 - rule.theta);
+        } else {
+            let before = T::lift(volume_change(&old.grad_u, &old.grad_u));
+            let mean = change * rule.theta + before * (1.0 - rule.theta);
+            r.xi += (mean + new.p * compliance) * rule.rate();
+        }
     }
 }

@@ -6,7 +6,9 @@
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
-use crate::physics::Stabilization;
+use crate::physics::{Material, Stabilization};
+use crate::space::Walls;
+use crate::time::Scheme;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -96,6 +98,8 @@ pub enum MeshSource {
     TurekHron,
     /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
     SchaeferTurek,
+    /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
+    Rotor,
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -144,17 +148,74 @@ pub struct SolidSpec {
     pub density: f64,
     /// Shear modulus μ_s \[Pa\].
     pub mu: f64,
-    /// First Lamé parameter λ_s \[Pa\].
+    /// First Lamé parameter λ_s \[Pa\]; infinite if the volume is kept exactly.
     pub lambda: f64,
+    /// c₂ of Mooney-Rivlin \[Pa\], c₁ = ½ μ_s − c₂; else 0.
+    pub c2: f64,
+    /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
+    pub bulk: Option<f64>,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
 }
 
-/// Constitutive law of the solid.
+/// Constitutive law of the solid, see [`crate::physics::Material`].
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum SolidLaw {
     /// Σ = 2 μ E + λ tr(E) I.
     StVenantKirchhoff,
+    /// P = 2 μ ε + λ tr(ε) I.
+    Linear,
+    /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)².
+    NeoHookean,
+    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂)(J − 1)².
+    MooneyRivlin,
+    /// Neo-Hookean with J = 1.
+    IncompressibleNeoHookean,
+    /// Mooney-Rivlin with J = 1.
+    IncompressibleMooneyRivlin,
+}
+
+impl SolidLaw {
+    /// All of them with their names in a case.
+    pub const ALL: [(&'static str, SolidLaw); 6] = [
+        ("st-venant-kirchhoff", SolidLaw::StVenantKirchhoff),
+        ("linear", SolidLaw::Linear),
+        ("neo-hookean", SolidLaw::NeoHookean),
+        ("mooney-rivlin", SolidLaw::MooneyRivlin),
+        ("incompressible-neo-hookean", SolidLaw::IncompressibleNeoHookean),
+        ("incompressible-mooney-rivlin", SolidLaw::IncompressibleMooneyRivlin),
+    ];
+
+    /// The name in a case.
+    pub fn name(self) -> &'static str {
+        SolidLaw::ALL.iter().find(|(_, law)| *law == self).map_or("", |(name, _)| name)
+    }
+
+    /// Whether the solid has a pressure of its own.
+    pub fn is_incompressible(self) -> bool {
+        matches!(self, SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin)
+    }
+
+    /// Whether the law has the constants c₁ and c₂.
+    pub fn is_mooney_rivlin(self) -> bool {
+        matches!(self, SolidLaw::MooneyRivlin | SolidLaw::IncompressibleMooneyRivlin)
+    }
+}
+
+impl SolidSpec {
+    /// The law with its constants.
+    pub fn material(&self) -> Material {
+        let (mu, lambda, c1, c2) = (self.mu, self.lambda, 0.5 * self.mu - self.c2, self.c2);
+        match self.law {
+            SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },
+            SolidLaw::Linear => Material::Linear { mu, lambda },
+            SolidLaw::NeoHookean => Material::NeoHookean { mu, lambda },
+            SolidLaw::MooneyRivlin => Material::MooneyRivlin { c1, c2, lambda },
+            SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
+                Material::incompressible(c1, c2, lambda)
+            }
+        }
+    }
 }
 
 /// Extension of the deformation into the fluid.
@@ -168,6 +229,14 @@ pub struct MotionSpec {
     pub offset: f64,
     /// Exponent of the stiffening; 0 switches it off.
     pub exponent: f64,
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh.
+    pub scale: Option<f64>,
+    /// Take J of the stiffening by J + 1/J from the last solution.
+    pub lagged: bool,
+    /// w = 0 instead of ∂_n u = 0 on the outer boundary (biharmonic).
+    pub hinged: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
 }
 
 /// Operator of the extension.
@@ -175,8 +244,14 @@ pub struct MotionSpec {
 pub enum MotionModel {
     /// (∇u, ∇ψ), never stiffened.
     Harmonic,
+    /// (α ∇u, ∇ψ) with α = 2 − erf(5 d/L).
+    StiffenedHarmonic,
     /// (E_e (∇u + ∇uᵀ)/(2(1+ν_e)) + …, ∇ψ) with E_e stiffened near the interface.
     PseudoElastic,
+    /// The same with E_e (J + 1/J).
+    JacobianStiffened,
+    /// −Δu = w, −Δw = 0.
+    Biharmonic,
 }
 
 /// What holds on a boundary.
@@ -207,7 +282,13 @@ pub struct TimeSpec {
     pub end: f64,
     /// How often a failed step is halved before the run ends as a breakdown.
     pub max_halvings: u32,
+    /// Where in the step the factors of ∂_t in the fluid are taken; `bdf2` and `cg1` have their own.
+    pub domain_motion: DomainMotion,
+    /// Control of the step by its local error; `step` is then the first.
+    pub adaptive: Option<AdaptiveSettings>,
 }
+
+pub use crate::time::{AdaptiveSettings, DomainMotion};
 
 /// Scheme for one step; further schemes are further arms.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -226,17 +307,39 @@ pub enum TimeScheme {
         /// c \[1/s\].
         shift: f64,
     },
+    /// Crank-Nicolson with some steps of backward Euler from the start of every interval on.
+    Rannacher {
+        /// Steps of backward Euler.
+        steps: u32,
+        /// Interval \[s\].
+        interval: f64,
+    },
+    /// Three θ-steps in one.
+    FractionalStepTheta,
+    /// cG(1): linear trial functions, test functions constant in each step.
+    Galerkin,
+    /// Backward differentiation over two steps.
+    Bdf2,
 }
 
 impl TimeScheme {
-    /// The implicit weight θ of a step of length `k` \[s\], at most 1.
-    pub fn theta(&self, k: f64) -> f64 {
+    /// As `time` takes it.
+    pub fn scheme(&self) -> Scheme {
         match *self {
-            TimeScheme::BackwardEuler => 1.0,
-            TimeScheme::Theta { theta } => theta,
-            TimeScheme::CrankNicolson => 0.5,
-            TimeScheme::ShiftedCrankNicolson { shift } => (0.5 + shift * k).min(1.0),
+            TimeScheme::BackwardEuler => Scheme::BACKWARD_EULER,
+            TimeScheme::Theta { theta } => Scheme::Theta { theta },
+            TimeScheme::CrankNicolson => Scheme::CRANK_NICOLSON,
+            TimeScheme::ShiftedCrankNicolson { shift } => Scheme::ShiftedCrankNicolson { shift },
+            TimeScheme::Rannacher { steps, interval } => Scheme::Rannacher { steps, interval },
+            TimeScheme::FractionalStepTheta => Scheme::FractionalStepTheta,
+            TimeScheme::Galerkin => Scheme::Galerkin,
+            TimeScheme::Bdf2 => Scheme::Bdf2,
         }
+    }
+
+    /// The implicit weight θ of most steps of length `k` \[s\], at most 1.
+    pub fn theta(&self, k: f64) -> f64 {
+        self.scheme().rule(k).theta
     }
 }
 
@@ -374,7 +477,7 @@ pub enum EnergyKind {
     FluidKinetic,
     /// ½ (ρ_s v, v)_S \[J/m\].
     SolidKinetic,
-    /// ∫_S μ E:E + ½ λ tr(E)² \[J/m\].
+    /// Stored energy of the solid ∫_S W \[J/m\].
     Elastic,
     /// ∫_F 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m\].
     Dissipation,
@@ -385,6 +488,8 @@ pub enum EnergyKind {
 pub struct OutputSpec {
     /// Write fields every this many steps (0: only at the end).
     pub fields_every: usize,
+    /// Write fields every this many seconds after the start, too; steps end there. `None`: not so.
+    pub fields_interval: Option<f64>,
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write a checkpoint every this many steps (0: only when interrupted and at the end).

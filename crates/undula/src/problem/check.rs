@@ -58,6 +58,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
     let solid = body::solid(root.section("solid"));
+    if let Some(solid) = &solid {
+        body::refuse_unstable_solid(&root.section("solid"), solid, &space);
+    }
     if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
         checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
     }
@@ -66,13 +69,14 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     {
         root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
     }
-    let motion = body::motion(root.section("motion"));
+    let motion = root.section("motion");
     let boundary = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
+    let motion = body::motion(motion, time.is_some(), space.velocity);
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
-        condition::functional(root.section("functional"), fluid.is_some(), solid.is_some());
+        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
     let output = solver::output(root.section("output"), &names, &functional);
     let case = Case {
         name,

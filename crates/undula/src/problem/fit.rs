@@ -184,6 +184,16 @@ impl Fit<'_> {
             fluid && matches!(c, Condition::TractionFree | Condition::DoNothing)
         };
         let (held, open) = (with(&holds), with(&lets_out));
+        let kept =
+            self.case.solid.as_ref().is_some_and(|s| s.law.is_incompressible() && s.lambda.is_infinite());
+        let yields = |c: &Condition, (_, solid): (bool, bool)| solid && *c == Condition::TractionFree;
+        let surface = self.case.fluid.is_none() && self.names.boundaries.iter().any(|(n, _)| n == INTERFACE);
+        if kept && !open && !surface && !with(&yields) {
+            let message = "its volume cannot change and no boundary gives way, so that pressures are determined up \
+                           to a constant only: one boundary needs condition = `traction-free` or `do-nothing`, or \
+                           give `bulk`";
+            self.error("solid.law", message.into());
+        }
         if self.case.solid.is_some() && self.case.time.is_none() && !held {
             let message = "nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`";
             self.error("solid", message.into());

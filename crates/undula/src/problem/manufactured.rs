@@ -14,7 +14,9 @@ use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, 
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{
+    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
+};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.
@@ -113,7 +115,7 @@ pub struct Errors {
     pub v: f64,
     /// On all of Ω \[m²\].
     pub u: f64,
-    /// On F \[Pa m\].
+    /// Where there is a pressure \[Pa m\].
     pub p: f64,
 }
 
@@ -139,6 +141,7 @@ impl Manufactured {
         let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
+            domain_motion: DomainMotion::Secant,
             tangent: Tangent::Automatic,
             extrapolate: true,
             max_halvings: 0,
@@ -281,6 +284,9 @@ impl Manufactured {
             r.psi += weight * part.psi;
         }
         form.constraint(&place, &new.fields, &new.fields, &mut r);
+        let mut at = new.fields;
+        at.p = theta * new.fields.p + (1.0 - theta) * old.fields.p;
+        form.volume(&StepRule::theta(t - t_old, theta), &at, &at, &old.fields, &mut r);
         r
     }
 
@@ -318,7 +324,7 @@ impl Manufactured {
             if deforms {
                 e.u += point.weight * square(point.fields.u - exact.u);
             }
-            if point.region == Region::Fluid {
+            if !point.pressure.is_empty() {
                 let p = sample(&self.exact, point.x, t_p).fields.p;
                 e.p += point.weight * (point.fields.p - p).powi(2);
             }

@@ -3,9 +3,10 @@
 pub mod conditions;
 pub mod dofs;
 pub mod pressure;
+mod sliding;
 pub mod state;
 
-pub use conditions::{BoundaryCondition, Constraints, VelocityData};
+pub use conditions::{BoundaryCondition, Constraints, VelocityData, Walls};
 pub use dofs::Nodes;
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
@@ -33,7 +34,7 @@ pub enum PsiOwner {
     Relation,
 }
 
-/// Velocity and deformation on all of Ω, pressure in the fluid.
+/// Velocity and deformation on all of Ω, pressure in the fluid and in an incompressible solid.
 #[derive(Clone, Debug)]
 pub struct FsiSpace<const D: usize> {
     /// The mesh, restricted to the regions that take part.
@@ -48,6 +49,8 @@ pub struct FsiSpace<const D: usize> {
     pub owner: Vec<PsiOwner>,
     /// Whether the deformation is unknown: not in a pure flow.
     pub deforms: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
 }
@@ -55,8 +58,23 @@ pub struct FsiSpace<const D: usize> {
 impl<const D: usize> FsiSpace<D> {
     /// Spaces of degree `degree` for v and u on `mesh`, whose cells obey `regions`.
     pub fn new(mesh: Mesh<D>, regions: Vec<Region>, degree: usize, pressure: PressureKind) -> FsiSpace<D> {
+        FsiSpace::with_pressure_in(mesh, regions, degree, pressure, &[Region::Fluid])
+    }
+
+    /// The same with a pressure in each of `bodies`: one space, discontinuous from region to region, of which
+    /// p_f and p_s are the restrictions (section 5.3.2).
+    pub fn with_pressure_in(
+        mesh: Mesh<D>,
+        regions: Vec<Region>,
+        degree: usize,
+        pressure: PressureKind,
+        bodies: &[Region],
+    ) -> FsiSpace<D> {
         let nodes = Nodes::new(&mesh, degree);
-        let pressure = PressureSpace::new(&mesh, pressure, |c| regions[c] == Region::Fluid);
+        let of = |body: Region| {
+            PressureSpace::new(&mesh, pressure, |c| regions[c] == body && bodies.contains(&body))
+        };
+        let pressure = of(Region::Fluid).joined(of(Region::Solid));
         let mut owner = vec![PsiOwner::Extension; nodes.len()];
         for c in (0..mesh.n_cells()).filter(|&c| regions[c] == Region::Solid) {
             for &node in nodes.cell(c) {
@@ -68,7 +86,8 @@ impl<const D: usize> FsiSpace<D> {
             PressureKind::Pdc(_) => vec![],
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
-        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, pressure_nodes }
+        let walls = Walls::Fixed;
+        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, walls, pressure_nodes }
     }
 
     /// Number of velocity unknowns, given ones counted.
@@ -101,6 +120,11 @@ impl<const D: usize> FsiSpace<D> {
         let local = self.mesh.shape.facet_nodes(self.nodes.degree, facet.local as usize);
         let cell = self.nodes.cell(facet.cell as usize);
         local.iter().map(|&a| cell[a]).collect()
+    }
+
+    /// Whether there is a node that may slide, see [`Walls::Sliding`].
+    pub fn slides(&self) -> bool {
+        sliding::normals(self).iter().any(Option::is_some)
     }
 
     /// All nodes on the boundary called `name`, ascending.

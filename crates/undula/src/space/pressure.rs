@@ -1,4 +1,4 @@
-//! Pressure spaces on the fluid cells.
+//! Pressure spaces on the cells of the fluid, and of an incompressible solid.
 
 use super::dofs::Nodes;
 use crate::element::{Quadrature, lagrange};
@@ -74,6 +74,18 @@ impl<const D: usize> PressureSpace<D> {
                 PressureSpace { kind, n: n as usize, per_cell, cell_dofs, frames, points }
             }
         }
+    }
+
+    /// Together with a space on other cells; both stay apart where their cells meet.
+    pub fn joined(mut self, other: PressureSpace<D>) -> PressureSpace<D> {
+        for (dof, of_other) in self.cell_dofs.iter_mut().zip(other.cell_dofs) {
+            if of_other != u32::MAX {
+                *dof = self.n as u32 + of_other;
+            }
+        }
+        self.points.extend(other.points);
+        self.n += other.n;
+        self
     }
 
     /// Unknowns of cell `cell`; empty where there is no pressure.

@@ -79,10 +79,10 @@ impl<const D: usize> ByHand<D> for Solid {
         rule: &StepRule,
         _: &Place<S, D>,
         new: &Fields<S, D>,
-        _: &Fields<S, D>,
+        old: &Fields<S, D>,
         W: &Fields<S, D>,
     ) -> Tested<S, D> {
-        theorem_5_2::solid(self, rule, new, W)
+        theorem_5_2::solid(self, rule, new, old, W)
     }
 }
 

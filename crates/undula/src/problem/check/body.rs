@@ -7,14 +7,18 @@ use crate::problem::case::{
 use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::space::Walls;
 use std::collections::BTreeMap;
 
 const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
+
+const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
 
 #[derive(Copy, Clone, PartialEq)]
 enum Generator {
     TurekHron,
     SchaeferTurek,
+    Rotor,
     Box,
 }
 
@@ -22,9 +26,10 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let generators = [
         ("turek-hron", Generator::TurekHron),
         ("schaefer-turek", Generator::SchaeferTurek),
+        ("rotor", Generator::Rotor),
         ("box", Generator::Box),
     ];
-    let generator = s.choice("generator", &generators, &["rotor"]);
+    let generator = s.choice("generator", &generators, &[]);
     let file = s.string("file");
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
@@ -35,7 +40,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
     } else if !s.has("generator") && !s.has("file") {
-        s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `box`) or `file`");
+        s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
     }
     let is_box = generator == Some(Generator::Box);
     for key in ["lower", "upper", "cells", "region"] {
@@ -53,6 +58,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let source = match (generator, file) {
         (Some(Generator::TurekHron), _) => MeshSource::TurekHron,
         (Some(Generator::SchaeferTurek), _) => MeshSource::SchaeferTurek,
+        (Some(Generator::Rotor), _) => MeshSource::Rotor,
         (Some(Generator::Box), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
         (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
         // A mistake was told; what follows is checked nevertheless.
@@ -126,19 +132,110 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
     if !s.is_present() {
         return None;
     }
-    let laws = [("st-venant-kirchhoff", SolidLaw::StVenantKirchhoff)];
-    let later = ["neo-hookean", "mooney-rivlin", "linear", "incompressible-neo-hookean"];
     let region = region(&mut s, "solid");
-    let law = s.choice("law", &laws, &later).unwrap_or(SolidLaw::StVenantKirchhoff);
+    let law = s.choice("law", &SolidLaw::ALL, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
-    let (mu, lambda) = moduli(&mut s);
+    let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
-    Some(SolidSpec { region, law, density, mu, lambda, body_force })
+    Some(SolidSpec { region, law, density, mu, lambda, c2, bulk, body_force })
+}
+
+/// The pressure of a solid has no stabilisation.
+pub(super) fn refuse_unstable_solid(s: &Section<'_, '_>, solid: &SolidSpec, space: &SpaceSpec) {
+    if solid.law.is_incompressible() && space.velocity.stability(space.pressure) != Stability::Stable {
+        let (velocity, pressure) = (space.velocity.name(), space.pressure.name());
+        let message = format!(
+            "{velocity} with {pressure} is not stable, and stabilisation is for the fluid only: take a pair such as \
+             Q2 with P1dc or Q1"
+        );
+        s.wrong("law", message);
+    }
+}
+
+/// Constants of a law \[Pa\].
+struct Moduli {
+    mu: f64,
+    /// Infinite if the law is incompressible and there is no `bulk`.
+    lambda: f64,
+    c2: f64,
+    bulk: Option<f64>,
+}
+
+fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
+    let c1 = s.optional_number("c1", POSITIVE);
+    let c2 = s.optional_number("c2", NOT_NEGATIVE);
+    let bulk = s.optional_number("bulk", POSITIVE);
+    for key in ["c1", "c2"].into_iter().filter(|key| s.has(key) && !law.is_mooney_rivlin()) {
+        s.wrong(key, "only for the laws `mooney-rivlin` and `incompressible-mooney-rivlin`");
+    }
+    let (mu, lambda) = match law.is_incompressible() {
+        true => (shear_modulus(s), f64::INFINITY),
+        false => moduli(s),
+    };
+    let mu = mu.or_else(|| Some(2.0 * (c1? + c2?))).unwrap_or(1.0);
+    let mut moduli = Moduli { mu, lambda, c2: 0.0, bulk: bulk.filter(|_| law.is_incompressible()) };
+    if s.has("bulk") && !law.is_incompressible() {
+        s.wrong("bulk", "only for incompressible laws; the others take `lambda` or `poisson`");
+    } else if let Some(bulk) = bulk {
+        moduli.lambda = bulk - 2.0 / 3.0 * mu;
+        if moduli.lambda <= 0.0 {
+            let least = 2.0 / 3.0 * mu;
+            s.wrong("bulk", format!("expected a number above 2/3 mu = {least} Pa, lambda = bulk - 2/3 mu"));
+        }
+    }
+    if law.is_mooney_rivlin() {
+        moduli.c2 = c2.unwrap_or(0.0);
+        check_split(s, &moduli);
+    }
+    moduli
+}
+
+/// Whether Mooney-Rivlin is polyconvex.
+fn check_split(s: &Section<'_, '_>, &Moduli { mu, lambda, c2, .. }: &Moduli) {
+    if s.has("c1") && !s.has("c2") {
+        s.missing("c2", "`c1` and `c2` [Pa] belong together; or give `mu` = 2 (c1 + c2) and `c2`");
+    } else if !s.has("c2") {
+        let note = "solid.law: without solid.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))";
+        s.checker.notes.borrow_mut().push(note.into());
+    } else if c2 >= 0.5 * mu {
+        s.wrong(
+            "c2",
+            format!("expected a number below mu/2 = {} Pa, for c1 = mu/2 - c2 is above 0", 0.5 * mu),
+        );
+    } else if lambda <= 4.0 * c2 {
+        let most = 0.25 * lambda;
+        s.wrong(
+            "c2",
+            format!(
+                "expected a number below lambda/4 = {most} Pa, or a strong compression would release energy"
+            ),
+        );
+    }
+}
+
+/// μ \[Pa\] of an incompressible law, from `mu` or `young`; `None` if from `c1` and `c2`.
+fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
+    let (mu, lambda) = (s.optional_number("mu", POSITIVE), s.optional_number("lambda", ANY));
+    let (young, poisson) = (s.optional_number("young", POSITIVE), s.optional_number("poisson", HALF));
+    let ways = ["mu", "young", "c1"].into_iter().filter(|key| s.has(key)).collect::<Vec<_>>();
+    match ways[..] {
+        [] => s.missing("mu", "the modulus `mu` [Pa], or `young` [Pa], which is 3 mu"),
+        [_] => {}
+        [_, other, ..] => s.wrong(other, "give one of `mu`, `young`, and `c1` with `c2`"),
+    }
+    if lambda.is_some() || poisson.is_some_and(|poisson| poisson < 0.5) {
+        let key = if lambda.is_some() { "lambda" } else { "poisson" };
+        let note = format!(
+            "solid.{key} says nothing of the volume: the law is incompressible, but for solid.bulk [Pa]"
+        );
+        s.checker.notes.borrow_mut().push(note);
+    }
+    mu.or_else(|| young.map(|young| young / (2.0 * (1.0 + poisson.unwrap_or(0.5)))))
 }
 
 /// μ and λ \[Pa\], given as such or as Young's modulus and Poisson ratio.
-fn moduli(s: &mut Section<'_, '_>) -> (f64, f64) {
+fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
     let mu = s.optional_number("mu", POSITIVE);
     let lambda = s.optional_number("lambda", ANY);
     let young = s.optional_number("young", POSITIVE);
@@ -152,8 +249,14 @@ fn moduli(s: &mut Section<'_, '_>) -> (f64, f64) {
             s.missing(key, "`young` [Pa] and `poisson` belong together");
         }
     }
+    let constants = s.has("c1");
+    if constants && (s.has("mu") || engineering) {
+        s.wrong("c1", "give either `c1` and `c2` or `mu` and `c2`, mu = 2 (c1 + c2)");
+    }
     for key in ["mu", "lambda"] {
-        if !engineering && !s.has(key) {
+        if constants && key == "mu" {
+            continue;
+        } else if !engineering && !s.has(key) {
             s.missing(key, "the moduli `mu` and `lambda` [Pa], or `young` [Pa] and `poisson`");
         } else if engineering && lame && !s.has(key) {
             s.missing(key, "`mu` and `lambda` [Pa] belong together");
@@ -161,26 +264,54 @@ fn moduli(s: &mut Section<'_, '_>) -> (f64, f64) {
     }
     if let (Some(young), Some(poisson)) = (young, poisson) {
         let mu = young / (2.0 * (1.0 + poisson));
-        return (mu, young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
+        return (Some(mu), young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
     }
     if let (Some(mu), Some(lambda)) = (mu, lambda)
         && 3.0 * lambda + 2.0 * mu <= 0.0
     {
         s.wrong("lambda", format!("expected a number above -2/3 mu = {} Pa", -2.0 / 3.0 * mu));
     }
-    (mu.unwrap_or(1.0), lambda.unwrap_or(1.0))
+    (mu, lambda.unwrap_or(1.0))
 }
 
-pub(super) fn motion(mut s: Section<'_, '_>) -> MotionSpec {
-    let models = [("harmonic", MotionModel::Harmonic), ("pseudo-elastic", MotionModel::PseudoElastic)];
-    let later = ["stiffened-harmonic", "jacobian-stiffened", "biharmonic"];
+/// `moves`: whether the case has a last step to take J from.
+pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElement) -> MotionSpec {
+    let models = [
+        ("harmonic", MotionModel::Harmonic),
+        ("stiffened-harmonic", MotionModel::StiffenedHarmonic),
+        ("pseudo-elastic", MotionModel::PseudoElastic),
+        ("jacobian-stiffened", MotionModel::JacobianStiffened),
+        ("biharmonic", MotionModel::Biharmonic),
+    ];
+    let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
+    if model == MotionModel::Biharmonic && velocity.degree() == 1 {
+        s.wrong("model", "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity");
+    }
+    let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
+    if jacobian == Some(true) && !moves {
+        s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
+    }
+    let walls = s.choice("walls", &[("fixed", Walls::Fixed), ("sliding", Walls::Sliding)], &[]);
+    let outer = s.choice("outer", &[("clamped", false), ("hinged", true)], &[]);
     let spec = MotionSpec {
-        model: s.choice("model", &models, &later).unwrap_or(MotionModel::PseudoElastic),
+        model,
         poisson: s.number("poisson", 0.0, POISSON),
         offset: s.number("offset", 0.01, POSITIVE),
         exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
+        scale: s.optional_number("scale", POSITIVE),
+        lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),
+        hinged: outer.unwrap_or(false),
+        walls: walls.unwrap_or_default(),
     };
-    s.choice("walls", &[("fixed", ())], &["sliding"]);
+    let used = [
+        ("scale", model == MotionModel::StiffenedHarmonic),
+        ("jacobian", model == MotionModel::JacobianStiffened),
+        ("outer", model == MotionModel::Biharmonic),
+    ];
+    for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
+        let note = format!("motion.{key} has no effect with this motion.model");
+        s.checker.notes.borrow_mut().push(note);
+    }
     s.finish();
     spec
 }

@@ -1,7 +1,7 @@
 //! The tables `[boundary.*]` and `[functional.*]`.
 
 use super::is_name;
-use crate::problem::case::{Condition, EnergyKind, FunctionalSpec};
+use crate::problem::case::{Condition, EnergyKind, FunctionalSpec, SolidLaw};
 use crate::problem::error::quoted;
 use crate::problem::read::{ANY, POSITIVE, Section};
 use std::collections::BTreeMap;
@@ -74,7 +74,7 @@ enum Functional {
 pub(super) fn functional(
     mut all: Section<'_, '_>,
     fluid: bool,
-    solid: bool,
+    solid: Option<SolidLaw>,
 ) -> (Vec<(String, FunctionalSpec)>, Vec<String>) {
     let mut functionals = Vec::new();
     let names = all.keys();
@@ -120,13 +120,14 @@ pub(super) fn functional(
         };
         s.finish();
         let needs_fluid = match &spec {
-            FunctionalSpec::Force { .. } | FunctionalSpec::PressureDifference { .. } => true,
+            FunctionalSpec::Force { .. } => true,
+            FunctionalSpec::PressureDifference { .. } => !solid.is_some_and(SolidLaw::is_incompressible),
             FunctionalSpec::Energy(kind) => {
                 matches!(kind, EnergyKind::FluidKinetic | EnergyKind::Dissipation)
             }
             FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation => false,
         };
-        if if needs_fluid { fluid } else { solid } {
+        if if needs_fluid { fluid } else { solid.is_some() } {
             functionals.push((name.clone(), spec));
         } else {
             let body = if needs_fluid { "fluid" } else { "solid" };

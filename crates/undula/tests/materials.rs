@@ -1,0 +1,305 @@
+//! Constitutive laws at a point: energies, closed forms, objectivity, Hooke's law at rest.
+#![allow(non_snake_case)]
+
+use undula::math::{Dual, Scalar, Tensor};
+use undula::physics::Material;
+use undula::physics::kinematics::{cofactor, volume_change};
+
+/// Deterministic random numbers in (−½, ½) (xorshift).
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+    }
+
+    fn tensor<const D: usize>(&mut self, size: f64) -> Tensor<f64, D> {
+        let mut a = Tensor::zero();
+        a.0.iter_mut().flatten().for_each(|x| *x = size * self.next());
+        a
+    }
+}
+
+const MU: f64 = 3.0;
+const LAMBDA: f64 = 5.0;
+const C1: f64 = 1.1;
+const C2: f64 = 0.4;
+
+const LINEAR: Material = Material::Linear { mu: MU, lambda: LAMBDA };
+const VENANT: Material = Material::StVenantKirchhoff { mu: MU, lambda: LAMBDA };
+const NEO: Material = Material::NeoHookean { mu: MU, lambda: LAMBDA };
+const MOONEY: Material = Material::MooneyRivlin { c1: C1, c2: C2, lambda: LAMBDA };
+
+fn nearly() -> Material {
+    Material::incompressible(C1, C2, LAMBDA)
+}
+
+fn incompressible(c2: f64) -> Material {
+    Material::incompressible(C1, c2, f64::INFINITY)
+}
+
+fn all() -> [Material; 7] {
+    [LINEAR, VENANT, NEO, MOONEY, nearly(), incompressible(C2), incompressible(0.0)]
+}
+
+/// P with the pressure that a nearly incompressible law has by itself, p = −κ' (J − 1).
+fn piola<T: Scalar, const D: usize>(material: &Material, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+    let P = material.piola(grad_u, grad_u);
+    match material.compliance() {
+        Some(c) if c > 0.0 => P + cofactor(grad_u) * (volume_change(grad_u, grad_u) * (1.0 / c)),
+        _ => P,
+    }
+}
+
+/// Cauchy stress P Fᵀ / J.
+fn cauchy<const D: usize>(material: &Material, F: Tensor<f64, D>) -> Tensor<f64, D> {
+    let grad_u = F - Tensor::identity();
+    piola(material, &grad_u) * F.t() * (1.0 / F.det())
+}
+
+fn largest<const D: usize>(a: Tensor<f64, D>) -> f64 {
+    a.0.iter().flatten().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+fn assert_near<const D: usize>(a: Tensor<f64, D>, b: Tensor<f64, D>, what: &str) {
+    assert!(largest(a - b) < 1e-12 * (1.0 + largest(b)), "{what}: {a:?} is not {b:?}");
+}
+
+/// P = ∂W/∂F by dual numbers at random F, not symmetric, in both dimensions.
+#[test]
+fn stress_is_the_derivative_of_the_energy() {
+    fn run<const D: usize>() {
+        let mut random = Random(11);
+        for material in all() {
+            for _ in 0..100 {
+                let grad_u = random.tensor::<D>(0.6);
+                let mut slope = Tensor::<f64, D>::zero();
+                for i in 0..D {
+                    for j in 0..D {
+                        let mut at = grad_u.map(|x| Dual { re: x, eps: 0.0 });
+                        at.0[i][j].eps = 1.0;
+                        slope.0[i][j] = material.energy(&at).eps;
+                    }
+                }
+                assert_near(piola(&material, &grad_u), slope, &format!("{material:?} in {D}D"));
+            }
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// The derivative at rest is 2 μ ε + λ tr(ε) I for every law, μ = 2 (c₁ + c₂); with J = 1 for ε without trace.
+#[test]
+fn at_rest_every_law_is_that_of_hooke() {
+    fn run<const D: usize>() {
+        let mut random = Random(5);
+        for material in all() {
+            let mu = match material {
+                Material::Linear { mu, .. }
+                | Material::StVenantKirchhoff { mu, .. }
+                | Material::NeoHookean { mu, .. } => mu,
+                Material::MooneyRivlin { c1, c2, .. } | Material::Incompressible { c1, c2, .. } => {
+                    2.0 * (c1 + c2)
+                }
+            };
+            let rest = Tensor::<f64, D>::zero();
+            assert_eq!(largest(piola(&material, &rest)), 0.0, "{material:?}");
+            assert_eq!(material.energy(&rest), 0.0, "{material:?}");
+            for _ in 0..20 {
+                let mut w = random.tensor::<D>(1.0);
+                if material.compliance() == Some(0.0) {
+                    w = w - Tensor::identity() * (w.trace() / D as f64);
+                }
+                let strain = 0.5 * (w + w.t());
+                let expected = 2.0 * mu * strain + Tensor::identity() * (LAMBDA * w.trace());
+                let at = w.map(|x| Dual { re: 0.0, eps: x });
+                let slope = piola(&material, &at).map(|x| x.eps);
+                assert_near(slope, expected, &format!("{material:?}"));
+                // Of the energy: positive unless the body only turns.
+                let twice = slope.ddot(w);
+                assert!(twice > 0.0, "{material:?} {w:?}");
+            }
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// W(Q F) = W(F) and P(Q F) = Q P(F) for rotations Q; the linear law is the one of which this is not true.
+#[test]
+fn a_rotation_turns_the_stress_and_nothing_else() {
+    let mut random = Random(3);
+    for material in all() {
+        for _ in 0..50 {
+            let (a, b) = (3.0 * random.next(), 3.0 * random.next());
+            let about_z = Tensor([[a.cos(), -a.sin(), 0.0], [a.sin(), a.cos(), 0.0], [0.0, 0.0, 1.0]]);
+            let about_x = Tensor([[1.0, 0.0, 0.0], [0.0, b.cos(), -b.sin()], [0.0, b.sin(), b.cos()]]);
+            let (Q, I) = (about_z * about_x, Tensor::identity());
+            let F = I + random.tensor(0.6);
+            let (turned, straight) = (Q * F - I, F - I);
+            let gap = piola(&material, &turned) - Q * piola(&material, &straight);
+            let energy = material.energy(&turned) - material.energy(&straight);
+            if material == LINEAR {
+                assert!(largest(gap) > 1e-3);
+            } else {
+                assert!(largest(gap) < 1e-12 && energy.abs() < 1e-12, "{material:?} {gap:?} {energy}");
+            }
+        }
+    }
+}
+
+/// Plane strain is the three-dimensional law with F₃₃ = 1.
+#[test]
+fn two_dimensions_are_plane_strain() {
+    let mut random = Random(9);
+    for material in all() {
+        for _ in 0..50 {
+            let plane = random.tensor::<2>(0.6);
+            let mut full = Tensor::<f64, 3>::zero();
+            for i in 0..2 {
+                for j in 0..2 {
+                    full.0[i][j] = plane.0[i][j];
+                }
+            }
+            let P = piola(&material, &full);
+            let block = Tensor([[P.0[0][0], P.0[0][1]], [P.0[1][0], P.0[1][1]]]);
+            assert_near(piola(&material, &plane), block, &format!("{material:?}"));
+            assert!((material.energy(&plane) - material.energy(&full)).abs() < 1e-12);
+        }
+    }
+}
+
+fn diagonal(a: f64, b: f64, c: f64) -> Tensor<f64, 3> {
+    Tensor([[a, 0.0, 0.0], [0.0, b, 0.0], [0.0, 0.0, c]])
+}
+
+/// F = diag(a, b, b): P₁₁ of each compressible law, written out.
+#[test]
+fn uniaxial_stretch() {
+    for (a, b) in [(1.7, 0.8), (0.6, 1.1), (1.01, 1.0)] {
+        let (F, J) = (diagonal(a, b, b), a * b * b);
+        let axial = |material: &Material| piola(material, &(F - Tensor::identity())).0[0][0];
+        let trace = a * a + 2.0 * b * b - 3.0;
+        let venant = a * (MU * (a * a - 1.0) + 0.5 * LAMBDA * trace);
+        let neo = MU * (a - 1.0 / a) + LAMBDA * (J - 1.0) * J / a;
+        // ∂I₂/∂a = 2 a (b² + b²) for the stretches a, b, b.
+        let mooney = 2.0 * C1 * a
+            + 4.0 * C2 * a * b * b
+            + (-2.0 * (C1 + 2.0 * C2) + (LAMBDA - 4.0 * C2) * (J - 1.0) * J) / a;
+        let linear = 2.0 * MU * (a - 1.0) + LAMBDA * (a + 2.0 * b - 3.0);
+        for (material, expected) in [(VENANT, venant), (NEO, neo), (MOONEY, mooney), (LINEAR, linear)] {
+            assert!((axial(&material) - expected).abs() < 1e-12 * (1.0 + expected.abs()), "{material:?}");
+        }
+    }
+}
+
+/// With J = 1 and the lateral stress free: σ = 2 (c₁ + c₂/a)(a² − 1/a) in tension, and
+/// σ = 2 (c₁ + c₂ a²)(a² − a⁻⁴) if stretched in two directions (Rivlin 1948).
+#[test]
+fn incompressible_tension_and_equibiaxial_stretch() {
+    for c2 in [0.0, C2] {
+        let material = incompressible(c2);
+        for a in [0.5, 0.9, 1.3, 2.5] {
+            let lateral = 1.0 / f64::sqrt(a);
+            let one = cauchy(&material, diagonal(a, lateral, lateral));
+            // Whatever the pressure, the difference is the stress with one of them zero.
+            let expected = 2.0 * (C1 + c2 / a) * (a * a - 1.0 / a);
+            assert!((one.0[0][0] - one.0[1][1] - expected).abs() < 1e-12 * (1.0 + expected.abs()));
+            let two = cauchy(&material, diagonal(a, a, 1.0 / (a * a)));
+            let expected = 2.0 * (C1 + c2 * a * a) * (a * a - a.powi(-4));
+            assert!((two.0[0][0] - two.0[2][2] - expected).abs() < 1e-12 * (1.0 + expected.abs()));
+        }
+    }
+}
+
+/// Simple shear γ: σ₁₂ = μ γ for the laws of rubber, with σ₁₁ − σ₃₃ = 2 c₁ γ² and σ₂₂ − σ₃₃ = −2 c₂ γ²;
+/// St. Venant-Kirchhoff: Σ₁₂ = μ γ, Σ₁₁ = ½ λ γ², Σ₂₂ = (μ + ½ λ) γ².
+#[test]
+fn simple_shear() {
+    for gamma in [-0.8, 0.05, 1.5] {
+        let F = Tensor([[1.0, gamma, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+        let square = gamma * gamma;
+        for (material, c1, c2) in
+            [(NEO, 0.5 * MU, 0.0), (MOONEY, C1, C2), (nearly(), C1, C2), (incompressible(C2), C1, C2)]
+        {
+            let sigma = cauchy(&material, F).0;
+            let found = [sigma[0][1], sigma[0][0] - sigma[2][2], sigma[1][1] - sigma[2][2]];
+            let expected = [2.0 * (c1 + c2) * gamma, 2.0 * c1 * square, -2.0 * c2 * square];
+            for (found, expected) in found.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-12, "{material:?}: {found} is not {expected}");
+            }
+        }
+        let (half, shear) = (0.5 * LAMBDA * square, MU * gamma);
+        let Sigma = Tensor([[half, shear, 0.0], [shear, MU * square + half, 0.0], [0.0, 0.0, half]]);
+        assert_near(piola(&VENANT, &(F - Tensor::identity())), F * Sigma, "St. Venant-Kirchhoff");
+    }
+}
+
+/// In the plane I₁ = I₂ where J = 1: Mooney-Rivlin and neo-Hookean solids differ by a pressure.
+#[test]
+fn in_the_plane_incompressible_mooney_rivlin_is_neo_hookean() {
+    let mut random = Random(21);
+    let (mooney, neo) = (incompressible(C2), Material::incompressible(C1 + C2, 0.0, f64::INFINITY));
+    for _ in 0..50 {
+        let mut F = Tensor::identity() + random.tensor::<2>(0.6);
+        F = F * (1.0 / F.det().sqrt());
+        let gap = cauchy(&mooney, F) - cauchy(&neo, F);
+        assert_near(gap, Tensor::identity() * (0.5 * gap.trace()), "a pressure");
+    }
+}
+
+/// Neo-Hookean is Mooney-Rivlin with c₂ = 0.
+#[test]
+fn mooney_rivlin_contains_neo_hookean() {
+    let mut random = Random(31);
+    let same = Material::MooneyRivlin { c1: 0.5 * MU, c2: 0.0, lambda: LAMBDA };
+    for _ in 0..20 {
+        let grad_u = random.tensor::<3>(0.6);
+        assert_near(piola(&same, &grad_u), piola(&NEO, &grad_u), "neo-Hookean");
+    }
+}
+
+/// What a fixed-point iteration solves for enters linearly, and where it stands still it is the law.
+#[test]
+fn the_lagged_stress_is_linear_in_the_new_deformation() {
+    let mut random = Random(41);
+    for material in all() {
+        for _ in 0..20 {
+            let (lag, a, b) = (random.tensor::<3>(0.5), random.tensor::<3>(1.0), random.tensor::<3>(1.0));
+            let of = |at: Tensor<f64, 3>| material.piola(&at, &lag);
+            assert_near(of(a + 2.0 * b), of(a) + 2.0 * of(b), &format!("{material:?}"));
+            let J = (Tensor::identity() + lag).det();
+            assert!((volume_change(&lag, &lag) - (J - 1.0)).abs() < 1e-14, "J - 1");
+        }
+    }
+}
+
+/// Small strains lose no digits: P/ε is that of Hooke's law at ε = 1e-12, too.
+#[test]
+fn tiny_strains_are_exact() {
+    let w = Tensor([[1.0, 0.5], [-0.25, 0.75]]);
+    let hooke = LINEAR.piola(&w, &w);
+    for material in [VENANT, NEO] {
+        let tiny = 1e-12 * w;
+        assert!(largest(1e12 * material.piola(&tiny, &tiny) - hooke) < 1e-10, "{material:?}");
+    }
+}
+
+/// Rubber resists being pressed to nothing; St. Venant-Kirchhoff gives way.
+#[test]
+fn only_rubber_resists_collapse() {
+    let pressed = |a: f64, material: &Material| {
+        let F = Tensor([[a, 0.0], [0.0, 1.0]]);
+        piola(material, &(F - Tensor::identity())).0[0][0]
+    };
+    for material in [NEO, MOONEY] {
+        assert!(pressed(1e-3, &material) < 100.0 * pressed(0.3, &material), "{material:?}");
+        assert!(material.energy(&Tensor([[-1.5, 0.0], [0.0, 0.0]])).is_nan(), "no meaning at J < 0");
+        assert!(material.needs_positive_volume());
+    }
+    assert!(pressed(1e-3, &VENANT) > pressed(0.5, &VENANT));
+}
