@@ -110,6 +110,7 @@ const HEIGHT: f64 = 0.41;
 fn source(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::TurekHron => "channel with cylinder and beam (turek-hron)".into(),
+        MeshSource::Rotor => "square with a free bar (rotor)".into(),
         MeshSource::SchaeferTurek => "channel with cylinder (schaefer-turek)".into(),
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),

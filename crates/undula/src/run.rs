@@ -6,12 +6,11 @@ use crate::output::{
     Array, Breakdown, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases, Precision,
     RunDirectory, Status, Summary, peak_memory, write_vtu,
 };
-use crate::physics::StepRule;
-use crate::physics::step::SECANT;
 use crate::problem::case::Case;
 use crate::simulation::{Row, Simulation};
 use crate::space::{FsiSpace, Region, State};
-use crate::time::{Clock, JacobianPoint};
+use crate::time::adaptive::Memory;
+use crate::time::{Clock, Damping, JacobianPoint};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -82,6 +81,9 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
 struct Metadata {
     step: u64,
     clock: [f64; 2],
+    /// Intervals begun and damping steps to come in Rannacher's scheme.
+    #[serde(default)]
+    damping: (u64, u32),
     /// 1/k, θ and time of the kept Jacobian.
     jacobian: Option<[f64; 3]>,
     /// Its age.
@@ -90,6 +92,9 @@ struct Metadata {
     /// Steps to go with the whole Jacobian.
     #[serde(default)]
     detour: u32,
+    /// Next step, largest velocity, rejected steps and times of the past of step-size control.
+    #[serde(default)]
+    adaptive: Option<(f64, f64, u64, Vec<f64>)>,
     counters: [u64; 3],
     seconds: [f64; 4],
     wall_seconds: f64,
@@ -179,7 +184,7 @@ impl Run {
         let due = |every: usize| every > 0 && row.step > 0 && row.step.is_multiple_of(every as u64);
         let output = &self.simulation.case.output;
         let (fields, checkpoint) = (due(output.fields_every), due(output.checkpoint_every));
-        if fields {
+        if fields || self.simulation.is_output_time() {
             self.write_fields()?;
         }
         if checkpoint {
@@ -216,9 +221,15 @@ impl Run {
         let metadata = Metadata {
             step,
             clock: [clock.time, clock.last_step],
+            damping: (clock.damping.interval, clock.damping.left),
             jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
             age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
             detour: stepper.linear.detour,
+            adaptive: self.simulation.adaptive.as_ref().map(|a| {
+                let memory = &a.memory;
+                let times = memory.past.iter().map(|(t, _)| *t).collect();
+                (memory.next, memory.scale, memory.rejected, times)
+            }),
             counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
             seconds: [seconds.assembly, seconds.factorization, seconds.solve, self.output_seconds],
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -234,6 +245,9 @@ impl Run {
             for (field, values) in [("v", &state.v), ("u", &state.u), ("p", &state.p)] {
                 checkpoint.arrays.insert(format!("{name}_{field}"), Array::F64(values.clone()));
             }
+        }
+        for (n, (_, v)) in self.simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
+            checkpoint.arrays.insert(format!("past{n}_v"), Array::F64(v.clone()));
         }
         checkpoint.save(self.directory.checkpoints(), step)?;
         self.last_checkpoint = Some(step);
@@ -251,6 +265,7 @@ impl Run {
             steps: simulation.steps,
             newton_steps: newton.counters.newton_steps as u64,
             jacobians: newton.counters.jacobians as u64,
+            rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
             factorizations: newton.counters.factorizations as u64,
             threads: simulation.threads(),
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -331,6 +346,7 @@ fn identity(case: &Case) -> String {
     (case.newton, case.linear) = Default::default();
     case.output = crate::problem::case::OutputSpec {
         fields_every: 0,
+        fields_interval: case.output.fields_interval,
         deformed: true,
         checkpoint_every: 0,
         leading: None,
@@ -374,11 +390,13 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
         let u = parts.pop().unwrap_or_default();
         Ok(State { v: parts.pop().unwrap_or_default(), u, p })
     };
-    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1] };
+    let (interval, left) = metadata.damping;
+    let damping = Damping { interval, left };
+    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1], damping };
     let [solves, iterations, last] = metadata.age;
     let point = match metadata.jacobian {
         Some([per_k, theta, time]) => Some(JacobianPoint {
-            rule: StepRule { per_k, theta, inertia: SECANT },
+            rule: simulation.stepper.settings.rule_of(per_k, theta),
             time,
             new: state("jacobian_new")?,
             old: state("jacobian_old")?,
@@ -388,7 +406,20 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
     };
     let (new, old) = (state("new")?, state("old")?);
     simulation.stepper.linear.set_detour(metadata.detour);
+    let n_v = new.v.len();
     simulation.restore(clock, new, old, point, metadata.step)?;
+    if let (Some(adaptive), Some((next, scale, rejected, times))) =
+        (&mut simulation.adaptive, &metadata.adaptive)
+    {
+        let mut past = vec![];
+        for (n, t) in times.iter().enumerate() {
+            let key = format!("past{n}_v");
+            let v = checkpoint.f64s(&key).filter(|a| a.len() == n_v);
+            let v = v.ok_or_else(|| Error::Resume(format!("array {key} should have {} numbers", n_v)))?;
+            past.push((*t, v.to_vec()));
+        }
+        adaptive.memory = Memory { next: *next, scale: *scale, rejected: *rejected, past };
+    }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
     newton.counters = crate::nonlinear::Counters { newton_steps, jacobians, factorizations };

@@ -10,11 +10,13 @@ use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Fluid, Material, Solid, StepRule};
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::space::PressureKind::{self, Continuous, Pdc};
-use undula::space::{PsiOwner, State};
+use undula::space::{PsiOwner, State, Walls};
 use undula::tangent::Tangent;
 
-const RULES: [StepRule; 2] =
-    [StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT }, StepRule::STATIONARY];
+const RULES: [StepRule; 2] = [
+    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT, quadrature: &[] },
+    StepRule::STATIONARY,
+];
 
 fn nothing() -> Exact {
     let zero = number(0.0);
@@ -58,10 +60,10 @@ fn largest(x: &[f64]) -> f64 {
 
 /// Each column of the Jacobian is the central difference of the residual, entries that the pattern does
 /// not have included; given unknowns have unit rows and no column.
-fn check_jacobian(pressure: PressureKind, rule: StepRule, tangent: Tangent) {
-    let problem = coupled(FSI, pressure);
-    let (_, matrix, mut assembler) = assembled(&problem, &options(), rule, tangent);
-    let (mut new, old) = (random(&problem, 77), random(&problem, 78));
+fn check_jacobian(problem: &Manufactured, rule: StepRule, tangent: Tangent) {
+    let pressure = problem.space.pressure.kind;
+    let (_, matrix, mut assembler) = assembled(problem, &options(), rule, tangent);
+    let (mut new, old) = (random(problem, 77), random(problem, 78));
     let n = problem.space.n_unknowns();
     let given = given(&assembler);
     let row_size: Vec<f64> = (0..n).map(|i| largest(&matrix.values[matrix.pattern.row(i)])).collect();
@@ -106,9 +108,20 @@ fn jacobian_is_the_derivative_of_the_residual() {
     for pressure in [Pdc(1), Continuous(1)] {
         for rule in RULES {
             for tangent in [Tangent::Automatic, Tangent::Analytic] {
-                check_jacobian(pressure, rule, tangent);
+                check_jacobian(&coupled(FSI, pressure), rule, tangent);
             }
         }
+    }
+}
+
+/// The same with every extension, the mesh fixed at the outer boundary or sliding along it.
+#[test]
+fn jacobian_of_every_extension() {
+    for extension in EXTENSIONS {
+        let mut problem = coupled(Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI }, Pdc(1));
+        Arc::make_mut(&mut problem.space).walls = Walls::Sliding;
+        check_jacobian(&problem, RULES[0], Tangent::Automatic);
+        check_jacobian(&problem, RULES[0], Tangent::Analytic);
     }
 }
 

@@ -32,9 +32,9 @@ young = 1e6
 body-force = [0]
 
 [motion]
-model = "biharmonic"
+model = "bi-harmonic"
 poisson = 0.5
-walls = "sliding"
+walls = "slide"
 
 [boundary.inflow]
 condition = "velocity"
@@ -83,7 +83,7 @@ leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
 own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
-own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `box`; did you mean `turek-hron`?
+own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
 own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`
@@ -96,15 +96,15 @@ own.toml:18:2: solid.lambda: missing: `mu` and `lambda` [Pa] belong together
 own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`, `mooney-rivlin`, `incompressible-neo-hookean`, `incompressible-mooney-rivlin`
 own.toml:21:9: solid.young = 1e6: give either `mu` and `lambda` or `young` and `poisson`
 own.toml:22:14: solid.body-force = [0]: expected two expressions, as ["x component", "y component"], not 1 values
-own.toml:25:9: motion.model = "biharmonic": not yet available; expected one of `harmonic`, `pseudo-elastic`
+own.toml:25:9: motion.model = "bi-harmonic": expected one of `harmonic`, `stiffened-harmonic`, `pseudo-elastic`, `jacobian-stiffened`, `biharmonic`; did you mean `biharmonic`?
 own.toml:26:11: motion.poisson = 0.5: expected a number above -1 and below 0.5
-own.toml:27:9: motion.walls = "sliding": not yet available; expected one of `fixed`
+own.toml:27:9: motion.walls = "slide": expected one of `fixed`, `sliding`
 own.toml:31:18: boundary.inflow.velocity[0] = "1.5*sinn(y)": unknown function `sinn`; did you mean `sin`? (at byte 4)
 own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expression in quotes, not true or false
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?
 own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
-own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`
+own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
 own.toml:45:7: time.end = 0: expected a time after the start, 0 s
 own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
@@ -140,9 +140,28 @@ fn further_mistakes() {
             "own.toml:9:10: solid.lambda = -2: expected a number above -2/3 mu = -2 Pa",
         ),
         (
-            "[time]\nscheme = \"bdf2\"\nstep = 1\nend = 2\n",
-            "own.toml:7:10: time.scheme = \"bdf2\": not yet available; expected one of `backward-euler`, `theta`, \
-          `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "[time]\nscheme = \"bdf2\"\ndomain-motion = \"secant\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"secant\": `bdf2` takes all terms at the new time, elsewhere it \
+          would lose its order: leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"cg1\"\ndomain-motion = \"midpoint\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"midpoint\": `cg1` integrates all terms over the step: expected \
+          `galerkin`, or leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"rannacher\"\nstep = 1\nend = 2\n",
+            "own.toml:7:10: time.scheme = \"rannacher\": 2 steps of backward Euler take 2 s of every 1 s: none is left",
+        ),
+        (
+            "[time]\nstep = \"0.1+t\"\nend = 0.2\n[time.adaptive]\ntolerance = 2\n",
+            "own.toml:7:8: time.step = \"0.1+t\": expected a number, the first step: [time.adaptive] chooses the others\n\
+          own.toml:10:13: time.adaptive.tolerance = 2: expected a number above 0 and below 1",
+        ),
+        (
+            "[time]\nstep = 0.1\nend = 2\n[time.adaptive]\nmin-step = 0.2\nmax-step = 0.05\n",
+            "own.toml:10:12: time.adaptive.min-step = 0.2: expected at most time.step, 0.1 s\n\
+          own.toml:11:12: time.adaptive.max-step = 0.05: expected at least time.step, 0.1 s",
         ),
         (
             "[time]\nstep = 1.0\nend = 2\n",
@@ -186,7 +205,7 @@ fn mistakes_in_meshes() {
     for (mesh, expected) in [
         (
             "refine = 1",
-            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `box`) or `file`",
+            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`",
         ),
         (
             "generator = \"box\"\nlower = [0, 0]\nupper = [1, 0]\ncells = [4, 0]",
@@ -205,10 +224,6 @@ fn mistakes_in_meshes() {
             "generator = \"turek-hron\"\nfile = \"a.msh\"",
             "own.toml:3:8: mesh.file = \"a.msh\": give either `generator` or `file`",
         ),
-        (
-            "generator = \"rotor\"",
-            "own.toml:2:13: mesh.generator = \"rotor\": not yet available; expected one of `turek-hron`, `schaefer-turek`, `box`",
-        ),
     ] {
         let text = format!("[mesh]\n{mesh}\n[fluid]\ndensity = 1\nkinematic-viscosity = 1\n");
         assert_eq!(wrong(&text, &[]), expected, "{mesh}");
@@ -220,15 +235,15 @@ fn mistakes_in_overrides_name_the_override() {
     for (overrides, expected) in [
         (
             &["time.scheme=cn"][..],
-            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`",
         ),
         (
             &["time.scheme=crank-nicholson"],
-            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`; did you mean `crank-nicolson`?",
+            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`; did you mean `crank-nicolson`?",
         ),
         (
             &["time.setp=0.1"],
-            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `domain-term`",
+            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `rannacher-steps`, `rannacher-interval`, `domain-motion`, `adaptive`",
         ),
         (
             &["fluid.density=-1", "mesh.refine=x"],
@@ -308,7 +323,7 @@ fn a_case_that_is_not_there() {
     assert_eq!(
         told("missing/own.toml").0,
         "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
-         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`"
+         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`"
     );
     // A directory exists, but it cannot be read as a file.
     assert!(!told("src").1);
@@ -368,6 +383,33 @@ fn unstable_pairs_are_refused_with_the_reason() {
         builtin("fsi1", set);
     }
     builtin("csm1", &["space.velocity=Q1"]);
+}
+
+#[test]
+fn senseless_motions_are_refused() {
+    for (name, overrides, expected) in [
+        (
+            "fsi1",
+            &["motion.model=jacobian-stiffened", "motion.jacobian=lagged"][..],
+            "--set motion.jacobian=lagged: a stationary case has no last step to take J from; use `implicit`",
+        ),
+        (
+            "fsi3",
+            &["motion.model=biharmonic", "space.velocity=Q1", "space.pressure=P0"],
+            "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity",
+        ),
+    ] {
+        let message = wrong_builtin(name, overrides);
+        assert!(message.contains(expected), "{message}");
+    }
+    let case = builtin("fsi3", &["motion.scale=0.1", "motion.outer=hinged"]);
+    assert_eq!(
+        case.notes(),
+        [
+            "motion.scale has no effect with this motion.model",
+            "motion.outer has no effect with this motion.model"
+        ]
+    );
 }
 
 /// Terms that a pair does not need, keys without effect, and patches that are not there.

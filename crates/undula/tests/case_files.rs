@@ -9,10 +9,11 @@ use undula::problem::builtin::builtin_cases;
 use undula::problem::case::*;
 use undula::problem::expression::Expression;
 use undula::problem::fit::MeshNames;
+use undula::space::Walls;
 
 #[test]
 fn every_builtin_case_loads_and_survives_the_way_back() {
-    assert_eq!(builtin_cases().len(), 12);
+    assert_eq!(builtin_cases().len(), 13);
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
         assert_eq!(case.name, shipped.name);
@@ -35,7 +36,11 @@ fn builtin_cases_fit_their_mesh() {
     };
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
-        let names = if shipped.name.starts_with("dfg") { without_clamp.clone() } else { turek_hron() };
+        let names = match shipped.name {
+            "rotor" => MeshNames::of(&case.build_mesh().unwrap()),
+            name if name.starts_with("dfg") => without_clamp.clone(),
+            _ => turek_hron(),
+        };
         assert_eq!(case.check_mesh(&names), Ok(()), "{}", shipped.name);
     }
 }
@@ -71,7 +76,16 @@ fn defaults() {
     assert_eq!(case.newton.jacobian, JacobianKind::Automatic);
     assert_eq!(
         case.motion,
-        MotionSpec { model: MotionModel::PseudoElastic, poisson: 0.0, offset: 0.01, exponent: 2.0 }
+        MotionSpec {
+            model: MotionModel::PseudoElastic,
+            poisson: 0.0,
+            offset: 0.01,
+            exponent: 2.0,
+            scale: None,
+            lagged: false,
+            hinged: false,
+            walls: Walls::Fixed,
+        }
     );
     assert_eq!(case.space.pressure, PressureElement::Pdc(1));
     assert_eq!(case.space.quadrature, 3);
@@ -222,5 +236,27 @@ fn names_come_from_the_facets() {
     let expected = [("bottom", &["fluid", "solid"][..]), ("clamp", &["solid"]), ("unused", &[])];
     for ((name, regions), (expected_name, expected_regions)) in names.boundaries.iter().zip(expected) {
         assert_eq!((name.as_str(), regions), (expected_name, &sets(expected_regions)));
+    }
+}
+
+#[test]
+fn every_scheme_reads_back() {
+    let mut cases: Vec<Vec<&str>> = common::SCHEMES.iter().map(|scheme| vec![*scheme]).collect();
+    for motion in ["secant", "midpoint", "galerkin"] {
+        cases.push(vec![match motion {
+            "secant" => "time.domain-motion=secant",
+            "midpoint" => "time.domain-motion=midpoint",
+            _ => "time.domain-motion=galerkin",
+        }]);
+    }
+    cases.push(vec!["time.scheme=rannacher", "time.rannacher-steps=4", "time.rannacher-interval=0.5"]);
+    cases.push(vec![
+        "time.adaptive.tolerance=1e-4",
+        "time.adaptive.max-step=0.02",
+        "output.fields-interval=0.1",
+    ]);
+    for overrides in cases {
+        let case = builtin("fsi3", &overrides);
+        assert_eq!(Case::from_toml(&case.to_toml(), "case.toml", &[]), Ok(case), "{overrides:?}");
     }
 }

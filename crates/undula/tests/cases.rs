@@ -15,7 +15,7 @@ use undula::simulation::Simulation;
 
 /// Cases, what is changed in them, and how far their functionals may be from the published ones at this
 /// resolution; `None` where the run is too short to have reached what is published.
-const RUNS: [(&str, &[&str], Option<f64>); 12] = [
+const RUNS: [(&str, &[&str], Option<f64>); 13] = [
     ("cfd1", &["mesh.refine=1"], Some(0.01)),
     ("cfd2", &["mesh.refine=1"], Some(0.06)),
     ("cfd3", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
@@ -28,6 +28,7 @@ const RUNS: [(&str, &[&str], Option<f64>); 12] = [
     ("dfg-2d1", &["mesh.refine=1"], Some(0.015)),
     ("dfg-2d2", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
     ("dfg-2d3", &["mesh.refine=0", "time.step=0.04", "time.end=0.4"], None),
+    ("rotor", &["mesh.refine=0", "time.step=0.1", "time.end=1"], None),
 ];
 
 /// The last values by functional, with their units.

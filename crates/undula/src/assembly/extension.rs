@@ -13,7 +13,7 @@ use crate::space::{Constraints, FsiSpace, PsiOwner};
 use crate::tangent::{ByHand, Tangent};
 use std::sync::Arc;
 
-/// `A_F δu_F = r_F − A_I δu_I` over the free nodes of the fluid off the interface.
+/// `A_F δu_F = r_F − A_I δu_I` over the free unknowns of the fluid off the interface.
 #[derive(Clone, Debug)]
 pub struct ExtensionSystem {
     /// A_F.
@@ -24,6 +24,8 @@ pub struct ExtensionSystem {
     rows: Vec<(u32, u32)>,
     /// Entries of A_I: place in `[v, u, p]`, value.
     entries: Vec<(u32, f64)>,
+    /// Where each entry visited goes: in the matrix, behind it in `entries`, or nowhere.
+    slots: Vec<u32>,
 }
 
 impl ExtensionSystem {
@@ -34,44 +36,63 @@ impl ExtensionSystem {
         mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64)),
     ) -> ExtensionSystem {
         let first = space.n_v() as u32;
+        let given = |place: u32| constraints.u[(place - first) as usize / D][(place - first) as usize % D];
         let mut number = vec![DROP; space.n_unknowns()];
         let mut places = vec![];
-        for node in
-            (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension && !constraints.u[n])
-        {
-            for i in 0..D {
-                let place = first + (node * D + i) as u32;
+        for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
+            for place in (0..D).map(|i| first + (node * D + i) as u32).filter(|&place| !given(place)) {
                 number[place as usize] = places.len() as u32;
                 places.push(place);
             }
         }
         let mut lists: Vec<Vec<u32>> = vec![vec![]; places.len()];
-        let mut interface: Vec<Vec<(u32, f64)>> = vec![vec![]; places.len()];
-        let given = |place: u32| constraints.u[(place - first) as usize / D];
-        visit(&mut |row, column, value| {
+        let mut interface: Vec<Vec<u32>> = vec![vec![]; places.len()];
+        visit(&mut |row, column, _| {
             let (row, other) = (number[row as usize], number[column as usize]);
             match (row, other) {
                 (DROP, _) => {}
-                (row, DROP) if !given(column) => interface[row as usize].push((column, value)),
+                (row, DROP) if !given(column) => interface[row as usize].push(column),
                 (_, DROP) => {}
                 (row, other) => lists[row as usize].push(other),
             }
         });
         let pattern = Arc::new(Pattern::from_rows(&lists));
         drop(lists);
-        let mut matrix = Csr::zeros(&pattern);
-        visit(&mut |row, column, value| {
-            let (row, column) = (number[row as usize], number[column as usize]);
-            if let (true, Some(at)) = (row != DROP, pattern_find(&pattern, row, column)) {
-                matrix.values[at] += value;
-            }
-        });
-        let (mut rows, mut entries) = (vec![], vec![]);
-        for (row, list) in interface.into_iter().enumerate().filter(|(_, list)| !list.is_empty()) {
-            entries.extend(list);
+        let (mut rows, mut entries, mut starts) = (vec![], vec![], vec![0; places.len()]);
+        for (row, list) in interface.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
+            starts[row] = entries.len();
+            entries.extend(list.iter().map(|&place| (place, 0.0)));
             rows.push((row as u32, entries.len() as u32));
         }
-        ExtensionSystem { matrix, places, rows, entries }
+        let (behind, mut slots) = (pattern.nnz() as u32, vec![]);
+        visit(&mut |row, column, _| {
+            let (row, other) = (number[row as usize], number[column as usize]);
+            slots.push(match (row, other) {
+                (DROP, _) => DROP,
+                (row, DROP) if !given(column) => {
+                    starts[row as usize] += 1;
+                    behind + starts[row as usize] as u32 - 1
+                }
+                (_, DROP) => DROP,
+                (row, other) => pattern.find(row as usize, other as usize).map_or(DROP, |at| at as u32),
+            });
+        });
+        let mut system = ExtensionSystem { matrix: Csr::zeros(&pattern), places, rows, entries, slots };
+        system.fill(visit);
+        system
+    }
+
+    /// Take the values that `visit` calls back with, in the same order as before.
+    pub(super) fn fill(&mut self, mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64))) {
+        let Self { matrix, entries, slots, .. } = self;
+        let behind = matrix.values.len();
+        matrix.values.fill(0.0);
+        let mut slots = slots.iter();
+        visit(&mut |_, _, value| match slots.next() {
+            None | Some(&DROP) => {}
+            Some(&at) if (at as usize) < behind => matrix.values[at as usize] += value,
+            Some(&at) => entries[at as usize - behind].1 = value,
+        });
     }
 
     /// `b ← r_F − A_I δu_I` with the residual `r` and the update `delta`, both `[v, u, p]`.
@@ -87,10 +108,6 @@ impl ExtensionSystem {
             start = end as usize;
         }
     }
-}
-
-fn pattern_find(pattern: &Pattern, row: u32, column: u32) -> Option<usize> {
-    if row == DROP || column == DROP { None } else { pattern.find(row as usize, column as usize) }
 }
 
 impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>

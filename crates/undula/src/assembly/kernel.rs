@@ -4,6 +4,7 @@ use super::batch::Batches;
 use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
+use super::folds::Corners;
 use super::interior::Interior;
 use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
@@ -77,7 +78,9 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) interior: Option<Interior<D, L>>,
     pub(super) scratch: PerThread<Scratch<D, L>>,
     /// Smallest J met by the last residual, per cell: `[batch][lane]`.
-    min_j: Vec<f64>,
+    pub(super) min_j: Vec<f64>,
+    /// Geometry at the nodes, once asked for.
+    pub(super) corners: Option<Corners<D, L>>,
     threads: usize,
 }
 
@@ -153,6 +156,7 @@ where
             interior: None,
             scratch,
             min_j,
+            corners: None,
             threads,
         }
     }
@@ -176,13 +180,15 @@ where
                                     column(self.rows_phi[batch * n + a][l], i, constraints.v[node(a)])
                                 }
                                 Test::Psi(i) => {
-                                    column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)])
+                                    column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)][i])
                                 }
                                 Test::Xi => self.rows_xi[batch * m + a][l],
                             };
                             let col = match piece.trial {
                                 Trial::V(j) => column((node(b) * D) as u32, j, constraints.v[node(b)]),
-                                Trial::U(j) => column((n_v + node(b) * D) as u32, j, constraints.u[node(b)]),
+                                Trial::U(j) => {
+                                    column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j])
+                                }
                                 Trial::P => self.rows_xi[batch * m + b][l],
                             };
                             let there = l < self.batches.active[batch] && row != DROP && col != DROP;

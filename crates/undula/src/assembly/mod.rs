@@ -5,12 +5,14 @@
 //! After the first call nothing is allocated.
 
 pub mod batch;
+pub mod biharmonic;
 pub mod chunks;
 mod condense;
 pub mod contract;
 pub mod evaluate;
 pub mod extension;
 pub mod facets;
+mod folds;
 pub mod interior;
 pub mod kernel;
 pub mod points;
@@ -21,10 +23,11 @@ mod tasks;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::{Lanes, Vector};
-use crate::physics::{Fluid, Outflow, Solid, Stabilization};
-use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region};
+use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::Tangent;
 use batch::Batches;
+use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
 use facets::OutflowFacets;
 use interior::FacetBlocks;
@@ -77,8 +80,7 @@ pub enum End {
 /// Where J is smallest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worst {
-    /// Smallest J at a quadrature point of the region that moves (fluid if there is one, else solid), and of
-    /// the solid if its law needs J > 0.
+    /// Smallest J at a quadrature point or node, fluid and solid.
     pub min_j: f64,
     /// The cell in which it lies, then all others with J ≤ 0.
     pub cells: Vec<u32>,
@@ -94,6 +96,8 @@ pub struct Assembler<const D: usize> {
     pub physics: Physics,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
+    /// The extension where it is of fourth order.
+    biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
     /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
@@ -143,12 +147,19 @@ impl<const D: usize> Assembler<D> {
         };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
+        let biharmonic = match physics.fluid.map(|f| f.extension) {
+            Some(Extension::Biharmonic { hinged }) if space.deforms => {
+                Some(Biharmonic::new(&space, &constraints, hinged, options.quadrature))
+            }
+            _ => None,
+        };
         Assembler {
             space,
             constraints,
             physics,
             kernels,
             outflow,
+            biharmonic,
             given,
             full: None,
             condensed: None,
@@ -175,7 +186,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
     pub fn pattern(&mut self) -> Arc<Pattern> {
-        let Self { space, constraints, kernels, outflow, given, full, .. } = self;
+        let Self { space, constraints, kernels, outflow, biharmonic, given, full, .. } = self;
         if let Some((pattern, _)) = full {
             return Arc::clone(pattern);
         }
@@ -190,9 +201,19 @@ impl<const D: usize> Assembler<D> {
         let mut free: Vec<u32> = (0..space.n_unknowns() as u32).collect();
         given.iter().for_each(|&row| free[row as usize] = DROP);
         kernels.stabilization_entries(Columns::All, &free, &mut |row, col| rows[row as usize].push(col));
+        if let Some(b) = biharmonic {
+            b.visit(&mut |row, col, _| {
+                if free[col as usize] != DROP {
+                    rows[row as usize].push(col);
+                }
+            });
+        }
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
+        if let Some(b) = biharmonic {
+            b.set_slots(find);
+        }
         kernels.set_slots(constraints, pattern.nnz(), &find);
         kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find);
         outflow.set_slots(constraints, find);
@@ -258,8 +279,26 @@ impl<const D: usize> Assembler<D> {
         if !self.space.deforms || self.physics.fluid.is_none() {
             return None;
         }
-        let visit = |put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put);
+        let visit = |put: &mut dyn FnMut(u32, u32, f64)| match &self.biharmonic {
+            Some(b) => b.visit(put),
+            None => self.kernels.extension(step, put),
+        };
         Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
+    }
+
+    /// Whether the extension is of fourth order.
+    pub fn is_biharmonic(&self) -> bool {
+        self.biharmonic.is_some()
+    }
+
+    /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
+    /// anything to take, the operator not being constant.
+    pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
+        let changes = self.physics.fluid.is_some_and(|f| !f.extension.is_constant());
+        if changes {
+            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
+        }
+        changes
     }
 
     /// What the linear solver may know of each unknown.
@@ -294,18 +333,21 @@ impl<const D: usize> Assembler<D> {
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
     pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
-        if step.rule.theta < 1.0 {
+        if step.rule.has_explicit() {
             self.kernels.explicit(step, None, out);
-            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+            self.outflow.explicit(step, out);
         }
     }
 
     /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0.
     ///
-    /// Returns the smallest J at the quadrature points.
+    /// Returns the smallest J at the quadrature points of both regions.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
         let min_j = self.kernels.residual(step, None, out);
-        self.outflow.residual(step.new, step.rule.theta, out);
+        self.outflow.residual(step, out);
+        if let Some(b) = &self.biharmonic {
+            b.residual(&step.new.u, out);
+        }
         for &row in &self.given {
             out[row as usize] = 0.0;
         }
@@ -316,13 +358,16 @@ impl<const D: usize> Assembler<D> {
     /// forces that the region exerts on the nodes, per unit time of the step.
     pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {
         out.fill(0.0);
-        if step.rule.theta < 1.0 {
+        if step.rule.has_explicit() {
             self.kernels.explicit(step, Some(region), out);
         }
         self.kernels.residual(step, Some(region), out);
         if region == Region::Fluid {
-            self.outflow.residual(step.new, step.rule.theta, out);
-            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+            if let Some(b) = &self.biharmonic {
+                b.residual(&step.new.u, out);
+            }
+            self.outflow.residual(step, out);
+            self.outflow.explicit(step, out);
         }
     }
 
@@ -332,12 +377,21 @@ impl<const D: usize> Assembler<D> {
         out.values.fill(0.0);
         self.kernels.jacobian(step, tangent, &mut out.values);
         self.outflow.jacobian(step, tangent, &mut out.values);
+        if let Some(b) = &self.biharmonic {
+            b.jacobian(&mut out.values);
+        }
         for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
     }
 
-    /// Where J was smallest in the last residual.
+    /// The smallest J of the last residual and at the nodes of `state`: quadrature points alone do not see cells
+    /// that fold at a corner.
+    pub fn nodal_min_j(&mut self, state: &State) -> f64 {
+        if self.space.deforms { self.kernels.nodal_min_j(&self.space, &state.u) } else { 1.0 }
+    }
+
+    /// Where J was smallest in the last residual, and at the nodes if that was asked for since.
     pub fn worst(&self) -> Worst {
         self.kernels.worst()
     }
@@ -351,14 +405,10 @@ impl<const D: usize> Assembler<D> {
 }
 
 fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
-    let mut rows = vec![];
-    let lists = [(&constraints.v, 0, true), (&constraints.u, space.n_v(), space.deforms)];
-    for (list, first, there) in lists {
-        for node in (0..list.len()).filter(|&node| there && list[node]) {
-            rows.extend((0..D).map(|i| (first + node * D + i) as u32));
-        }
-    }
-    rows
+    let velocity = constraints.v.iter().flat_map(|&given| [given; D]);
+    let deformation = constraints.u.iter().flatten().copied();
+    let all = velocity.chain(deformation.filter(|_| space.deforms));
+    all.zip(0..).filter(|(given, _)| *given).map(|(_, row)| row).collect()
 }
 
 /// The kernels of both regions with their number of lanes hidden.
@@ -369,6 +419,7 @@ trait Kernels<const D: usize>: Send + Sync {
     fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64;
     fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]);
+    fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64;
     fn worst(&self) -> Worst;
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
     fn inner(&self, visit: &mut dyn FnMut(u32));
@@ -490,19 +541,21 @@ where
     }
 
     fn residual(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]) -> f64 {
-        let mut min_j = None;
+        let mut min_j = f64::INFINITY;
         if let (Some(k), true) = (&mut self.fluid, only != Some(Region::Solid)) {
-            min_j = Some(k.residual(step, out));
+            min_j = min_j.min(k.residual(step, out));
         }
         if let (Some(s), true) = (&mut self.stabilizer, only != Some(Region::Solid)) {
             s.residual(step, out);
         }
         if let (Some(k), true) = (&mut self.solid, only != Some(Region::Fluid)) {
+            // While it iterates a solid may fold where its law does not mind; not at the end of a step.
             let of_solid = k.residual(step, out);
-            let counts = min_j.is_none() || k.form.material.needs_positive_volume();
-            min_j = if counts { Some(min_j.map_or(of_solid, |j: f64| j.min(of_solid))) } else { min_j };
+            if min_j == f64::INFINITY || k.form.material.needs_positive_volume() {
+                min_j = min_j.min(of_solid);
+            }
         }
-        min_j.unwrap_or(1.0)
+        if min_j == f64::INFINITY { 1.0 } else { min_j }
     }
 
     fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
@@ -517,20 +570,20 @@ where
         }
     }
 
+    fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64 {
+        let mut min_j = f64::INFINITY;
+        both!(mut self, k, min_j = min_j.min(k.nodal_min_j(space, u)));
+        min_j
+    }
+
     fn worst(&self) -> Worst {
-        let fluid = self.fluid.as_ref().and_then(Kernel::worst);
-        let counts = |k: &&Kernel<Solid, D, L>| fluid.is_none() || k.form.material.needs_positive_volume();
-        let solid = self.solid.as_ref().filter(counts).and_then(Kernel::worst);
-        let (min_j, cells) = match (fluid, solid) {
-            (Some((a, list)), Some((b, more))) if a <= b => {
-                (a, [list, more.into_iter().filter(|_| b <= 0.0).collect()].concat())
-            }
-            (Some((a, list)), Some((b, more))) => {
-                (b, [more, list.into_iter().filter(|_| a <= 0.0).collect()].concat())
-            }
-            (fluid, solid) => fluid.or(solid).unwrap_or((1.0, vec![])),
-        };
-        Worst { min_j, cells }
+        let mut list = vec![];
+        both!(self, k, list.extend(k.worst()));
+        list.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let min_j = list.first().map_or(1.0, |worst| worst.0);
+        // Of the other region those cells that are folded, too.
+        let cells = |(j, cells): (f64, Vec<u32>)| if j <= 0.0 || j == min_j { cells } else { vec![] };
+        Worst { min_j, cells: list.into_iter().flat_map(cells).collect() }
     }
 
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]) {

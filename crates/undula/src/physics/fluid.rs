@@ -67,6 +67,12 @@ impl<const D: usize> WeakForm<D> for Fluid {
         r.grad_phi -= *cofactor * p;
     }
 
+    /// The stiffness of the extension may depend on where the step begins.
+    #[inline(always)]
+    fn place<S: Scalar<Value = S>>(&self, place: &Place<S, D>, old: &Fields<S, D>) -> Place<S, D> {
+        Place { stiffness: self.extension.stiffness(place.stiffness, &old.grad_u), ..*place }
+    }
+
     /// (J F⁻¹ : ∇vᵀ, ξ) and the extension (σ_e(u), ∇ψ).
     #[inline(always)]
     fn constraint<T: Scalar>(

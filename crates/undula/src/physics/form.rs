@@ -77,6 +77,12 @@ pub trait WeakForm<const D: usize>: Sync {
     /// The pressure `p` of the step; `cofactor` is J F⁻ᵀ weighted over the step.
     fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>);
 
+    /// What a step that begins with `old` sees at a place.
+    #[inline(always)]
+    fn place<S: Scalar<Value = S>>(&self, place: &Place<S, D>, _old: &Fields<S, D>) -> Place<S, D> {
+        *place
+    }
+
     /// Terms that hold at the new time alone.
     fn constraint<T: Scalar>(
         &self,

@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement, TimeScheme,
+    MotionModel, PressureElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -15,10 +15,11 @@ use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface};
 use crate::functional::point::{Displacement, PressureDifference};
+use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
 use crate::tangent::Tangent;
 use crate::time::{self, Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
@@ -42,6 +43,7 @@ impl Case {
                 (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
             }
             MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
+            MeshSource::Rotor => (generate::rotor(refine, spec.grading as usize), vec![]),
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
             }
@@ -75,13 +77,12 @@ impl Case {
 
     /// An error of the mesh, told with the place of the `key` of the case that is to blame.
     fn blame(&self, key: &str, error: MeshError) -> Error {
+        self.refuse(key, error.to_string())
+    }
+
+    fn refuse(&self, key: &str, message: String) -> Error {
         let place = self.place_of(key);
-        Error::Case(CaseErrors(vec![CaseError {
-            place,
-            key: key.into(),
-            value: None,
-            message: error.to_string(),
-        }]))
+        Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
     }
 
     fn fluid_region(&self) -> &str {
@@ -109,7 +110,13 @@ impl Case {
         let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
         let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
         let degree = self.space.velocity.degree();
-        let space = FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies);
+        let mut space = FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies);
+        space.walls = self.motion.walls;
+        let message =
+            "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
+        if space.walls == Walls::Sliding && space.deforms && self.fluid.is_some() && !space.slides() {
+            return Err(self.refuse("motion.walls", message.into()));
+        }
         self.check_patches(&space)?;
         Ok(space)
     }
@@ -136,8 +143,12 @@ impl Case {
     /// Parameters of the equations.
     pub fn physics(&self) -> Physics {
         let extension = match self.motion.model {
-            MotionModel::Harmonic => Extension::Harmonic,
+            MotionModel::Harmonic | MotionModel::StiffenedHarmonic => Extension::Harmonic,
             MotionModel::PseudoElastic => Extension::PseudoElastic { poisson: self.motion.poisson },
+            MotionModel::JacobianStiffened => {
+                Extension::JacobianStiffened { poisson: self.motion.poisson, lagged: self.motion.lagged }
+            }
+            MotionModel::Biharmonic => Extension::Biharmonic { hinged: self.motion.hinged },
         };
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
@@ -174,6 +185,7 @@ impl Case {
         let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
+            domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
             tangent: match self.newton.jacobian {
                 JacobianKind::Automatic => Tangent::Automatic,
                 JacobianKind::Analytic => Tangent::Analytic,
@@ -220,12 +232,7 @@ impl Case {
     }
 
     fn scheme(&self) -> Scheme {
-        match self.time.as_ref().map(|t| t.scheme) {
-            Some(TimeScheme::ShiftedCrankNicolson { shift }) => Scheme::ShiftedCrankNicolson { shift },
-            Some(TimeScheme::CrankNicolson) => Scheme::CRANK_NICOLSON,
-            Some(TimeScheme::Theta { theta }) => Scheme::Theta { theta },
-            Some(TimeScheme::BackwardEuler) | None => Scheme::BACKWARD_EULER,
-        }
+        self.time.as_ref().map_or(Scheme::BACKWARD_EULER, |t| t.scheme.scheme())
     }
 
     /// One condition per boundary of `mesh`.
@@ -259,15 +266,25 @@ impl Case {
         facets.all(|f| Some(mesh.cell_region[f.cell as usize]) == solid)
     }
 
-    /// E_e(x) = (d_0 + d)^(−exponent) with the distance d to the interface, and its largest value.
+    /// E_e(x) with the distance d to the interface, and its largest value: (d_0 + d)^(−exponent) of the elastic
+    /// models, α = 2 − erf(5 d/L) of the stiffened harmonic one.
     #[allow(clippy::type_complexity)]
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
         let m = &self.motion;
-        let plain = m.model == MotionModel::Harmonic || m.exponent == 0.0;
+        let plain = match m.model {
+            MotionModel::Harmonic | MotionModel::Biharmonic => true,
+            MotionModel::StiffenedHarmonic => false,
+            MotionModel::PseudoElastic | MotionModel::JacobianStiffened => m.exponent == 0.0,
+        };
         if plain || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
         let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
+        if m.model == MotionModel::StiffenedHarmonic {
+            let scale = m.scale.unwrap_or_else(|| 0.5 * smaller_extent(&space.mesh));
+            let value = move |x: &[f64; 2]| 2.0 - erf(5.0 * distance.distance(*x) / scale);
+            return Ok((Box::new(value), 2.0));
+        }
         let (offset, exponent) = (m.offset, m.exponent);
         let value = move |x: &[f64; 2]| (offset + distance.distance(*x)).powf(-exponent);
         Ok((Box::new(value), offset.powf(-exponent)))
@@ -282,6 +299,9 @@ impl Case {
             }
         }
         let size = (area / space.nodes.len() as f64).sqrt();
+        // The operator of fourth order has the unit 1/m² besides.
+        let fourth = self.motion.model == MotionModel::Biharmonic;
+        let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
         let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density));
         Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness }
     }
@@ -337,6 +357,15 @@ impl Case {
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
         })
     }
+}
+
+/// The smaller side of the box around the mesh \[m\].
+fn smaller_extent(mesh: &Mesh<2>) -> f64 {
+    let extent = |d: usize| {
+        let along = mesh.nodes.iter().map(|x| x[d]);
+        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
+    };
+    extent(0).min(extent(1))
 }
 
 /// The key of `spec` that `error` is about.

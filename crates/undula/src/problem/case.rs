@@ -7,6 +7,8 @@ pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
 use crate::physics::{Material, Stabilization};
+use crate::space::Walls;
+use crate::time::Scheme;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -96,6 +98,8 @@ pub enum MeshSource {
     TurekHron,
     /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
     SchaeferTurek,
+    /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
+    Rotor,
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -225,6 +229,14 @@ pub struct MotionSpec {
     pub offset: f64,
     /// Exponent of the stiffening; 0 switches it off.
     pub exponent: f64,
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh.
+    pub scale: Option<f64>,
+    /// Take J of the stiffening by J + 1/J from the last solution.
+    pub lagged: bool,
+    /// w = 0 instead of ∂_n u = 0 on the outer boundary (biharmonic).
+    pub hinged: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
 }
 
 /// Operator of the extension.
@@ -232,8 +244,14 @@ pub struct MotionSpec {
 pub enum MotionModel {
     /// (∇u, ∇ψ), never stiffened.
     Harmonic,
+    /// (α ∇u, ∇ψ) with α = 2 − erf(5 d/L).
+    StiffenedHarmonic,
     /// (E_e (∇u + ∇uᵀ)/(2(1+ν_e)) + …, ∇ψ) with E_e stiffened near the interface.
     PseudoElastic,
+    /// The same with E_e (J + 1/J).
+    JacobianStiffened,
+    /// −Δu = w, −Δw = 0.
+    Biharmonic,
 }
 
 /// What holds on a boundary.
@@ -264,7 +282,13 @@ pub struct TimeSpec {
     pub end: f64,
     /// How often a failed step is halved before the run ends as a breakdown.
     pub max_halvings: u32,
+    /// Where in the step the factors of ∂_t in the fluid are taken; `bdf2` and `cg1` have their own.
+    pub domain_motion: DomainMotion,
+    /// Control of the step by its local error; `step` is then the first.
+    pub adaptive: Option<AdaptiveSettings>,
 }
+
+pub use crate::time::{AdaptiveSettings, DomainMotion};
 
 /// Scheme for one step; further schemes are further arms.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -283,17 +307,39 @@ pub enum TimeScheme {
         /// c \[1/s\].
         shift: f64,
     },
+    /// Crank-Nicolson with some steps of backward Euler from the start of every interval on.
+    Rannacher {
+        /// Steps of backward Euler.
+        steps: u32,
+        /// Interval \[s\].
+        interval: f64,
+    },
+    /// Three θ-steps in one.
+    FractionalStepTheta,
+    /// cG(1): linear trial functions, test functions constant in each step.
+    Galerkin,
+    /// Backward differentiation over two steps.
+    Bdf2,
 }
 
 impl TimeScheme {
-    /// The implicit weight θ of a step of length `k` \[s\], at most 1.
-    pub fn theta(&self, k: f64) -> f64 {
+    /// As `time` takes it.
+    pub fn scheme(&self) -> Scheme {
         match *self {
-            TimeScheme::BackwardEuler => 1.0,
-            TimeScheme::Theta { theta } => theta,
-            TimeScheme::CrankNicolson => 0.5,
-            TimeScheme::ShiftedCrankNicolson { shift } => (0.5 + shift * k).min(1.0),
+            TimeScheme::BackwardEuler => Scheme::BACKWARD_EULER,
+            TimeScheme::Theta { theta } => Scheme::Theta { theta },
+            TimeScheme::CrankNicolson => Scheme::CRANK_NICOLSON,
+            TimeScheme::ShiftedCrankNicolson { shift } => Scheme::ShiftedCrankNicolson { shift },
+            TimeScheme::Rannacher { steps, interval } => Scheme::Rannacher { steps, interval },
+            TimeScheme::FractionalStepTheta => Scheme::FractionalStepTheta,
+            TimeScheme::Galerkin => Scheme::Galerkin,
+            TimeScheme::Bdf2 => Scheme::Bdf2,
         }
+    }
+
+    /// The implicit weight θ of most steps of length `k` \[s\], at most 1.
+    pub fn theta(&self, k: f64) -> f64 {
+        self.scheme().rule(k).theta
     }
 }
 
@@ -442,6 +488,8 @@ pub enum EnergyKind {
 pub struct OutputSpec {
     /// Write fields every this many steps (0: only at the end).
     pub fields_every: usize,
+    /// Write fields every this many seconds after the start, too; steps end there. `None`: not so.
+    pub fields_interval: Option<f64>,
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write a checkpoint every this many steps (0: only when interrupted and at the end).

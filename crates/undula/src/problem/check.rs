@@ -69,9 +69,10 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     {
         root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
     }
-    let motion = body::motion(root.section("motion"));
+    let motion = root.section("motion");
     let boundary = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
+    let motion = body::motion(motion, time.is_some(), space.velocity);
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =

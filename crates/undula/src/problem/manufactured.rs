@@ -14,7 +14,9 @@ use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, 
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{
+    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
+};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.
@@ -139,6 +141,7 @@ impl Manufactured {
         let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
+            domain_motion: DomainMotion::Secant,
             tangent: Tangent::Automatic,
             extrapolate: true,
             max_halvings: 0,

@@ -1,12 +1,13 @@
 //! A case as TOML with all defaults resolved.
 
 use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, Precision, TimeScheme,
+    Case, Condition, DomainMotion, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization,
+    MeshSource, MotionModel, Precision, TimeScheme,
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
 use crate::physics::{PressureTerm, TransportTerm};
+use crate::space::Walls;
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -87,6 +88,9 @@ impl Case {
         }
         out.table("output");
         out.key("fields-every", self.output.fields_every.to_string(), "steps; 0: only at the end");
+        if let Some(interval) = self.output.fields_interval {
+            out.key("fields-interval", number(interval), "s; steps end there");
+        }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
         out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
         if let Some(leading) = &self.output.leading {
@@ -100,6 +104,7 @@ impl Case {
         match &self.mesh.source {
             MeshSource::TurekHron => out.word("generator", "turek-hron"),
             MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
+            MeshSource::Rotor => out.word("generator", "rotor"),
             MeshSource::Box { lower, upper, cells } => {
                 out.word("generator", "box");
                 out.key("lower", pair(lower), "m");
@@ -172,13 +177,25 @@ impl Case {
             "model",
             match self.motion.model {
                 MotionModel::Harmonic => "harmonic",
+                MotionModel::StiffenedHarmonic => "stiffened-harmonic",
                 MotionModel::PseudoElastic => "pseudo-elastic",
+                MotionModel::JacobianStiffened => "jacobian-stiffened",
+                MotionModel::Biharmonic => "biharmonic",
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
         out.key("offset", number(self.motion.offset), "m");
         out.key("exponent", number(self.motion.exponent), "");
-        out.word("walls", "fixed");
+        if let Some(scale) = self.motion.scale {
+            out.key("scale", number(scale), "m");
+        }
+        if self.motion.model == MotionModel::JacobianStiffened {
+            out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+        }
+        if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
+            out.word("outer", if self.motion.hinged { "hinged" } else { "clamped" });
+        }
+        out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
     }
 
     fn write_time(&self, out: &mut Lines) {
@@ -198,11 +215,40 @@ impl Case {
                 out.word("scheme", "shifted-crank-nicolson");
                 out.key("shift", number(shift), "1/s, theta = 1/2 + shift * step");
             }
+            TimeScheme::Rannacher { steps, interval } => {
+                out.word("scheme", "rannacher");
+                out.key("rannacher-steps", steps.to_string(), "of backward Euler from the start of every");
+                out.key("rannacher-interval", number(interval), "s");
+            }
+            TimeScheme::FractionalStepTheta => out.word("scheme", "fractional-step-theta"),
+            TimeScheme::Galerkin => out.word("scheme", "cg1"),
+            TimeScheme::Bdf2 => out.word("scheme", "bdf2"),
+        }
+        if !matches!(time.scheme, TimeScheme::Galerkin | TimeScheme::Bdf2) {
+            out.word(
+                "domain-motion",
+                match time.domain_motion {
+                    DomainMotion::Secant => "secant",
+                    DomainMotion::Midpoint => "midpoint",
+                    DomainMotion::Galerkin => "galerkin",
+                },
+            );
         }
         out.key("step", expression(&time.step), "s");
         out.key("start", number(time.start), "s");
         out.key("end", number(time.end), "s");
         out.key("max-halvings", time.max_halvings.to_string(), "of a failed step");
+        if let Some(adaptive) = &time.adaptive {
+            out.table("time.adaptive");
+            out.key(
+                "tolerance",
+                number(adaptive.tolerance),
+                "of v in a step, relative to the largest so far",
+            );
+            out.key("min-step", number(adaptive.min_step), "s");
+            out.key("max-step", number(adaptive.max_step), "s");
+            out.key("safety", number(adaptive.safety), "");
+        }
     }
 
     fn write_solvers(&self, out: &mut Lines) {

@@ -22,15 +22,30 @@ pub enum BoundaryCondition<const D: usize> {
     Free,
 }
 
+/// What the deformation does on the outer boundary of the fluid.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub enum Walls {
+    /// u = 0.
+    #[default]
+    Fixed,
+    /// n·u = 0 where the boundary is straight and parallel to an axis; u = 0 at corners, where boundaries meet,
+    /// and where they are curved or inclined.
+    Sliding,
+}
+
 /// Constrained unknowns and the data they take.
 #[derive(Clone)]
 pub struct Constraints<const D: usize> {
     /// Velocity nodes that are given.
     pub v: Vec<bool>,
-    /// Deformation nodes that are given (always 0).
-    pub u: Vec<bool>,
+    /// Components of the deformation that are given (always 0).
+    pub u: Vec<[bool; D]>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
+    /// Factor of the velocity data, for loads that are raised in parts.
+    pub load: f64,
+    /// Whether velocity data depend on the deformation: they are taken at x + u, and nodes with data slide.
+    pub follows: bool,
 }
 
 impl<const D: usize> Constraints<D> {
@@ -38,26 +53,35 @@ impl<const D: usize> Constraints<D> {
     pub fn new(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Constraints<D> {
         let n = space.nodes.len();
         let mut fixed = vec![false; n];
-        let mut c = Constraints { v: vec![false; n], u: vec![false; n], data: vec![] };
+        let (v, u) = (vec![false; n], vec![[false; D]; n]);
+        let mut c = Constraints { v, u, data: vec![], load: 1.0, follows: false };
         let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
         for facet in &space.mesh.facets {
             for node in space.facet_nodes(facet) {
                 let node = node as usize;
                 match &conditions[facet.boundary as usize] {
                     BoundaryCondition::Velocity(data) => {
-                        (c.v[node], c.u[node]) = (true, true);
+                        (c.v[node], c.u[node]) = (true, [true; D]);
                         given[node] = Some(data.clone());
                     }
                     BoundaryCondition::Fixed => {
-                        (c.v[node], c.u[node], fixed[node]) = (true, true, true);
+                        (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    BoundaryCondition::Outflow { .. } => c.u[node] = true,
+                    BoundaryCondition::Outflow { .. } => c.u[node] = [true; D],
                     BoundaryCondition::Free => {}
+                }
+            }
+        }
+        if space.walls == Walls::Sliding {
+            for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
+                if let Some(axis) = axis {
+                    c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }
         }
         for node in 0..n {
             if let (false, Some(data)) = (fixed[node], given[node].take()) {
+                c.follows |= space.deforms && c.u[node] != [true; D];
                 c.data.push((node as u32, data));
             }
         }
@@ -71,14 +95,25 @@ impl<const D: usize> Constraints<D> {
                 v[node * D..(node + 1) * D].fill(0.0);
             }
         }
-        for (node, &is) in self.u.iter().enumerate() {
-            if is && !u.is_empty() {
-                u[node * D..(node + 1) * D].fill(0.0);
+        if !u.is_empty() {
+            for (u, given) in u.chunks_exact_mut(D).zip(&self.u) {
+                (0..D).filter(|&i| given[i]).for_each(|i| u[i] = 0.0);
             }
         }
+        self.apply_data(space, t, v, u);
+    }
+
+    /// Write the velocity data of time `t` at the places x + u into `v`.
+    pub fn apply_data(&self, space: &FsiSpace<D>, t: f64, v: &mut [f64], u: &[f64]) {
         for (node, data) in &self.data {
             let node = *node as usize;
-            v[node * D..(node + 1) * D].copy_from_slice(&data(&space.nodes.points[node], t));
+            let mut x = space.nodes.points[node];
+            // Where nothing slides u is 0 here.
+            if self.follows {
+                (0..D).for_each(|i| x[i] += u[node * D + i]);
+            }
+            let value = data(&x, t);
+            (0..D).for_each(|i| v[node * D + i] = self.load * value[i]);
         }
     }
 }

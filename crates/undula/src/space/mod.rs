@@ -3,9 +3,10 @@
 pub mod conditions;
 pub mod dofs;
 pub mod pressure;
+mod sliding;
 pub mod state;
 
-pub use conditions::{BoundaryCondition, Constraints, VelocityData};
+pub use conditions::{BoundaryCondition, Constraints, VelocityData, Walls};
 pub use dofs::Nodes;
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
@@ -48,6 +49,8 @@ pub struct FsiSpace<const D: usize> {
     pub owner: Vec<PsiOwner>,
     /// Whether the deformation is unknown: not in a pure flow.
     pub deforms: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
 }
@@ -83,7 +86,8 @@ impl<const D: usize> FsiSpace<D> {
             PressureKind::Pdc(_) => vec![],
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
-        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, pressure_nodes }
+        let walls = Walls::Fixed;
+        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, walls, pressure_nodes }
     }
 
     /// Number of velocity unknowns, given ones counted.
@@ -116,6 +120,11 @@ impl<const D: usize> FsiSpace<D> {
         let local = self.mesh.shape.facet_nodes(self.nodes.degree, facet.local as usize);
         let cell = self.nodes.cell(facet.cell as usize);
         local.iter().map(|&a| cell[a]).collect()
+    }
+
+    /// Whether there is a node that may slide, see [`Walls::Sliding`].
+    pub fn slides(&self) -> bool {
+        sliding::normals(self).iter().any(Option::is_some)
     }
 
     /// All nodes on the boundary called `name`, ascending.

@@ -110,13 +110,14 @@ fn blocks<const D: usize>(
 ) -> Vec<(&'static str, Vec<u32>)> {
     let (n_v, n_u) = (space.n_v(), space.n_u());
     let of_fluid = |node: usize| space.owner[node] == PsiOwner::Extension;
-    let nodes = |first: usize, given: &[bool], fluid: bool| -> Vec<u32> {
-        let there = |&node: &usize| !given[node] && of_fluid(node) == fluid;
-        let all = (0..space.nodes.len()).filter(there);
-        all.flat_map(|node| (0..D).map(move |i| (first + node * D + i) as u32)).collect()
+    let places = |first: usize, given: &dyn Fn(usize, usize) -> bool, fluid: bool| -> Vec<u32> {
+        let nodes = (0..space.nodes.len()).filter(|&node| of_fluid(node) == fluid);
+        let all = nodes.flat_map(|node| (0..D).map(move |i| (node, i)));
+        all.filter(|&(node, i)| !given(node, i)).map(|(node, i)| (first + node * D + i) as u32).collect()
     };
-    let v = [true, false].map(|fluid| nodes(0, &constraints.v, fluid));
-    let u = [true, false].map(|fluid| if space.deforms { nodes(n_v, &constraints.u, fluid) } else { vec![] });
+    let v = [true, false].map(|fluid| places(0, &|node, _| constraints.v[node], fluid));
+    let there = space.deforms;
+    let u = [true, false].map(|fluid| places(n_v, &|node, i| !there || constraints.u[node][i], fluid));
     let p: Vec<u32> = (n_v + n_u..space.n_unknowns()).map(|p| p as u32).collect();
     let join = |parts: &[&Vec<u32>]| -> Vec<u32> {
         let mut all: Vec<u32> = parts.iter().flat_map(|part| part.iter().copied()).collect();

@@ -14,6 +14,15 @@ pub const QUADRATURE: usize = 3;
 
 pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::Harmonic };
 pub const AUXETIC: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::PseudoElastic { poisson: -0.2 } };
+/// One of each kind.
+pub const EXTENSIONS: [Extension; 6] = [
+    Extension::Harmonic,
+    Extension::PseudoElastic { poisson: -0.2 },
+    Extension::JacobianStiffened { poisson: 0.1, lagged: true },
+    Extension::JacobianStiffened { poisson: 0.1, lagged: false },
+    Extension::Biharmonic { hinged: false },
+    Extension::Biharmonic { hinged: true },
+];
 pub const SOLID: Solid = Solid { rho: 2.1, material: Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 } };
 
 pub const FSI: Physics = Physics { fluid: Some(AUXETIC), solid: Some(SOLID) };
@@ -38,6 +47,8 @@ pub enum Body {
     Inclusion,
     /// A block on the lower wall: (¼, ¾) × (0, ½).
     Block,
+    /// All but a hole (¼, ¾)² that is full of fluid.
+    Frame,
     /// The lower half: neither part has a corner that points inwards, so that dual problems are regular.
     Half,
 }
@@ -47,6 +58,7 @@ pub fn square(n: usize, cells: Cells, body: Body) -> Mesh<2> {
     let mut mesh = rectangle([0.0; 2], [1.0; 2], [n, n], 0).unwrap();
     let inside = |x: [f64; 2]| match body {
         Body::Inclusion => 0.25 - (x[0] - 0.5).abs().max((x[1] - 0.5).abs()),
+        Body::Frame => (x[0] - 0.5).abs().max((x[1] - 0.5).abs()) - 0.25,
         Body::Half => 0.5 - x[1],
         Body::Block => (0.25 - (x[0] - 0.5).abs()).min(0.5 - x[1]),
     };

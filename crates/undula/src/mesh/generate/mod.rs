@@ -6,10 +6,12 @@
 mod blocks;
 mod channel;
 mod rectangle;
+mod rotor;
 mod schaefer_turek;
 mod turek_hron;
 
 pub use rectangle::rectangle;
+pub use rotor::rotor;
 pub use schaefer_turek::schaefer_turek;
 pub use turek_hron::turek_hron;
 

@@ -7,6 +7,7 @@ use crate::problem::case::{
 use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::space::Walls;
 use std::collections::BTreeMap;
 
 const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
@@ -17,6 +18,7 @@ const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number abo
 enum Generator {
     TurekHron,
     SchaeferTurek,
+    Rotor,
     Box,
 }
 
@@ -24,9 +26,10 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let generators = [
         ("turek-hron", Generator::TurekHron),
         ("schaefer-turek", Generator::SchaeferTurek),
+        ("rotor", Generator::Rotor),
         ("box", Generator::Box),
     ];
-    let generator = s.choice("generator", &generators, &["rotor"]);
+    let generator = s.choice("generator", &generators, &[]);
     let file = s.string("file");
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
@@ -37,7 +40,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
     } else if !s.has("generator") && !s.has("file") {
-        s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `box`) or `file`");
+        s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
     }
     let is_box = generator == Some(Generator::Box);
     for key in ["lower", "upper", "cells", "region"] {
@@ -55,6 +58,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let source = match (generator, file) {
         (Some(Generator::TurekHron), _) => MeshSource::TurekHron,
         (Some(Generator::SchaeferTurek), _) => MeshSource::SchaeferTurek,
+        (Some(Generator::Rotor), _) => MeshSource::Rotor,
         (Some(Generator::Box), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
         (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
         // A mistake was told; what follows is checked nevertheless.
@@ -270,16 +274,44 @@ fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
     (mu, lambda.unwrap_or(1.0))
 }
 
-pub(super) fn motion(mut s: Section<'_, '_>) -> MotionSpec {
-    let models = [("harmonic", MotionModel::Harmonic), ("pseudo-elastic", MotionModel::PseudoElastic)];
-    let later = ["stiffened-harmonic", "jacobian-stiffened", "biharmonic"];
+/// `moves`: whether the case has a last step to take J from.
+pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElement) -> MotionSpec {
+    let models = [
+        ("harmonic", MotionModel::Harmonic),
+        ("stiffened-harmonic", MotionModel::StiffenedHarmonic),
+        ("pseudo-elastic", MotionModel::PseudoElastic),
+        ("jacobian-stiffened", MotionModel::JacobianStiffened),
+        ("biharmonic", MotionModel::Biharmonic),
+    ];
+    let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
+    if model == MotionModel::Biharmonic && velocity.degree() == 1 {
+        s.wrong("model", "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity");
+    }
+    let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
+    if jacobian == Some(true) && !moves {
+        s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
+    }
+    let walls = s.choice("walls", &[("fixed", Walls::Fixed), ("sliding", Walls::Sliding)], &[]);
+    let outer = s.choice("outer", &[("clamped", false), ("hinged", true)], &[]);
     let spec = MotionSpec {
-        model: s.choice("model", &models, &later).unwrap_or(MotionModel::PseudoElastic),
+        model,
         poisson: s.number("poisson", 0.0, POISSON),
         offset: s.number("offset", 0.01, POSITIVE),
         exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
+        scale: s.optional_number("scale", POSITIVE),
+        lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),
+        hinged: outer.unwrap_or(false),
+        walls: walls.unwrap_or_default(),
     };
-    s.choice("walls", &[("fixed", ())], &["sliding"]);
+    let used = [
+        ("scale", model == MotionModel::StiffenedHarmonic),
+        ("jacobian", model == MotionModel::JacobianStiffened),
+        ("outer", model == MotionModel::Biharmonic),
+    ];
+    for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
+        let note = format!("motion.{key} has no effect with this motion.model");
+        s.checker.notes.borrow_mut().push(note);
+    }
     s.finish();
     spec
 }

@@ -1,0 +1,236 @@
+//! The ALE map of section 5.3.5: what each extension reproduces, and that all of them solve the same problem.
+
+#[path = "common/manufactured.rs"]
+mod manufactured;
+
+use manufactured::*;
+use std::sync::Arc;
+use undula::algebra::{FaerLu, LinearSolver};
+use undula::assembly::{Assembler, Physics, StepView};
+use undula::physics::{Extension, Fluid, StepRule};
+use undula::problem::case::Case;
+use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
+use undula::simulation::Simulation;
+use undula::space::PressureKind::Pdc;
+use undula::space::{PsiOwner, State, Walls};
+
+fn coupled(extension: Extension, cells: Cells, body: Body, walls: Walls) -> Manufactured {
+    on_square(8, extension, cells, body, walls)
+}
+
+fn on_square(n: usize, extension: Extension, cells: Cells, body: Body, walls: Walls) -> Manufactured {
+    let zero = number(0.0);
+    let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
+    let physics = Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI };
+    let mesh = square(n, cells, body);
+    let mut problem = problem(&mesh, physics, Pdc(1), nothing, InTime::Difference, QUADRATURE);
+    Arc::make_mut(&mut problem.space).walls = walls;
+    problem
+}
+
+/// Largest entry of the ψ rows that the extension owns, off the outer boundary unless `boundary`, at u = `f`(x).
+fn residual(
+    problem: &Manufactured,
+    stiffness: &dyn Fn(&[f64; 2]) -> f64,
+    boundary: bool,
+    f: impl Fn([f64; 2]) -> [f64; 2],
+) -> f64 {
+    let space = &problem.space;
+    let mut at = State::zero(space.n_v(), space.n_u(), space.n_p());
+    at.u = space.nodes.points.iter().flat_map(|x| f(*x)).collect();
+    let mut assembler =
+        Assembler::new(space.clone(), problem.physics, &problem.conditions, stiffness, &options());
+    let mut r = vec![0.0; space.n_unknowns()];
+    assembler.residual(&StepView { rule: StepRule::STATIONARY, new: &at, old: &at }, &mut r);
+    let mut outer = vec![false; space.nodes.len()];
+    for facet in space.mesh.facets.iter().filter(|_| !boundary) {
+        space.facet_nodes(facet).iter().for_each(|&n| outer[n as usize] = true);
+    }
+    let owned = |n: &usize| space.owner[n / 2] == PsiOwner::Extension && !outer[n / 2];
+    (0..space.n_v()).filter(owned).map(|i| r[space.n_v() + i].abs()).fold(0.0, f64::max)
+}
+
+fn affine([x, y]: [f64; 2]) -> [f64; 2] {
+    [0.1 + 0.2 * x - 0.1 * y, 0.15 * x + 0.05 * y - 0.3]
+}
+
+fn uneven(x: &[f64; 2]) -> f64 {
+    1.0 / (0.1 + x[0] * x[0] + 0.3 * x[1])
+}
+
+/// With constant coefficients an affine motion of the boundary is extended by itself. A clamped outer boundary
+/// allows none, so the fluid is enclosed in the solid there.
+#[test]
+fn affine_motions_are_reproduced() {
+    for extension in EXTENSIONS {
+        let clamped = extension == Extension::Biharmonic { hinged: false };
+        let body = if clamped { Body::Frame } else { Body::Inclusion };
+        let problem = coupled(extension, Cells::Curved, body, Walls::Fixed);
+        let r = residual(&problem, &|_| 1.0, false, affine);
+        assert!(r < 1e-11, "{extension:?}: {r:e}");
+        assert!(residual(&problem, &|_| 1.0, false, |[x, y]| [x * x * y, 0.0]) > 1e-3, "{extension:?}");
+    }
+}
+
+/// With variable coefficients translations are, and infinitesimal rotations where the stress is symmetric.
+#[test]
+fn translations_and_rotations_are_reproduced() {
+    let biharmonic = |e: &Extension| matches!(e, Extension::Biharmonic { .. });
+    for extension in EXTENSIONS.into_iter().filter(|e| !biharmonic(e)) {
+        let problem = coupled(extension, Cells::Curved, Body::Inclusion, Walls::Fixed);
+        let shift = residual(&problem, &uneven, false, |_| [0.2, -0.1]);
+        let turn = residual(&problem, &uneven, false, |[x, y]| [-0.2 * y, 0.2 * x]);
+        assert!(shift < 1e-13, "{extension:?}: {shift:e}");
+        match extension {
+            Extension::Harmonic => assert!(turn > 1e-3, "{turn:e}"),
+            _ => assert!(turn < 1e-13, "{extension:?}: {turn:e}"),
+        }
+        assert!(residual(&problem, &uneven, false, affine) > 1e-3, "{extension:?}");
+    }
+}
+
+/// The biharmonic extension on squares reproduces all quadratic polynomials: −Δu is a constant that the nodal rule
+/// integrates, and the slope at the interface is that of the solid. A harmonic one does not.
+#[test]
+fn biharmonic_extension_reproduces_quadratic_polynomials() {
+    let quadratic = |[x, y]: [f64; 2]| [0.3 * x * x - 0.2 * x * y, 0.1 * y * y + 0.4 * x * y - x];
+    for hinged in [false, true] {
+        let problem = coupled(Extension::Biharmonic { hinged }, Cells::Square, Body::Frame, Walls::Fixed);
+        let r = residual(&problem, &|_| 1.0, false, quadratic);
+        assert!(r < 1e-10, "{r:e}");
+    }
+    let problem = coupled(Extension::Harmonic, Cells::Square, Body::Frame, Walls::Fixed);
+    assert!(residual(&problem, &|_| 1.0, false, quadratic) > 1e-3);
+}
+
+/// The deformation in a hole full of fluid of a frame that is bent like `exact`: largest error at the nodes.
+fn extension_error(extension: Extension, n: usize, exact: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
+    let problem = on_square(n, extension, Cells::Square, Body::Frame, Walls::Fixed);
+    let space = &problem.space;
+    let mut at = State::zero(space.n_v(), space.n_u(), space.n_p());
+    for (node, x) in space.nodes.points.iter().enumerate() {
+        if space.owner[node] == PsiOwner::Relation {
+            at.u[2 * node..2 * node + 2].copy_from_slice(&exact(*x));
+        }
+    }
+    let mut assembler = problem.assembler(&options());
+    let view = StepView { rule: StepRule::STATIONARY, new: &at, old: &at };
+    let mut r = vec![0.0; space.n_unknowns()];
+    assembler.residual(&view, &mut r);
+    let system = assembler.extension(&view).unwrap();
+    let mut solver = FaerLu::faer(undula::algebra::Options::default());
+    let all = assembler.unknowns();
+    let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
+    solver.analyse(&system.matrix.pattern, &unknowns).unwrap();
+    solver.factor(&system.matrix).unwrap();
+    let (mut b, mut x) = (vec![0.0; unknowns.len()], vec![0.0; unknowns.len()]);
+    system.right_hand_side(&r, &vec![0.0; space.n_unknowns()], &mut b);
+    solver.solve(&system.matrix, &b, &mut x).unwrap();
+    let error = |(&place, x): (&u32, &f64)| {
+        let at = place as usize - space.n_v();
+        (-x - exact(space.nodes.points[at / 2])[at % 2]).abs()
+    };
+    system.places.iter().zip(&x).map(error).fold(0.0, f64::max)
+}
+
+/// Of a biharmonic polynomial that is not harmonic.
+#[test]
+fn biharmonic_extension_converges() {
+    let exact = |[x, y]: [f64; 2]| [x * x * x - 0.5 * x * y * y, y * y * (x - 0.3 * y)];
+    let e: Vec<f64> =
+        [8, 16, 32].map(|n| extension_error(Extension::Biharmonic { hinged: false }, n, exact)).to_vec();
+    println!("biharmonic: {e:?}");
+    assert!(e.windows(2).all(|e| e[1] < e[0] / 3.5), "second order: {e:?}");
+    assert!(extension_error(Extension::Harmonic, 16, exact) > 20.0 * e[1]);
+}
+
+/// Above a body that is lifted by s a mesh that slides along the side walls is compressed evenly,
+/// u = (0, 2 s (1 − y)): tangential unknowns of the walls are free, normal ones and corners are 0.
+#[test]
+fn sliding_mesh_is_compressed_evenly() {
+    let lifted = |[_, y]: [f64; 2]| [0.0, 0.2 * if y > 0.5 { 1.0 - y } else { 0.5 }];
+    for extension in [Extension::Harmonic, Extension::PseudoElastic { poisson: 0.0 }] {
+        let slide = coupled(extension, Cells::Square, Body::Half, Walls::Sliding);
+        let constraints = slide.assembler(&options()).constraints;
+        let slides = |n: usize| constraints.u[n] == [true, false] || constraints.u[n] == [false, true];
+        let n_sliding = (0..constraints.u.len()).filter(|&n| slides(n)).count();
+        // Two sides of 8 cells less two ends, and 16 of 17 nodes on top less a corner.
+        assert_eq!(n_sliding, 2 * 7 + 15, "{extension:?}");
+        for (x, given) in slide.space.nodes.points.iter().zip(&constraints.u) {
+            if x[1] == 1.0 {
+                let corner = x[0] == 0.0 || x[0] == 1.0;
+                assert_eq!(*given, [corner, true], "{x:?}");
+            }
+        }
+        let r = residual(&slide, &|_| 1.0, true, lifted);
+        assert!(r < 1e-14, "{extension:?}: {r:e}");
+        let squeezed = |[x, y]: [f64; 2]| [x * (1.0 - x) * (1.0 - y) * y, 0.0];
+        assert!(residual(&slide, &|_| 1.0, true, squeezed) > 1e-3);
+    }
+}
+
+/// The error function in the stiffness, and its default length: half the height of the channel.
+fn simulation(name: &str, overrides: &[&str]) -> Simulation {
+    let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
+    Simulation::new(Case::load(name, &overrides).unwrap(), 1).unwrap()
+}
+
+const MODELS: [&[&str]; 7] = [
+    &["motion.model=harmonic"],
+    &["motion.model=stiffened-harmonic"],
+    &["motion.model=pseudo-elastic", "motion.poisson=-0.2"],
+    &["motion.model=jacobian-stiffened", "motion.jacobian=lagged"],
+    &["motion.model=jacobian-stiffened", "motion.jacobian=implicit"],
+    &["motion.model=biharmonic"],
+    &["motion.model=biharmonic", "motion.outer=hinged"],
+];
+
+/// Condensed or whole Jacobian, fixed or sliding: the same solution of each model.
+#[test]
+fn linearizations_agree_for_every_model() {
+    for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
+        for model in MODELS {
+            let end = |linearization: &str| {
+                let mut list =
+                    vec!["mesh.refine=0", "time.step=0.1", "solid.mu=1e5", "solid.lambda=4e5", walls];
+                list.extend(model);
+                list.push(linearization);
+                // Of fourth order: the residual that remains weighs more.
+                if model[0] == "motion.model=biharmonic" {
+                    list.push("newton.tolerance=1e-10");
+                }
+                let mut s = simulation("fsi3", &list);
+                let rows: Vec<_> = (0..4).map(|_| s.step().unwrap()).collect();
+                let reports: Vec<_> = rows.iter().map(|r| (r.newton_steps, r.jacobians)).collect();
+                println!(
+                    "{model:?} {walls} {linearization} {reports:?} {:?} {}",
+                    rows[3].values, rows[3].min_j
+                );
+                s.stepper.new.clone()
+            };
+            let (a, b) = (end("newton.linearization=condensed"), end("newton.linearization=newton"));
+            for (a, b) in [(&a.v, &b.v), (&a.u, &b.u), (&a.p, &b.p)] {
+                let size = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+                let gap = a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+                assert!(gap < 1e-6 * size, "{model:?} {walls}: {:e}", gap / size);
+            }
+        }
+    }
+}
+
+/// fsi1 does not depend on the extension, but for the error of the discretisation: 7 % in u_y on this mesh.
+#[test]
+fn fsi1_is_the_same_with_every_model() {
+    let reference = simulation("fsi1", &["mesh.refine=0"]).step().unwrap();
+    for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
+        for model in MODELS.into_iter().filter(|m| !m.contains(&"motion.jacobian=lagged")) {
+            let mut list = vec!["mesh.refine=0", walls];
+            list.extend(model);
+            let row = simulation("fsi1", &list).step().unwrap();
+            println!("{model:?} {walls}: {:?}", row.values);
+            for (a, b) in row.values.iter().zip(&reference.values) {
+                assert!((a / b - 1.0).abs() < 0.02, "{model:?} {walls}: {a} instead of {b}");
+            }
+        }
+    }
+}
