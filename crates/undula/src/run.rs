@@ -1,17 +1,17 @@
 //! A computation with its files: history, fields, checkpoints, summary.
 
+use crate::element::Shape;
 use crate::error::Error;
 use crate::nonlinear::Age;
 use crate::output::{
-    Array, Breakdown, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases, Precision,
-    RunDirectory, Status, Summary, peak_memory, write_vtu,
+    Array, Breakdown, CellKind, Checkpoint, Collection, Field, FieldSnapshot, HistoryWriter, Phases,
+    Precision, RunDirectory, Status, Summary, peak_memory, write_vtu,
 };
-use crate::physics::StepRule;
-use crate::physics::step::SECANT;
 use crate::problem::case::Case;
 use crate::simulation::{Row, Simulation};
 use crate::space::{FsiSpace, Region, State};
-use crate::time::{Clock, JacobianPoint};
+use crate::time::adaptive::Memory;
+use crate::time::{Clock, Damping, JacobianPoint};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -82,6 +82,9 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
 struct Metadata {
     step: u64,
     clock: [f64; 2],
+    /// Intervals begun and damping steps to come in Rannacher's scheme.
+    #[serde(default)]
+    damping: (u64, u32),
     /// 1/k, θ and time of the kept Jacobian.
     jacobian: Option<[f64; 3]>,
     /// Its age.
@@ -90,6 +93,9 @@ struct Metadata {
     /// Steps to go with the whole Jacobian.
     #[serde(default)]
     detour: u32,
+    /// Next step, largest velocity, rejected steps and times of the past of step-size control.
+    #[serde(default)]
+    adaptive: Option<(f64, f64, u64, Vec<f64>)>,
     counters: [u64; 3],
     seconds: [f64; 4],
     wall_seconds: f64,
@@ -179,7 +185,7 @@ impl Run {
         let due = |every: usize| every > 0 && row.step > 0 && row.step.is_multiple_of(every as u64);
         let output = &self.simulation.case.output;
         let (fields, checkpoint) = (due(output.fields_every), due(output.checkpoint_every));
-        if fields {
+        if fields || self.simulation.is_output_time() {
             self.write_fields()?;
         }
         if checkpoint {
@@ -216,9 +222,15 @@ impl Run {
         let metadata = Metadata {
             step,
             clock: [clock.time, clock.last_step],
+            damping: (clock.damping.interval, clock.damping.left),
             jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
             age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
             detour: stepper.linear.detour,
+            adaptive: self.simulation.adaptive.as_ref().map(|a| {
+                let memory = &a.memory;
+                let times = memory.past.iter().map(|(t, _)| *t).collect();
+                (memory.next, memory.scale, memory.rejected, times)
+            }),
             counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
             seconds: [seconds.assembly, seconds.factorization, seconds.solve, self.output_seconds],
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -234,6 +246,9 @@ impl Run {
             for (field, values) in [("v", &state.v), ("u", &state.u), ("p", &state.p)] {
                 checkpoint.arrays.insert(format!("{name}_{field}"), Array::F64(values.clone()));
             }
+        }
+        for (n, (_, v)) in self.simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
+            checkpoint.arrays.insert(format!("past{n}_v"), Array::F64(v.clone()));
         }
         checkpoint.save(self.directory.checkpoints(), step)?;
         self.last_checkpoint = Some(step);
@@ -251,6 +266,7 @@ impl Run {
             steps: simulation.steps,
             newton_steps: newton.counters.newton_steps as u64,
             jacobians: newton.counters.jacobians as u64,
+            rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
             factorizations: newton.counters.factorizations as u64,
             threads: simulation.threads(),
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
@@ -331,6 +347,7 @@ fn identity(case: &Case) -> String {
     (case.newton, case.linear) = Default::default();
     case.output = crate::problem::case::OutputSpec {
         fields_every: 0,
+        fields_interval: case.output.fields_interval,
         deformed: true,
         checkpoint_every: 0,
         leading: None,
@@ -374,11 +391,13 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
         let u = parts.pop().unwrap_or_default();
         Ok(State { v: parts.pop().unwrap_or_default(), u, p })
     };
-    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1] };
+    let (interval, left) = metadata.damping;
+    let damping = Damping { interval, left };
+    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1], damping };
     let [solves, iterations, last] = metadata.age;
     let point = match metadata.jacobian {
         Some([per_k, theta, time]) => Some(JacobianPoint {
-            rule: StepRule { per_k, theta, inertia: SECANT },
+            rule: simulation.stepper.settings.rule_of(per_k, theta),
             time,
             new: state("jacobian_new")?,
             old: state("jacobian_old")?,
@@ -388,7 +407,20 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
     };
     let (new, old) = (state("new")?, state("old")?);
     simulation.stepper.linear.set_detour(metadata.detour);
+    let n_v = new.v.len();
     simulation.restore(clock, new, old, point, metadata.step)?;
+    if let (Some(adaptive), Some((next, scale, rejected, times))) =
+        (&mut simulation.adaptive, &metadata.adaptive)
+    {
+        let mut past = vec![];
+        for (n, t) in times.iter().enumerate() {
+            let key = format!("past{n}_v");
+            let v = checkpoint.f64s(&key).filter(|a| a.len() == n_v);
+            let v = v.ok_or_else(|| Error::Resume(format!("array {key} should have {} numbers", n_v)))?;
+            past.push((*t, v.to_vec()));
+        }
+        adaptive.memory = Memory { next: *next, scale: *scale, rejected: *rejected, past };
+    }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
     newton.counters = crate::nonlinear::Counters { newton_steps, jacobians, factorizations };
@@ -399,16 +431,17 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
 
 /// Fields at the nodes of v and u, on the deformed mesh or on the reference domain.
 pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnapshot {
-    let n = space.nodes.len();
+    // Bubbles have no value of their own at a point.
+    let n = space.nodes.n_lagrange;
     let u = |node: usize, i: usize| if state.u.is_empty() { 0.0 } else { state.u[2 * node + i] };
     let point = |node: usize| {
         let x = space.nodes.points[node];
         let move_by = |i| if deformed { u(node, i) } else { 0.0 };
         [x[0] + move_by(0), x[1] + move_by(1), 0.0]
     };
-    let mut point_data = vec![Field::new("velocity", 2, state.v.clone())];
+    let mut point_data = vec![Field::new("velocity", 2, state.v[..2 * n].to_vec())];
     if space.deforms {
-        point_data.push(Field::new("deformation", 2, state.u.clone()));
+        point_data.push(Field::new("deformation", 2, state.u[..2 * n].to_vec()));
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
         if let Some(values) = nodal_pressure(space, state, region) {
@@ -417,24 +450,33 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
     }
     let solid = space.regions.iter().map(|r| if *r == Region::Solid { 1.0 } else { 0.0 }).collect();
     FieldSnapshot {
+        kind: match space.mesh.shape {
+            Shape::Triangle => CellKind::Triangle,
+            _ => CellKind::Quadrilateral,
+        },
         degree: space.nodes.degree,
         points: (0..n).map(point).collect(),
-        cells: space.nodes.cell_nodes.clone(),
+        cells: (0..space.mesh.n_cells()).flat_map(|cell| points_of(space, cell)).copied().collect(),
         point_data,
         cell_data: vec![Field::new("solid", 1, solid)],
     }
 }
 
+/// The nodes of `cell` that are points.
+fn points_of(space: &FsiSpace<2>, cell: usize) -> &[u32] {
+    &space.nodes.cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
+}
+
 /// Pressure of a region at the nodes, the mean over its cells; 0 outside. `None` if the region has none.
 fn nodal_pressure(space: &FsiSpace<2>, state: &State, region: Region) -> Option<Vec<f64>> {
-    let n = space.nodes.len();
+    let n = space.nodes.n_lagrange;
     let (mut sum, mut count) = (vec![0.0; n], vec![0.0; n]);
     for cell in 0..space.mesh.n_cells() {
         let dofs = space.pressure.cell(cell);
         if dofs.is_empty() || space.regions[cell] != region {
             continue;
         }
-        for (a, &node) in space.nodes.cell(cell).iter().enumerate() {
+        for (a, &node) in points_of(space, cell).iter().enumerate() {
             let xi = crate::element::lagrange::node(space.mesh.shape, space.nodes.degree, a);
             let x = space.nodes.points[node as usize];
             let basis = space.pressure.basis(&space.mesh, cell, &xi, &x);

@@ -8,7 +8,7 @@ use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::Case;
 use crate::space::{Region, State};
-use crate::time::{Clock, JacobianPoint, StepReport, Stepper};
+use crate::time::{Adaptive, Clock, JacobianPoint, StepReport, Stepper};
 use std::collections::BTreeMap;
 
 /// A case in the course of being computed.
@@ -31,6 +31,8 @@ pub struct Simulation {
     pub history: Vec<Row>,
     /// Steps done.
     pub steps: u64,
+    /// Step-size control, if the case has it.
+    pub adaptive: Option<Adaptive>,
     functionals: Functionals,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
@@ -71,8 +73,13 @@ impl Simulation {
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let needs_residual = functionals.iter().any(|(_, f)| f.needs_fluid_residual());
         let fluid_residual = vec![0.0; stepper.assembler.space.n_unknowns()];
+        let adaptive = case.time.as_ref().and_then(|time| {
+            let first = time.step.eval(&[0.0; 3], time.start);
+            time.adaptive.map(|settings| Adaptive::new(settings, first))
+        });
         Ok(Simulation {
             case,
+            adaptive,
             stepper,
             history: vec![],
             steps: 0,
@@ -133,11 +140,16 @@ impl Simulation {
             None => self.stepper.stationary()?,
             Some(time) => {
                 let now = self.stepper.time;
-                let k = time.step.eval(&[0.0; 3], now);
-                let rest = time.end - now;
-                // The last step lands on the end; a rest of a few per mille is not worth its own.
-                let k = if rest < 1.001 * k { rest } else { k };
-                self.stepper.step(k)?
+                let target = self.next_output().map_or(time.end, |output| output.min(time.end));
+                match &mut self.adaptive {
+                    Some(adaptive) => adaptive.step(&mut self.stepper, target)?,
+                    None => {
+                        let k = time.step.eval(&[0.0; 3], now);
+                        let rest = target - now;
+                        // Steps land on the target; a rest of a few per mille is not worth its own.
+                        self.stepper.step(if rest < 1.001 * k { rest } else { k })?
+                    }
+                }
             }
         };
         if self.case.time.is_some() {
@@ -148,21 +160,48 @@ impl Simulation {
         Ok(row)
     }
 
-    fn evaluate(&mut self, report: &StepReport) -> Row {
-        let (rule, new, old, assembler) = self.stepper.last_step();
-        if self.needs_residual {
-            let view = StepView { rule, new, old };
-            assembler.region_residual(&view, Region::Fluid, &mut self.fluid_residual);
-        }
-        let snapshot = Snapshot {
-            space: &assembler.space,
-            physics: &assembler.physics,
-            rule,
-            new,
-            old,
-            fluid_residual: &self.fluid_residual,
+    /// The next time of `output.fields-interval` \[s\].
+    fn next_output(&self) -> Option<f64> {
+        let (interval, time) = (self.case.output.fields_interval?, self.case.time.as_ref()?);
+        let done = ((self.stepper.time - time.start) / interval + 1e-9).floor();
+        Some(time.start + (done + 1.0) * interval)
+    }
+
+    /// Whether the present time is one of `output.fields-interval`.
+    pub fn is_output_time(&self) -> bool {
+        let (Some(interval), Some(time)) = (self.case.output.fields_interval, &self.case.time) else {
+            return false;
         };
-        let values = self.functionals.iter().map(|(_, f)| f.evaluate(&snapshot)).collect();
+        let number = (self.stepper.time - time.start) / interval;
+        number > 0.5 && (number - number.round()).abs() < 1e-9
+    }
+
+    fn evaluate(&mut self, report: &StepReport) -> Row {
+        let n_parts = self.stepper.n_parts();
+        let mut values = vec![0.0; self.functionals.len()];
+        for part in 0..n_parts {
+            let (weight, view, assembler) = self.stepper.part(part);
+            if self.needs_residual {
+                assembler.region_residual(&view, Region::Fluid, &mut self.fluid_residual);
+            }
+            let StepView { rule, new, old } = view;
+            let snapshot = Snapshot {
+                space: &assembler.space,
+                physics: &assembler.physics,
+                rule,
+                new,
+                old,
+                fluid_residual: &self.fluid_residual,
+            };
+            for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
+                // Forces are means over the parts of a step, all else belongs to its end.
+                if f.at_force_time() {
+                    *value += weight * f.evaluate(&snapshot);
+                } else if part + 1 == n_parts {
+                    *value = f.evaluate(&snapshot);
+                }
+            }
+        }
         Row {
             step: self.steps,
             time: self.stepper.time,
@@ -187,6 +226,9 @@ impl Simulation {
         step: u64,
     ) -> Result<(), Error> {
         self.steps = step;
+        if let Some(adaptive) = &mut self.adaptive {
+            adaptive.memory.past.clear();
+        }
         let stepper = &mut self.stepper;
         match &self.pool {
             None => stepper.restore(clock, new, old, point)?,

@@ -13,8 +13,10 @@ use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, State, Walls};
 use undula::tangent::Tangent;
 
-const RULES: [StepRule; 2] =
-    [StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT }, StepRule::STATIONARY];
+const RULES: [StepRule; 2] = [
+    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT, quadrature: &[] },
+    StepRule::STATIONARY,
+];
 
 fn nothing() -> Exact {
     let zero = number(0.0);

@@ -86,8 +86,8 @@ own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
-own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`
-own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`; did you mean `P1dc`?
+own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`, `P3`, `P2-bubble`
+own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`; did you mean `P1dc`?
 own.toml:14:11: fluid.density = -1000: expected a number above 0
 own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
 own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `kinematic-viscosity`, `body-force`
@@ -104,7 +104,7 @@ own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expr
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?
 own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
-own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`
+own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
 own.toml:45:7: time.end = 0: expected a time after the start, 0 s
 own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
@@ -140,9 +140,28 @@ fn further_mistakes() {
             "own.toml:9:10: solid.lambda = -2: expected a number above -2/3 mu = -2 Pa",
         ),
         (
-            "[time]\nscheme = \"bdf2\"\nstep = 1\nend = 2\n",
-            "own.toml:7:10: time.scheme = \"bdf2\": not yet available; expected one of `backward-euler`, `theta`, \
-          `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "[time]\nscheme = \"bdf2\"\ndomain-motion = \"secant\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"secant\": `bdf2` takes all terms at the new time, elsewhere it \
+          would lose its order: leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"cg1\"\ndomain-motion = \"midpoint\"\nstep = 1\nend = 2\n",
+            "own.toml:8:17: time.domain-motion = \"midpoint\": `cg1` integrates all terms over the step: expected \
+          `galerkin`, or leave the key out",
+        ),
+        (
+            "[time]\nscheme = \"rannacher\"\nstep = 1\nend = 2\n",
+            "own.toml:7:10: time.scheme = \"rannacher\": 2 steps of backward Euler take 2 s of every 1 s: none is left",
+        ),
+        (
+            "[time]\nstep = \"0.1+t\"\nend = 0.2\n[time.adaptive]\ntolerance = 2\n",
+            "own.toml:7:8: time.step = \"0.1+t\": expected a number, the first step: [time.adaptive] chooses the others\n\
+          own.toml:10:13: time.adaptive.tolerance = 2: expected a number above 0 and below 1",
+        ),
+        (
+            "[time]\nstep = 0.1\nend = 2\n[time.adaptive]\nmin-step = 0.2\nmax-step = 0.05\n",
+            "own.toml:10:12: time.adaptive.min-step = 0.2: expected at most time.step, 0.1 s\n\
+          own.toml:11:12: time.adaptive.max-step = 0.05: expected at least time.step, 0.1 s",
         ),
         (
             "[time]\nstep = 1.0\nend = 2\n",
@@ -216,15 +235,15 @@ fn mistakes_in_overrides_name_the_override() {
     for (overrides, expected) in [
         (
             &["time.scheme=cn"][..],
-            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`",
+            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`",
         ),
         (
             &["time.scheme=crank-nicholson"],
-            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `stationary`; did you mean `crank-nicolson`?",
+            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`; did you mean `crank-nicolson`?",
         ),
         (
             &["time.setp=0.1"],
-            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `domain-term`",
+            "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `rannacher-steps`, `rannacher-interval`, `domain-motion`, `adaptive`",
         ),
         (
             &["fluid.density=-1", "mesh.refine=x"],
@@ -360,10 +379,35 @@ fn unstable_pairs_are_refused_with_the_reason() {
          condition (5.24)); P2dc goes with it"
     );
     assert!(refused(&["space.velocity=Q1", "space.pressure=P0"]).contains("checkerboard"));
+    assert_eq!(
+        refused(&["space.velocity=P2", "space.pressure=Q1"]),
+        "--set space.pressure=Q1: lives on other cells than the velocity P2, which needs triangles; P1 goes with it"
+    );
     for set in [&["space.velocity=Q3", "space.pressure=Q1"][..], &["solid=none", "space.pressure=P0"]] {
         builtin("fsi1", set);
     }
+    for velocity in ["Q2", "Q3", "Q4", "P2", "P3", "P2-bubble"] {
+        builtin("fsi1", &[&format!("space.velocity={velocity}")]);
+    }
     builtin("csm1", &["space.velocity=Q1"]);
+}
+
+#[test]
+fn a_mesh_file_must_have_the_cells_of_the_velocity() {
+    let file = std::env::temp_dir().join(format!("undula-cells-{}.msh", std::process::id()));
+    let triangles = undula::mesh::generate::schaefer_turek(0).triangulated();
+    std::fs::write(&file, undula::mesh::gmsh::write(&triangles)).unwrap();
+    let mesh = format!("mesh.file={}", file.display());
+    let set = |velocity: &'static str| ["mesh.generator=none", &mesh, velocity].map(String::from);
+    let case = Case::builtin("dfg-2d1", &set("space.velocity=P2")).unwrap();
+    assert_eq!(case.sizes().unwrap().cells, triangles.n_cells());
+    let refused = Case::builtin("dfg-2d1", &set("space.velocity=Q2")).unwrap().sizes().err().unwrap();
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(
+        refused.to_string(),
+        "--set space.velocity=Q2: space.velocity = Q2 needs quadrilaterals, the mesh has triangles: take P2, or a mesh \
+         of quadrilaterals"
+    );
 }
 
 #[test]

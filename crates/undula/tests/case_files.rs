@@ -238,3 +238,25 @@ fn names_come_from_the_facets() {
         assert_eq!((name.as_str(), regions), (expected_name, &sets(expected_regions)));
     }
 }
+
+#[test]
+fn every_scheme_reads_back() {
+    let mut cases: Vec<Vec<&str>> = common::SCHEMES.iter().map(|scheme| vec![*scheme]).collect();
+    for motion in ["secant", "midpoint", "galerkin"] {
+        cases.push(vec![match motion {
+            "secant" => "time.domain-motion=secant",
+            "midpoint" => "time.domain-motion=midpoint",
+            _ => "time.domain-motion=galerkin",
+        }]);
+    }
+    cases.push(vec!["time.scheme=rannacher", "time.rannacher-steps=4", "time.rannacher-interval=0.5"]);
+    cases.push(vec![
+        "time.adaptive.tolerance=1e-4",
+        "time.adaptive.max-step=0.02",
+        "output.fields-interval=0.1",
+    ]);
+    for overrides in cases {
+        let case = builtin("fsi3", &overrides);
+        assert_eq!(Case::from_toml(&case.to_toml(), "case.toml", &[]), Ok(case), "{overrides:?}");
+    }
+}

@@ -4,33 +4,33 @@ mod common;
 #[path = "common/manufactured.rs"]
 mod manufactured;
 
-use common::builtin;
+use common::{SCHEMES, builtin};
 use manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{Csr, MultifrontalLu, Options as LinearOptions};
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
-use undula::physics::step::SECANT;
+use undula::physics::step::{MIDPOINT, SECANT};
 use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
 use undula::tangent::Tangent;
+use undula::time::scheme::FRACTIONAL;
 use undula::time::{Linear, Linearization, Purpose};
 
-const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT };
+const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] };
 
 fn coupled(physics: Physics, pressure: PressureKind) -> Manufactured {
-    coupled_in(2, physics, pressure)
+    coupled_in(quadrilaterals(2, pressure), physics)
 }
 
-/// With v and u of degree `degree`.
-fn coupled_in(degree: usize, physics: Physics, pressure: PressureKind) -> Manufactured {
+fn coupled_in(pair: Pair, physics: Physics) -> Manufactured {
     let zero = number(0.0);
     let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
-    let space = space(&square(4, Cells::Curved, Body::Block), &physics, degree, pressure);
-    problem_in(space, physics, nothing, InTime::Difference, degree + 1)
+    let space = pair.space(&square(4, Cells::Curved, Body::Block), &physics);
+    problem_in(space, physics, nothing, InTime::Difference, pair.quadrature())
 }
 
 /// The more nodes, the closer, and the smaller the values, so that gradients are alike.
@@ -128,6 +128,51 @@ fn the_correction_solves_the_condensed_system() {
         }
         check(FLOW, pressure, StepRule::STATIONARY, &options());
     }
+    let bdf2 = StepRule { per_k: 27.0, ..StepRule::theta(1.0, 1.0) };
+    for rule in [bdf2, StepRule::galerkin(0.05), StepRule { inertia: MIDPOINT, ..RULE }] {
+        check(FSI, Pdc(1), rule, &options());
+    }
+}
+
+/// δu follows δv with the coefficient of each scheme; corrections of parts with other lengths are scaled.
+#[test]
+fn every_scheme_has_the_same_solution_condensed() {
+    for scheme in SCHEMES {
+        let common = ["mesh.refine=0", "time.end=0.06", "time.step=0.01", "newton.tolerance=1e-10", scheme];
+        let with = |more| run(&[&common[..], &[more]].concat());
+        let (a, b) = (with("newton.linearization=newton"), with("newton.linearization=condensed"));
+        assert_eq!(b.stepper.linear.detour, 0, "{scheme}: the whole Jacobian was taken");
+        let (x, y) = (&a.stepper.new, &b.stepper.new);
+        for (field, x, y) in [("v", &x.v, &y.v), ("u", &x.u, &y.u), ("p", &x.p, &y.p)] {
+            let gap = x.iter().zip(y).fold(0.0f64, |gap, (x, y)| gap.max((x - y).abs())) / largest(x);
+            println!("{scheme} {field}: {gap:.1e}");
+            assert!(gap < 1e-6, "{scheme} {field}: {gap:e}");
+        }
+    }
+}
+
+/// All parts of fractional-step θ have one matrix: a kept Jacobian serves all three as if it were their own.
+#[test]
+fn fractional_steps_share_one_jacobian() {
+    let iterations = |problem: &Manufactured, theta: [f64; 2], k: [f64; 2]| {
+        let mut assembler = problem.assembler(&options());
+        let (new, old) = (random(problem, 77, [0.0, 0.0, 0.0]), random(problem, 78, [0.0, 0.0, 0.0]));
+        let [first, second] = [0, 1].map(|i| StepRule::theta(k[i], theta[i]));
+        let mut linear = linear(Linearization::Condensed);
+        let view = |rule| StepView { rule, new: &new, old: &old };
+        linear.renew(&mut assembler, &view(first), Tangent::Analytic, &mut Seconds::default()).unwrap();
+        let r = right_hand_side(problem, &assembler);
+        let mut delta = vec![0.0; r.len()];
+        linear.correct(&mut assembler, &view(second), &r, &mut delta).unwrap();
+        let own = correction(&mut assembler, Linearization::Condensed, &view(second), &r);
+        delta.iter().zip(&own).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(&own)
+    };
+    let [a, b, _] = FRACTIONAL;
+    let problem = coupled(FSI, Pdc(1));
+    let same = iterations(&problem, [a.theta, b.theta], [0.1 * a.length, 0.1 * b.length]);
+    let other = iterations(&problem, [a.theta, a.theta], [0.1 * a.length, 0.1 * b.length]);
+    println!("{same:e} {other:e}");
+    assert!(same < 1e-10 && other > 1e-3, "{same:e} {other:e}");
 }
 
 /// More unknowns inside of a cell, none in P0 or Q1 cells, in a fluid with convection and in a solid.
@@ -135,11 +180,20 @@ fn the_correction_solves_the_condensed_system() {
 fn elements_of_any_degree_are_condensed() {
     let pairs = [(2, Pdc(0)), (3, Pdc(2)), (3, Pdc(1)), (3, Continuous(2)), (4, Pdc(3)), (4, Continuous(3))];
     for (degree, pressure) in pairs {
-        let options = Options::serial(degree + 1);
-        check_problem(coupled_in(degree, FSI, pressure), RULE, &options);
-        check_problem(coupled_in(degree, FLOW, pressure), StepRule::STATIONARY, &options);
+        check_pair(quadrilaterals(degree, pressure));
     }
-    check_problem(coupled_in(1, BODY, Continuous(1)), RULE, &options());
+    for pair in [triangles(2, Continuous(1)), triangles(3, Continuous(2)), triangles(3, Pdc(1)), BUBBLE] {
+        check_pair(pair);
+    }
+    for pair in [quadrilaterals(1, Continuous(1)), triangles(1, Continuous(1))] {
+        check_problem(coupled_in(pair, BODY), RULE, &options());
+    }
+}
+
+fn check_pair(pair: Pair) {
+    let options = Options::serial(pair.quadrature());
+    check_problem(coupled_in(pair, FSI), RULE, &options);
+    check_problem(coupled_in(pair, FLOW), StepRule::STATIONARY, &options);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
-use undula::physics::step::{SECANT, TimePoint};
+use undula::physics::step::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
     Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested, WeakForm,
 };
@@ -39,21 +39,41 @@ impl Random {
     }
 }
 
-const MIDPOINT: &[TimePoint] = &[TimePoint::At { weight: 1.0, tau: 0.5 }];
-const GALERKIN: &[TimePoint] = &[
-    TimePoint::At { weight: 1.0 / 6.0, tau: 0.0 },
-    TimePoint::At { weight: 2.0 / 3.0, tau: 0.5 },
-    TimePoint::At { weight: 1.0 / 6.0, tau: 1.0 },
-];
-
 fn rules() -> Vec<StepRule> {
     vec![
         StepRule::theta(0.005, 1.0),
         StepRule::theta(0.005, 0.51),
-        StepRule { per_k: 200.0, theta: 0.5, inertia: MIDPOINT },
-        StepRule { per_k: 200.0, theta: 0.5, inertia: GALERKIN },
+        StepRule { inertia: MIDPOINT, ..StepRule::theta(0.005, 0.51) },
+        StepRule { inertia: GALERKIN, ..StepRule::theta(0.005, 0.51) },
+        StepRule::galerkin(0.005),
         StepRule::STATIONARY,
     ]
+}
+
+/// θ = 1 is fully implicit with every domain-motion term; for θ = ½ the Galerkin form has the weights of the book.
+#[test]
+fn domain_motion_terms_are_those_of_the_book() {
+    let mut random = Random(3);
+    for _ in 0..50 {
+        let (new, old, place) = (random.fields::<2>(0.6), random.fields::<2>(0.6), random.place());
+        let with = |theta: f64, inertia| {
+            residual(&FLUID, &StepRule { inertia, ..StepRule::theta(0.1, theta) }, &place, &new, &old)
+        };
+        for inertia in [MIDPOINT, GALERKIN] {
+            assert!(gap(&with(1.0, SECANT), &with(1.0, inertia)) < 1e-13);
+        }
+        let [secant, midpoint, galerkin] = [SECANT, MIDPOINT, GALERKIN].map(|inertia| with(0.5, inertia).phi);
+        let mean = secant * (1.0 / 3.0) + midpoint * (2.0 / 3.0) - galerkin;
+        assert!(mean.dot(mean).sqrt() < 1e-12 * galerkin.dot(galerkin).sqrt());
+        assert!((secant - midpoint).dot(secant - midpoint) > 0.0);
+    }
+    let weights: Vec<f64> = StepRule { inertia: GALERKIN, ..StepRule::theta(0.1, 0.5) }
+        .inertia_points()
+        .map(|(weight, _)| weight)
+        .collect();
+    for (found, book) in weights.iter().zip([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0]) {
+        assert!((found - book).abs() < 1e-15);
+    }
 }
 
 const FLUID: Fluid = Fluid { rho: 1000.0, nu: 1e-3, extension: Extension::PseudoElastic { poisson: -0.2 } };

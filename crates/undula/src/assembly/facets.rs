@@ -3,13 +3,12 @@
 use super::interior::FacetBlocks;
 use super::kernel::StepView;
 use super::scatter::DROP;
-use crate::element::{BasisTable, Quadrature};
+use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
 use crate::mesh::Facet;
 use crate::physics::{FacetForm, Fields, Outflow};
 use crate::space::{Constraints, FsiSpace, State};
 use crate::tangent::{self, Tangent};
-use std::array::from_fn;
 
 /// One quadrature point on a facet.
 #[derive(Clone, Debug)]
@@ -33,7 +32,7 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
     let mesh = &space.mesh;
     let (cell, local) = (facet.cell as usize, facet.local as usize);
     let rule = Quadrature::facet(mesh.shape, local, n);
-    let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+    let table = space.nodes.table(mesh.shape, &rule);
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
@@ -41,9 +40,8 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
         let cofactor = jacobian.cofactor();
         let inverse_t = cofactor * (1.0 / jacobian.det());
         // Nanson: n dS = cof(DX) N dS for the reference normal N of the facet.
-        let mut reference = Vector::zero();
-        reference.0[local / 2] = if local % 2 == 1 { 1.0 } else { -1.0 };
-        let area = cofactor * reference;
+        let normal = mesh.shape.facet_normal(local);
+        let area = cofactor * Vector(std::array::from_fn(|d| normal[d]));
         let size = area.dot(area).sqrt();
         let grad = |a: usize| {
             let reference = Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
@@ -83,6 +81,17 @@ pub fn fields_at<const D: usize>(
         }
     }
     f
+}
+
+/// Fields v and u at (1 − τ) U⁻ + τ U.
+fn fields_between<const D: usize>(
+    nodes: &[u32],
+    point: &FacetPoint<D>,
+    step: &StepView<'_>,
+    tau: f64,
+) -> Fields<f64, D> {
+    let of = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
+    if tau == 1.0 { of(step.new) } else { of(step.old).lerp(&of(step.new), tau) }
 }
 
 /// Facets with the do-nothing correction.
@@ -138,11 +147,26 @@ impl<const D: usize> OutflowFacets<D> {
         self.slots = slots;
     }
 
-    /// Add the term at `state` with `weight` to `out`.
-    pub fn residual(&self, state: &State, weight: f64, out: &mut [f64]) {
+    /// Add the term of the step but its explicit part to `out`.
+    pub fn residual(&self, step: &StepView<'_>, out: &mut [f64]) {
+        for (weight, tau) in step.rule.transport_points() {
+            self.add(weight, |nodes, point| fields_between(nodes, point, step, tau), out);
+        }
+    }
+
+    /// Add the explicit part (1 − θ) A(U⁻) to `out`.
+    pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
+        let old =
+            |nodes: &[u32], point: &FacetPoint<D>| fields_at(nodes, &point.value, &point.grad, step.old);
+        if step.rule.has_explicit() {
+            self.add(1.0 - step.rule.theta, old, out);
+        }
+    }
+
+    fn add(&self, weight: f64, fields: impl Fn(&[u32], &FacetPoint<D>) -> Fields<f64, D>, out: &mut [f64]) {
         for (nodes, points) in &self.facets {
             for point in points {
-                let at = fields_at(nodes, &point.value, &point.grad, state);
+                let at = fields(nodes, point);
                 let t = self.form.traction(&at, &point.normal, weight * point.weight);
                 for (a, &node) in nodes.iter().enumerate() {
                     for i in 0..D {
@@ -201,18 +225,26 @@ impl<const D: usize> OutflowFacets<D> {
     }
 
     fn columns(&self, step: &StepView<'_>, how: Tangent, p: &FacetPoint<D>, nodes: &[u32]) -> Columns<D> {
-        let at = fields_at(nodes, &p.value, &p.grad, step.new);
-        let half = D + D * D;
-        let column = |n: usize| {
-            let mut w = Fields::zero();
-            *w.component(n) = 1.0;
-            tangent::outflow(how, &self.form, step.rule.theta * p.weight, &at, &p.normal, &w)
-        };
-        let from = |field: usize| field * half;
-        Columns {
-            value: from_fn(|field| from_fn(|j| column(from(field) + j))),
-            grad: from_fn(|field| from_fn(|j| from_fn(|d| column(from(field) + D + j * D + d)))),
+        let zero = Vector::zero();
+        let mut columns = Columns { value: [[zero; D]; 2], grad: [[[zero; D]; D]; 2] };
+        for (weight, tau) in step.rule.transport_points() {
+            let at = fields_between(nodes, p, step, tau);
+            let column = |n: usize| {
+                let mut w = Fields::zero();
+                *w.component(n) = 1.0;
+                tangent::outflow(how, &self.form, weight * tau * p.weight, &at, &p.normal, &w)
+            };
+            for field in 0..2 {
+                let first = field * (D + D * D);
+                for j in 0..D {
+                    columns.value[field][j] += column(first + j);
+                    for d in 0..D {
+                        columns.grad[field][j][d] += column(first + D + j * D + d);
+                    }
+                }
+            }
         }
+        columns
     }
 }
 

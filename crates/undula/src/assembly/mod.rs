@@ -333,9 +333,9 @@ impl<const D: usize> Assembler<D> {
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
     pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
-        if step.rule.theta < 1.0 {
+        if step.rule.has_explicit() {
             self.kernels.explicit(step, None, out);
-            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+            self.outflow.explicit(step, out);
         }
     }
 
@@ -344,7 +344,7 @@ impl<const D: usize> Assembler<D> {
     /// Returns the smallest J at the quadrature points of both regions.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
         let min_j = self.kernels.residual(step, None, out);
-        self.outflow.residual(step.new, step.rule.theta, out);
+        self.outflow.residual(step, out);
         if let Some(b) = &self.biharmonic {
             b.residual(&step.new.u, out);
         }
@@ -358,7 +358,7 @@ impl<const D: usize> Assembler<D> {
     /// forces that the region exerts on the nodes, per unit time of the step.
     pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {
         out.fill(0.0);
-        if step.rule.theta < 1.0 {
+        if step.rule.has_explicit() {
             self.kernels.explicit(step, Some(region), out);
         }
         self.kernels.residual(step, Some(region), out);
@@ -366,8 +366,8 @@ impl<const D: usize> Assembler<D> {
             if let Some(b) = &self.biharmonic {
                 b.residual(&step.new.u, out);
             }
-            self.outflow.residual(step.new, step.rule.theta, out);
-            self.outflow.residual(step.old, 1.0 - step.rule.theta, out);
+            self.outflow.residual(step, out);
+            self.outflow.explicit(step, out);
         }
     }
 

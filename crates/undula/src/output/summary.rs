@@ -22,6 +22,9 @@ pub struct Summary {
     pub unknowns: Unknowns,
     /// Time steps done.
     pub steps: u64,
+    /// Steps that step-size control rejected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rejected_steps: Option<u64>,
     /// Newton iterations, summed over all steps.
     pub newton_steps: u64,
     /// Jacobians assembled.

@@ -4,9 +4,8 @@
 //! Errata of the printed theorem, each shown by the test `derivatives`: the data term
 //! −(J tr(F⁻¹∇w) ρ f, φ) is missing, and λ tr(dE) lacks the factor I.
 
-use super::step::TimePoint;
 use super::{Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
-use crate::math::{Scalar, Vector};
+use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
 #[inline(always)]
@@ -20,8 +19,11 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
 ) -> Tested<S, D> {
     let mut r = Tested::zero();
     rate(form, rule, new, old, W, &mut r);
-    transport(form, rule.theta, place, new, W, &mut r);
-    constraint(rule.theta, new, old, W, &mut r);
+    for (weight, tau) in rule.transport_points() {
+        transport(form, weight, place, &old.lerp(new, tau), &scaled(W, tau), &mut r);
+    }
+    pressures(rule, new, old, W, &mut r);
+    divergence(new, W, &mut r);
     let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
     r.grad_psi = form.extension.derivative(&new.grad_u, &W.grad_u, stiffness);
     r
@@ -39,12 +41,7 @@ fn rate<S: Scalar<Value = S>, const D: usize>(
 ) {
     let dv_dt = rule.per_k * (new.v - old.v);
     let du_dt = rule.per_k * (new.u - old.u);
-    for &point in rule.inertia {
-        let (weight, tau) = match point {
-            TimePoint::Old => (1.0 - rule.theta, 0.0),
-            TimePoint::New => (rule.theta, 1.0),
-            TimePoint::At { weight, tau } => (weight, tau),
-        };
+    for (weight, tau) in rule.inertia_points() {
         let at = old.lerp(new, tau);
         let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
         let (grad_z, grad_w) = (tau * W.grad_v, tau * W.grad_u);
@@ -82,21 +79,57 @@ fn transport<S: Scalar<Value = S>, const D: usize>(
     r.grad_phi += theta * stress * J;
 }
 
-/// Derivative of −(p [θ J F⁻ᵀ + (1 − θ) J⁻F⁻⁻ᵀ], ∇φ) and of (J F⁻¹ : ∇vᵀ, ξ).
+/// `tau` times a direction.
 #[inline(always)]
-fn constraint<S: Scalar<Value = S>, const D: usize>(
-    theta: f64,
+fn scaled<S: Scalar<Value = S>, const D: usize>(W: &Fields<S, D>, tau: f64) -> Fields<S, D> {
+    Fields::zero().lerp(W, tau)
+}
+
+/// Derivative of −(p J F⁻ᵀ, ∇φ), J F⁻ᵀ weighted over the step.
+#[inline(always)]
+fn pressures<S: Scalar<Value = S>, const D: usize>(
+    rule: &StepRule,
     new: &Fields<S, D>,
     old: &Fields<S, D>,
     W: &Fields<S, D>,
     r: &mut Tested<S, D>,
 ) {
-    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
+    if rule.quadrature.is_empty() {
+        // The geometry of the old time is known.
+        let of_old = super::kinematics::cofactor(&old.grad_u);
+        r.grad_phi -= (1.0 - rule.theta) * of_old * W.p;
+    }
+    for (weight, tau) in rule.transport_points() {
+        pressure(weight, new.p, &old.lerp(new, tau), &(tau * W.grad_u), W.p, r);
+    }
+}
+
+/// Derivative of −(p J F⁻ᵀ, ∇φ) in the directions `grad_w` and `q`.
+#[inline(always)]
+fn pressure<S: Scalar<Value = S>, const D: usize>(
+    weight: f64,
+    p: S,
+    at: &Fields<S, D>,
+    grad_w: &Tensor<S, D>,
+    q: S,
+    r: &mut Tested<S, D>,
+) {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
     let F_inv_t = F_inv.t();
+    let tr = (F_inv * *grad_w).trace();
+    r.grad_phi -= weight * (F_inv_t * J) * q;
+    r.grad_phi -= weight * ((F_inv_t * tr - F_inv_t * grad_w.t() * F_inv_t) * (J * p));
+}
+
+/// Derivative of (J F⁻¹ : ∇vᵀ, ξ).
+#[inline(always)]
+fn divergence<S: Scalar<Value = S>, const D: usize>(
+    new: &Fields<S, D>,
+    W: &Fields<S, D>,
+    r: &mut Tested<S, D>,
+) {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
     let tr = (F_inv * W.grad_u).trace();
-    let of_old = super::kinematics::cofactor(&old.grad_u);
-    r.grad_phi -= (theta * (F_inv_t * J) + (1.0 - theta) * of_old) * W.p;
-    r.grad_phi -= theta * ((F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * (J * new.p));
     let grad_v_t = new.grad_v.t();
     r.xi += J
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
@@ -113,19 +146,20 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
 ) -> Tested<S, D> {
     let mut r = Tested {
         phi: rule.per_k * form.rho * W.v,
-        grad_phi: rule.theta * form.material.derivative(&new.grad_u, &W.grad_u),
         psi: rule.per_k * W.u - rule.theta * W.v,
         ..Tested::zero()
     };
+    for (weight, tau) in rule.transport_points() {
+        let at = old.lerp(new, tau);
+        r.grad_phi += weight * form.material.derivative(&at.grad_u, &(tau * W.grad_u));
+    }
     let Some(compliance) = form.material.compliance() else { return r };
+    pressures(rule, new, old, W, &mut r);
     let Kinematics { F_inv, J, .. } = Kinematics::of(&new.grad_u);
     let F_inv_t = F_inv.t();
     let tr = (F_inv * W.grad_u).trace();
-    let of_old = super::kinematics::cofactor(&old.grad_u);
-    r.grad_phi -= (rule.theta * (F_inv_t * J) + (1.0 - rule.theta) * of_old) * W.p;
-    let dcofactor = (F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * J;
-    r.grad_phi -= rule.theta * (dcofactor * new.p);
     r.xi = if compliance == 0.0 {
+        let dcofactor = (F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * J;
         let flux = F_inv_t.ddot(W.grad_v) * J + dcofactor.ddot(new.grad_v);
         J * tr * rule.rate() + flux * (1.0 - rule.theta)
     } else {

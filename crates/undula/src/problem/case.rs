@@ -8,6 +8,7 @@ use super::error::Place;
 use super::expression::Expression;
 use crate::physics::{Material, Stabilization};
 use crate::space::Walls;
+use crate::time::Scheme;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -119,7 +120,7 @@ pub struct SpaceSpec {
     pub velocity: VelocityElement,
     /// Pressure.
     pub pressure: PressureElement,
-    /// Gauss points per direction.
+    /// Gauss points per direction; on triangles the rule exact to the same degree, 2 n − 1.
     pub quadrature: usize,
 }
 
@@ -281,7 +282,13 @@ pub struct TimeSpec {
     pub end: f64,
     /// How often a failed step is halved before the run ends as a breakdown.
     pub max_halvings: u32,
+    /// Where in the step the factors of ∂_t in the fluid are taken; `bdf2` and `cg1` have their own.
+    pub domain_motion: DomainMotion,
+    /// Control of the step by its local error; `step` is then the first.
+    pub adaptive: Option<AdaptiveSettings>,
 }
+
+pub use crate::time::{AdaptiveSettings, DomainMotion};
 
 /// Scheme for one step; further schemes are further arms.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -300,17 +307,39 @@ pub enum TimeScheme {
         /// c \[1/s\].
         shift: f64,
     },
+    /// Crank-Nicolson with some steps of backward Euler from the start of every interval on.
+    Rannacher {
+        /// Steps of backward Euler.
+        steps: u32,
+        /// Interval \[s\].
+        interval: f64,
+    },
+    /// Three θ-steps in one.
+    FractionalStepTheta,
+    /// cG(1): linear trial functions, test functions constant in each step.
+    Galerkin,
+    /// Backward differentiation over two steps.
+    Bdf2,
 }
 
 impl TimeScheme {
-    /// The implicit weight θ of a step of length `k` \[s\], at most 1.
-    pub fn theta(&self, k: f64) -> f64 {
+    /// As `time` takes it.
+    pub fn scheme(&self) -> Scheme {
         match *self {
-            TimeScheme::BackwardEuler => 1.0,
-            TimeScheme::Theta { theta } => theta,
-            TimeScheme::CrankNicolson => 0.5,
-            TimeScheme::ShiftedCrankNicolson { shift } => (0.5 + shift * k).min(1.0),
+            TimeScheme::BackwardEuler => Scheme::BACKWARD_EULER,
+            TimeScheme::Theta { theta } => Scheme::Theta { theta },
+            TimeScheme::CrankNicolson => Scheme::CRANK_NICOLSON,
+            TimeScheme::ShiftedCrankNicolson { shift } => Scheme::ShiftedCrankNicolson { shift },
+            TimeScheme::Rannacher { steps, interval } => Scheme::Rannacher { steps, interval },
+            TimeScheme::FractionalStepTheta => Scheme::FractionalStepTheta,
+            TimeScheme::Galerkin => Scheme::Galerkin,
+            TimeScheme::Bdf2 => Scheme::Bdf2,
         }
+    }
+
+    /// The implicit weight θ of most steps of length `k` \[s\], at most 1.
+    pub fn theta(&self, k: f64) -> f64 {
+        self.scheme().rule(k).theta
     }
 }
 
@@ -459,6 +488,8 @@ pub enum EnergyKind {
 pub struct OutputSpec {
     /// Write fields every this many steps (0: only at the end).
     pub fields_every: usize,
+    /// Write fields every this many seconds after the start, too; steps end there. `None`: not so.
+    pub fields_interval: Option<f64>,
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write a checkpoint every this many steps (0: only when interrupted and at the end).

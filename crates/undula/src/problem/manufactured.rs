@@ -14,7 +14,9 @@ use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, 
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{
+    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
+};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.
@@ -139,6 +141,7 @@ impl Manufactured {
         let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
+            domain_motion: DomainMotion::Secant,
             tangent: Tangent::Automatic,
             extrapolate: true,
             max_halvings: 0,
@@ -297,6 +300,12 @@ impl Manufactured {
             if space.deforms {
                 state.u[2 * node..2 * node + 2].copy_from_slice(&f.u.0);
             }
+        }
+        // Bubbles stand beside the interpolation.
+        let bubbles = 2 * space.nodes.n_lagrange;
+        state.v[bubbles..].fill(0.0);
+        if space.deforms {
+            state.u[bubbles..].fill(0.0);
         }
         for cell in 0..space.mesh.n_cells() {
             for (a, &dof) in space.pressure.cell(cell).iter().enumerate() {

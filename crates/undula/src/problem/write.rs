@@ -1,8 +1,8 @@
 //! A case as TOML with all defaults resolved.
 
 use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, Precision, TimeScheme,
+    Case, Condition, DomainMotion, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization,
+    MeshSource, MotionModel, Precision, TimeScheme,
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
@@ -88,6 +88,9 @@ impl Case {
         }
         out.table("output");
         out.key("fields-every", self.output.fields_every.to_string(), "steps; 0: only at the end");
+        if let Some(interval) = self.output.fields_interval {
+            out.key("fields-interval", number(interval), "s; steps end there");
+        }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
         out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
         if let Some(leading) = &self.output.leading {
@@ -121,7 +124,11 @@ impl Case {
         out.table("space");
         out.word("velocity", self.space.velocity.name());
         out.word("pressure", self.space.pressure.name());
-        out.key("quadrature", self.space.quadrature.to_string(), "Gauss points per direction");
+        out.key(
+            "quadrature",
+            self.space.quadrature.to_string(),
+            "Gauss points per direction; exact to the same degree on triangles",
+        );
     }
 
     /// Keys that matter only: others would be refused when read again.
@@ -212,11 +219,40 @@ impl Case {
                 out.word("scheme", "shifted-crank-nicolson");
                 out.key("shift", number(shift), "1/s, theta = 1/2 + shift * step");
             }
+            TimeScheme::Rannacher { steps, interval } => {
+                out.word("scheme", "rannacher");
+                out.key("rannacher-steps", steps.to_string(), "of backward Euler from the start of every");
+                out.key("rannacher-interval", number(interval), "s");
+            }
+            TimeScheme::FractionalStepTheta => out.word("scheme", "fractional-step-theta"),
+            TimeScheme::Galerkin => out.word("scheme", "cg1"),
+            TimeScheme::Bdf2 => out.word("scheme", "bdf2"),
+        }
+        if !matches!(time.scheme, TimeScheme::Galerkin | TimeScheme::Bdf2) {
+            out.word(
+                "domain-motion",
+                match time.domain_motion {
+                    DomainMotion::Secant => "secant",
+                    DomainMotion::Midpoint => "midpoint",
+                    DomainMotion::Galerkin => "galerkin",
+                },
+            );
         }
         out.key("step", expression(&time.step), "s");
         out.key("start", number(time.start), "s");
         out.key("end", number(time.end), "s");
         out.key("max-halvings", time.max_halvings.to_string(), "of a failed step");
+        if let Some(adaptive) = &time.adaptive {
+            out.table("time.adaptive");
+            out.key(
+                "tolerance",
+                number(adaptive.tolerance),
+                "of v in a step, relative to the largest so far",
+            );
+            out.key("min-step", number(adaptive.min_step), "s");
+            out.key("max-step", number(adaptive.max_step), "s");
+            out.key("safety", number(adaptive.safety), "");
+        }
     }
 
     fn write_solvers(&self, out: &mut Lines) {

@@ -59,12 +59,18 @@ pub struct Linear {
 struct Full {
     matrix: Csr,
     solver: Box<dyn LinearSolver>,
+    /// Rule of the step that the matrix is of.
+    rule: StepRule,
+    /// A right-hand side that had to be scaled.
+    work: Vec<f64>,
 }
 
 struct Condensed {
     system: Arc<CondensedSystem>,
     matrix: Csr,
     solver: Box<dyn LinearSolver>,
+    /// Rule of the step that the matrix is of.
+    rule: StepRule,
     extension: Option<Extension>,
     /// Nodes where δu = kθ δv.
     relation: Vec<u32>,
@@ -132,6 +138,7 @@ impl Linear {
                     Some(full) => full,
                     none => none.insert(Full::new(assembler, (self.make)(Purpose::Exact))?),
                 };
+                full.rule = view.rule;
                 assembler.jacobian(view, tangent, &mut full.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
@@ -147,6 +154,7 @@ impl Linear {
                     }
                     none => none.insert(Condensed::new(assembler, view, &self.make)?),
                 };
+                condensed.rule = view.rule;
                 assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
@@ -170,7 +178,7 @@ impl Linear {
         delta: &mut [f64],
     ) -> Result<(), SolverError> {
         match (self.active, &mut self.full, &mut self.condensed) {
-            (Linearization::Newton, Some(full), _) => full.solver.solve(&full.matrix, r, delta).map(|_| ()),
+            (Linearization::Newton, Some(full), _) => full.correct(assembler, view, r, delta),
             (Linearization::Condensed, _, Some(condensed)) => {
                 condensed.correct(assembler, view, r, delta);
                 Ok(())
@@ -203,7 +211,6 @@ impl Linear {
     pub fn start<const D: usize>(
         &mut self,
         assembler: &mut Assembler<D>,
-        k: f64,
         rule: StepRule,
         new: &mut State,
         old: &State,
@@ -221,7 +228,7 @@ impl Linear {
         if let Some(condensed) = &mut condensed {
             condensed.work.fill(0.0);
         }
-        let n_v = assembler.space.n_v();
+        let (n_v, k) = (assembler.space.n_v(), 1.0 / rule.per_k);
         for node in relation(assembler) {
             for at in node * D..(node + 1) * D {
                 let u = old.u[at] + k * (rule.theta * new.v[at] + (1.0 - rule.theta) * old.v[at]);
@@ -244,6 +251,30 @@ fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = us
     (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
 }
 
+/// How many times the matrix of a step by `rule` is that of one by `of`, where this is all that differs: in k⁻¹M + θA
+/// with equal kθ, as in the parts of fractional-step θ. `None`: once, or more differs.
+fn ratio(of: &StepRule, rule: &StepRule) -> Option<f64> {
+    let coupling = |rule: &StepRule| rule.theta / rule.per_k;
+    let equal = (coupling(of) - coupling(rule)).abs() <= 1e-9 * coupling(rule);
+    (equal && of.per_k != rule.per_k).then_some(rule.per_k / of.per_k)
+}
+
+/// Scale the rows that have k⁻¹M + θA: momentum and velocity-deformation relation.
+fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, r: &mut [f64]) {
+    let space = &assembler.space;
+    let (v, rest) = r.split_at_mut(space.n_v());
+    v.iter_mut().for_each(|r| *r *= factor);
+    for node in relation(assembler) {
+        rest[node * D..(node + 1) * D].iter_mut().for_each(|r| *r *= factor);
+    }
+}
+
+/// The pressure is not multiplied by θ: its correction makes up for the scaled rows.
+fn scale_pressure<const D: usize>(assembler: &Assembler<D>, factor: f64, delta: &mut [f64]) {
+    let space = &assembler.space;
+    delta[space.n_v() + space.n_u()..].iter_mut().for_each(|p| *p *= factor);
+}
+
 impl Full {
     fn new<const D: usize>(
         assembler: &mut Assembler<D>,
@@ -251,7 +282,25 @@ impl Full {
     ) -> Result<Full, SolverError> {
         let pattern = assembler.pattern();
         solver.analyse(&pattern, &assembler.unknowns())?;
-        Ok(Full { matrix: Csr::zeros(&pattern), solver })
+        Ok(Full { matrix: Csr::zeros(&pattern), solver, rule: StepRule::STATIONARY, work: vec![] })
+    }
+
+    fn correct<const D: usize>(
+        &mut self,
+        assembler: &Assembler<D>,
+        view: &StepView<'_>,
+        r: &[f64],
+        delta: &mut [f64],
+    ) -> Result<(), SolverError> {
+        let Some(ratio) = ratio(&self.rule, &view.rule) else {
+            return self.solver.solve(&self.matrix, r, delta).map(|_| ());
+        };
+        self.work.clear();
+        self.work.extend_from_slice(r);
+        scale_rows(assembler, 1.0 / ratio, &mut self.work);
+        self.solver.solve(&self.matrix, &self.work, delta)?;
+        scale_pressure(assembler, ratio, delta);
+        Ok(())
     }
 }
 
@@ -283,6 +332,7 @@ impl Condensed {
         Ok(Condensed {
             matrix: Csr::zeros(&system.pattern),
             solver,
+            rule: StepRule::STATIONARY,
             extension,
             relation,
             b: vec![0.0; n],
@@ -313,6 +363,10 @@ impl Condensed {
         delta: &mut [f64],
     ) {
         self.work.copy_from_slice(r);
+        let ratio = ratio(&self.rule, &view.rule);
+        if let Some(ratio) = ratio {
+            scale_rows(assembler, 1.0 / ratio, &mut self.work);
+        }
         assembler.eliminate_inner(&mut self.work);
         for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
             *b = self.work[place as usize];
@@ -323,6 +377,9 @@ impl Condensed {
             delta[place as usize] = *x;
         }
         assembler.recover_inner(delta);
+        if let Some(ratio) = ratio {
+            scale_pressure(assembler, ratio, delta);
+        }
         let n_v = assembler.space.n_v();
         if !self.relation.is_empty() {
             let factor = view.rule.theta / view.rule.per_k;

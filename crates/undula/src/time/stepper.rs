@@ -1,7 +1,8 @@
 //! One step: boundary data, start value, Newton, and smaller steps where it fails.
 
 use super::linear::{Linear, Linearization};
-use super::scheme::Scheme;
+use super::parts::Parts;
+use super::scheme::{Damping, DomainMotion, Formula, Past, Scheme, multistep};
 use super::system::{BlockNorms, Scales, StepSystem};
 use crate::assembly::{Assembler, End, StepView, Worst};
 use crate::nonlinear::newton::{Age, GROWTH};
@@ -22,6 +23,8 @@ pub type Source = Box<dyn FnMut(f64, f64, f64, &mut [f64]) + Send>;
 pub struct StepperSettings {
     /// Time scheme.
     pub scheme: Scheme,
+    /// Where the factors of ∂_t are taken.
+    pub domain_motion: DomainMotion,
     /// How derivatives are computed.
     pub tangent: Tangent,
     /// Start from the linear extrapolation of the last two solutions, Remark 5.1.
@@ -30,6 +33,14 @@ pub struct StepperSettings {
     pub max_halvings: u32,
     /// Units of the residuals.
     pub scales: Scales,
+}
+
+impl StepperSettings {
+    /// The rule of the scheme that has this 1/k and θ.
+    pub fn rule_of(&self, per_k: f64, theta: f64) -> StepRule {
+        let rule = StepRule { per_k, theta, ..self.scheme.rule(1.0) };
+        self.domain_motion.apply(rule)
+    }
 }
 
 /// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
@@ -82,10 +93,19 @@ pub struct Stepper<const D: usize> {
     pub new: State,
     /// The solution before.
     pub old: State,
-    /// The solution before that, for extrapolation.
+    /// The solution before that, for extrapolation and BDF2.
     older: State,
-    /// Length of the last step \[s\]; 0 where there was none.
+    /// What BDF2 takes the difference from.
+    base: State,
+    /// Length of the last step, or of its last part \[s\]; 0 where there was none.
     last_step: f64,
+    /// What the last step, or its last part, was made of.
+    last: Formula,
+    /// First time \[s\].
+    start: f64,
+    pub(super) damping: Damping,
+    /// The parts of the last step of fractional-step θ.
+    pub(super) parts: Option<Parts>,
     explicit: Vec<f64>,
     /// What the criterion of the last stationary solution referred to.
     reference: f64,
@@ -98,12 +118,12 @@ pub struct Stepper<const D: usize> {
 
 /// How the iteration of a step begins.
 struct Start<'a> {
+    /// The old solution.
+    old: &'a State,
     /// The solution before the old one and the ratio of the steps, to extrapolate.
     older: Option<(&'a State, f64)>,
     /// Residual at the old solution.
     reference: f64,
-    /// Step \[s\].
-    k: f64,
 }
 
 impl Start<'_> {
@@ -111,14 +131,14 @@ impl Start<'_> {
     /// Returns the residual there; `None` if not even the old solution is admissible.
     fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
         if let Some((older, ratio)) = self.older {
-            system.new.extrapolate(older, system.old, ratio);
+            system.new.extrapolate(older, self.old, ratio);
             self.complete(system, false);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
             if norm.is_some() {
                 return norm;
             }
         }
-        system.new.copy_from(system.old);
+        system.new.copy_from(self.old);
         self.complete(system, true);
         newton.norm(system)
     }
@@ -126,7 +146,7 @@ impl Start<'_> {
     fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>, follow: bool) {
         let assembler = &mut *system.assembler;
         assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
-        system.linear.start(assembler, self.k, system.rule, system.new, system.old, follow);
+        system.linear.start(assembler, system.rule, system.new, system.old, follow);
     }
 }
 
@@ -135,11 +155,11 @@ impl Start<'_> {
 pub struct JacobianPoint {
     /// Weights of the scheme.
     pub rule: StepRule,
-    /// New time of the step \[s\].
+    /// Time of the body force \[s\].
     pub time: f64,
     /// The iterate.
     pub new: State,
-    /// The solution at the old time.
+    /// What the difference is taken from.
     pub old: State,
     /// How it has done so far.
     pub age: Age,
@@ -150,8 +170,10 @@ pub struct JacobianPoint {
 pub struct Clock {
     /// Time \[s\].
     pub time: f64,
-    /// Length of the last step \[s\].
+    /// Length of the last step, or of its last part \[s\].
     pub last_step: f64,
+    /// Where Rannacher's scheme stands.
+    pub damping: Damping,
 }
 
 impl<const D: usize> Stepper<D> {
@@ -174,8 +196,13 @@ impl<const D: usize> Stepper<D> {
             time,
             new: initial.clone(),
             old: initial.clone(),
-            older: initial,
+            older: initial.clone(),
+            base: if settings.scheme == Scheme::Bdf2 { initial } else { State::default() },
             last_step: 0.0,
+            last: Formula { rule: StepRule::STATIONARY, ratio: None },
+            start: time,
+            damping: Damping::default(),
+            parts: None,
             reference: 0.0,
             point: None,
             explicit: vec![0.0; n],
@@ -187,7 +214,7 @@ impl<const D: usize> Stepper<D> {
         stepper
     }
 
-    fn set_forces(&mut self, end: End, t: f64) {
+    pub(super) fn set_forces(&mut self, end: End, t: f64) {
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
                 self.assembler.set_force(region, end, Some(&|x| force(x, t)));
@@ -200,7 +227,16 @@ impl<const D: usize> Stepper<D> {
     /// # Errors
     /// [`StepFailure`]; everything is then as before the step, whatever its parts had reached.
     pub fn step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
-        let failure = match self.attempt(k) {
+        self.damping = self.settings.scheme.damping(self.damping, self.time - self.start);
+        let result = self.step_or_halves(k);
+        if result.is_ok() {
+            self.damping.left = self.damping.left.saturating_sub(1);
+        }
+        result
+    }
+
+    fn step_or_halves(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+        let failure = match self.whole(k) {
             Ok(report) => return Ok(report),
             Err(failure) => failure,
         };
@@ -210,14 +246,22 @@ impl<const D: usize> Stepper<D> {
         let (clock, states) = (self.clock(), (self.new.clone(), self.old.clone()));
         let result = self.halves(k, self.settings.max_halvings);
         if result.is_err() {
-            (self.time, self.last_step) = (clock.time, clock.last_step);
+            self.set_clock(clock);
             (self.new, self.old) = states;
         }
         result
     }
 
+    /// One step of the scheme without division; on failure everything is as before.
+    fn whole(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+        match self.settings.scheme {
+            Scheme::FractionalStepTheta => self.fractional_step(k),
+            _ => self.attempt(k, 0),
+        }
+    }
+
     fn divided(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
-        match self.attempt(k) {
+        match self.whole(k) {
             Ok(report) => Ok(report),
             Err(failure) if halvings == 0 => Err(failure),
             Err(_) => self.halves(k, halvings),
@@ -238,19 +282,26 @@ impl<const D: usize> Stepper<D> {
         })
     }
 
-    /// One step without division; on failure everything is as before.
-    fn attempt(&mut self, k: f64) -> Result<StepReport, StepFailure> {
-        let rule = self.settings.scheme.rule(k);
+    /// The formula of part `part` of a step, of length `k` \[s\].
+    fn formula(&self, k: f64, part: usize) -> Formula {
+        let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
+        let past = Past { ratio, damped: self.damping.left > 0, part };
+        let Formula { rule, ratio } = self.settings.scheme.formula(k, &past);
+        Formula { rule: self.settings.domain_motion.apply(rule), ratio }
+    }
+
+    /// A step of one part, or part `part` of one; on failure everything is as before.
+    pub(super) fn attempt(&mut self, k: f64, part: usize) -> Result<StepReport, StepFailure> {
+        let formula = self.formula(k, part);
         let (t_old, t) = (self.time, self.time + k);
         std::mem::swap(&mut self.older, &mut self.old);
         std::mem::swap(&mut self.old, &mut self.new);
         // Now `old` is the last solution and `older` the one before.
-        let solved = self.solve_step(rule, t_old, t);
+        let solved = self.solve_step(&formula, t_old, t);
         match solved {
             Ok((report, norms, min_j)) => {
-                // Sums of decimal steps stay decimal: 0.3, not 0.30000000000000004.
-                self.time = (t * 1e12).round() / 1e12;
-                self.last_step = k;
+                self.time = decimal(t);
+                (self.last_step, self.last) = (k, formula);
                 let (newton_steps, jacobians) = (report.steps, report.jacobians);
                 Ok(StepReport { newton_steps, jacobians, parts: 1, norms, min_j })
             }
@@ -267,13 +318,16 @@ impl<const D: usize> Stepper<D> {
 
     fn solve_step(
         &mut self,
-        rule: StepRule,
+        formula: &Formula,
         t_old: f64,
         t: f64,
     ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
         let start = Instant::now();
+        let rule = formula.rule;
+        // cG(1) integrates over the step: its body force is that of the middle.
+        let t_force = if rule.quadrature.is_empty() { t } else { 0.5 * (t_old + t) };
         self.set_forces(End::Old, t_old);
-        self.set_forces(End::New, t);
+        self.set_forces(End::New, t_force);
         let view = StepView { rule, new: &self.old, old: &self.old };
         self.assembler.explicit(&view, &mut self.explicit);
         if let Some(source) = &mut self.source {
@@ -282,6 +336,9 @@ impl<const D: usize> Stepper<D> {
         self.new.copy_from(&self.old);
         self.apply_boundary(t, 1.0);
         self.newton.seconds.assembly += start.elapsed().as_secs_f64();
+        if let Some(ratio) = formula.ratio {
+            multistep(&mut self.base, &self.older, &self.old, ratio);
+        }
         let k = t - t_old;
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
         let extrapolate = self.settings.extrapolate && ratio > 0.0;
@@ -290,18 +347,19 @@ impl<const D: usize> Stepper<D> {
             linear: &mut self.linear,
             rule,
             new: &mut self.new,
-            old: &self.old,
+            old: if formula.ratio.is_some() { &self.base } else { &self.old },
             explicit: &self.explicit,
             scales: self.settings.scales,
             tangent: self.settings.tangent,
             time: t,
+            force_time: t_force,
             point: &mut self.point,
             min_j: 1.0,
             norms: BlockNorms::default(),
         };
         // The criterion refers to the old solution with the new boundary data, whatever the start value.
         let reference = self.newton.norm(&mut system).ok_or(NewtonError::Inadmissible)?;
-        let start = Start { older: extrapolate.then_some((&self.older, ratio)), reference, k };
+        let start = Start { old: &self.old, older: extrapolate.then_some((&self.older, ratio)), reference };
         let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
         let mut solved = self.newton.solve(&mut system, norm, reference);
         if solved.is_err() && system.linear.fall_back() {
@@ -414,6 +472,7 @@ impl<const D: usize> Stepper<D> {
             scales: self.settings.scales,
             tangent: self.settings.tangent,
             time: t,
+            force_time: t,
             point: &mut self.point,
             min_j: 1.0,
             norms: BlockNorms::default(),
@@ -442,22 +501,40 @@ impl<const D: usize> Stepper<D> {
         }
     }
 
-    /// The last step: its rule, the solutions at its ends, and the assembly to evaluate it with.
+    /// The last step, or its last part: its rule, the solutions that it relates, and the assembly to evaluate
+    /// it with.
     pub fn last_step(&mut self) -> (StepRule, &State, &State, &mut Assembler<D>) {
-        let k = self.last_step;
-        let rule = if k > 0.0 { self.settings.scheme.rule(k) } else { StepRule::STATIONARY };
-        (rule, &self.new, &self.old, &mut self.assembler)
+        let old = if self.last.ratio.is_some() { &self.base } else { &self.old };
+        (self.last.rule, &self.new, old, &mut self.assembler)
     }
 
-    /// Time to which pressure and forces of the last step belong: t⁻ + θ k.
+    /// Time to which pressure and forces of the last step belong: t⁻ + θ k, for fractional-step θ the middle.
     pub fn force_time(&self) -> f64 {
-        let k = self.last_step;
-        if k > 0.0 { self.time - k + self.settings.scheme.rule(k).theta * k } else { self.time }
+        match &self.parts {
+            Some(parts) => self.time - 0.5 * parts.length,
+            None => self.time - self.last_step + self.last.rule.theta * self.last_step,
+        }
     }
 
     /// The clock, for a checkpoint.
     pub fn clock(&self) -> Clock {
-        Clock { time: self.time, last_step: self.last_step }
+        Clock { time: self.time, last_step: self.last_step, damping: self.damping }
+    }
+
+    /// Whether the last step was one of the damping steps of Rannacher's scheme.
+    pub(super) fn was_damped(&self) -> bool {
+        matches!(self.settings.scheme, Scheme::Rannacher { .. }) && self.last.rule.theta == 1.0
+    }
+
+    /// Take the last step back.
+    pub(super) fn go_back(&mut self, clock: Clock, new: &State, old: &State) {
+        self.set_clock(clock);
+        self.new.copy_from(new);
+        self.old.copy_from(old);
+    }
+
+    pub(super) fn set_clock(&mut self, clock: Clock) {
+        Clock { time: self.time, last_step: self.last_step, damping: self.damping } = clock;
     }
 
     /// Where the Jacobian that the next step will start with was taken; `None`: it will make a new one.
@@ -476,8 +553,8 @@ impl<const D: usize> Stepper<D> {
         old: State,
         point: Option<JacobianPoint>,
     ) -> Result<(), NewtonError> {
-        (self.time, self.last_step) = (clock.time, clock.last_step);
-        (self.new, self.old) = (new, old);
+        self.set_clock(clock);
+        (self.new, self.old, self.parts) = (new, old, None);
         self.newton.forget();
         if let Some(point) = point {
             self.set_forces(End::New, point.time);
@@ -492,6 +569,7 @@ impl<const D: usize> Stepper<D> {
                 scales: self.settings.scales,
                 tangent: self.settings.tangent,
                 time: point.time,
+                force_time: point.time,
                 point: &mut self.point,
                 min_j: 1.0,
                 norms: BlockNorms::default(),
@@ -502,4 +580,9 @@ impl<const D: usize> Stepper<D> {
         self.set_forces(End::Old, clock.time);
         Ok(())
     }
+}
+
+/// `t` as a decimal number: 0.3, not 0.30000000000000004.
+pub(super) fn decimal(t: f64) -> f64 {
+    (t * 1e12).round() / 1e12
 }

@@ -84,7 +84,7 @@ pub struct StepSystem<'a, const D: usize> {
     pub rule: StepRule,
     /// The iterate.
     pub new: &'a mut State,
-    /// The solution at the old time.
+    /// What the difference is taken from: the solution at the old time, or that of a multistep formula.
     pub old: &'a State,
     /// Explicit part and sources, `[v, u, p]`.
     pub explicit: &'a [f64],
@@ -94,6 +94,8 @@ pub struct StepSystem<'a, const D: usize> {
     pub tangent: Tangent,
     /// New time of the step \[s\].
     pub time: f64,
+    /// Time of the body force \[s\].
+    pub force_time: f64,
     /// Where the last Jacobian was taken.
     pub point: &'a mut Option<JacobianPoint>,
     /// Smallest J of the last residual.
@@ -115,13 +117,13 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
         match self.point {
             Some(point) => {
-                (point.rule, point.time) = (self.rule, self.time);
+                (point.rule, point.time) = (self.rule, self.force_time);
                 point.new.copy_from(self.new);
                 point.old.copy_from(self.old);
             }
             None => {
                 let (new, old) = (self.new.clone(), self.old.clone());
-                let (rule, time) = (self.rule, self.time);
+                let (rule, time) = (self.rule, self.force_time);
                 *self.point = Some(JacobianPoint { rule, time, new, old, age: Age::default() });
             }
         }

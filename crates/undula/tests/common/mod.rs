@@ -48,3 +48,14 @@ pub fn turek_hron() -> MeshNames {
         ],
     }
 }
+
+/// Every scheme in time as a setting.
+pub const SCHEMES: [&str; 7] = [
+    "time.scheme=backward-euler",
+    "time.scheme=crank-nicolson",
+    "time.scheme=shifted-crank-nicolson",
+    "time.scheme=rannacher",
+    "time.scheme=fractional-step-theta",
+    "time.scheme=cg1",
+    "time.scheme=bdf2",
+];

@@ -1,12 +1,12 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
 use crate::problem::case::{
-    FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec, Linearization, NewtonSpec, OutputSpec,
-    Precision, TimeScheme, TimeSpec,
+    AdaptiveSettings, DomainMotion, FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec,
+    Linearization, NewtonSpec, OutputSpec, Precision, TimeScheme, TimeSpec,
 };
 use crate::problem::error::suggestion;
 use crate::problem::expression::Expression;
-use crate::problem::read::{ANY, NOT_NEGATIVE, Range, Section};
+use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
@@ -19,6 +19,10 @@ enum Scheme {
     Theta,
     CrankNicolson,
     Shifted,
+    Rannacher,
+    FractionalStepTheta,
+    Galerkin,
+    Bdf2,
 }
 
 /// The schedule, `None` if stationary, and the end time if one is given.
@@ -31,21 +35,45 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
         ("theta", Scheme::Theta),
         ("crank-nicolson", Scheme::CrankNicolson),
         ("shifted-crank-nicolson", Scheme::Shifted),
+        ("rannacher", Scheme::Rannacher),
+        ("fractional-step-theta", Scheme::FractionalStepTheta),
+        ("cg1", Scheme::Galerkin),
+        ("bdf2", Scheme::Bdf2),
         ("stationary", Scheme::Stationary),
     ];
-    let later = ["rannacher", "fractional-step-theta", "cg1", "bdf2"];
-    let scheme = s.choice("scheme", &schemes, &later);
+    let scheme = s.choice("scheme", &schemes, &[]);
     let step = s.expression("step");
     let start = s.number("start", 0.0, ANY);
     let end = s.optional_number("end", ANY);
     let theta = s.optional_number("theta", THETA);
     let shift = s.number("shift", 1.0, NOT_NEGATIVE);
     let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
-    s.choice("domain-term", &[("secant", ())], &["midpoint-tangent", "galerkin"]);
+    let steps = s.integer("rannacher-steps", 2, 1..=1000) as u32;
+    let interval = s.number("rannacher-interval", 1.0, POSITIVE);
+    let motions = [
+        ("secant", DomainMotion::Secant),
+        ("midpoint", DomainMotion::Midpoint),
+        ("galerkin", DomainMotion::Galerkin),
+    ];
+    let domain_motion = s.choice("domain-motion", &motions, &[]);
+    let adaptive = adaptive(s.section("adaptive"), step.as_ref());
+    if adaptive.is_some() && step.as_ref().is_some_and(|step| !step.is_constant()) {
+        s.wrong("step", "expected a number, the first step: [time.adaptive] chooses the others");
+    }
     // After a mistake any scheme will do that asks for nothing more.
     let scheme = scheme.unwrap_or(if s.has("scheme") { Scheme::BackwardEuler } else { Scheme::Shifted });
     check_schedule(&s, scheme, step.as_ref(), (start, end), shift);
-    for (key, its_scheme) in [("theta", Scheme::Theta), ("shift", Scheme::Shifted)] {
+    check_domain_motion(&s, scheme, domain_motion);
+    if scheme == Scheme::Rannacher {
+        check_rannacher(&s, step.as_ref(), start, steps, interval);
+    }
+    let of_one_scheme = [
+        ("theta", Scheme::Theta),
+        ("shift", Scheme::Shifted),
+        ("rannacher-steps", Scheme::Rannacher),
+        ("rannacher-interval", Scheme::Rannacher),
+    ];
+    for (key, its_scheme) in of_one_scheme {
         if s.has(key) && scheme != its_scheme && scheme != Scheme::Stationary {
             let note = format!("time.{key} has no effect: the scheme is another one");
             s.checker.notes.borrow_mut().push(note);
@@ -65,6 +93,10 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
         Scheme::BackwardEuler => TimeScheme::BackwardEuler,
         Scheme::CrankNicolson => TimeScheme::CrankNicolson,
         Scheme::Shifted => TimeScheme::ShiftedCrankNicolson { shift },
+        Scheme::Rannacher => TimeScheme::Rannacher { steps, interval },
+        Scheme::FractionalStepTheta => TimeScheme::FractionalStepTheta,
+        Scheme::Galerkin => TimeScheme::Galerkin,
+        Scheme::Bdf2 => TimeScheme::Bdf2,
         Scheme::Theta => {
             if !s.has("theta") {
                 s.missing("theta", "the weight of the new time, from 0.5 to 1");
@@ -74,7 +106,61 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     };
     s.finish();
     let (step, end_or_start) = (step.unwrap_or_default(), end.unwrap_or(start));
-    (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings }), end)
+    let domain_motion = domain_motion.unwrap_or_default();
+    (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
+}
+
+/// Step-size control, where its table is there.
+fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>) -> Option<AdaptiveSettings> {
+    if !s.is_present() {
+        return None;
+    }
+    let first = step.and_then(Expression::constant_value).filter(|k| *k > 0.0).unwrap_or(1.0);
+    let settings = AdaptiveSettings {
+        tolerance: s.number("tolerance", 1e-3, REDUCTION),
+        min_step: s.number("min-step", 1e-3 * first, POSITIVE),
+        max_step: s.number("max-step", 10.0 * first, POSITIVE),
+        safety: s.number("safety", 0.9, REDUCTION),
+    };
+    if step.is_some_and(Expression::is_constant) {
+        if s.has("min-step") && settings.min_step > first {
+            s.wrong("min-step", format!("expected at most time.step, {first} s"));
+        }
+        if s.has("max-step") && settings.max_step < first {
+            s.wrong("max-step", format!("expected at least time.step, {first} s"));
+        }
+    }
+    s.finish();
+    Some(settings)
+}
+
+/// Two schemes say themselves where the factors of ∂_t are taken.
+fn check_domain_motion(s: &Section<'_, '_>, scheme: Scheme, motion: Option<DomainMotion>) {
+    let Some(motion) = motion else { return };
+    match scheme {
+        Scheme::Bdf2 => s.wrong(
+            "domain-motion",
+            "`bdf2` takes all terms at the new time, elsewhere it would lose its order: leave the key out",
+        ),
+        Scheme::Galerkin if motion != DomainMotion::Galerkin => s.wrong(
+            "domain-motion",
+            "`cg1` integrates all terms over the step: expected `galerkin`, or leave the key out",
+        ),
+        _ => {}
+    }
+}
+
+/// Whether steps of Crank-Nicolson are left.
+fn check_rannacher(s: &Section<'_, '_>, step: Option<&Expression>, start: f64, steps: u32, interval: f64) {
+    let Some(step) = step.filter(|step| !step.depends_on_space()) else { return };
+    let damped = f64::from(steps) * step.eval(&[0.0; 3], start);
+    if damped >= interval * (1.0 - 1e-9) {
+        let key = if s.has("rannacher-interval") { "rannacher-interval" } else { "scheme" };
+        s.wrong(
+            key,
+            format!("{steps} steps of backward Euler take {damped} s of every {interval} s: none is left"),
+        );
+    }
 }
 
 fn check_schedule(
@@ -171,6 +257,7 @@ pub(super) fn output(
     present: &[(String, FunctionalSpec)],
 ) -> OutputSpec {
     let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
+    let fields_interval = s.optional_number("fields-interval", POSITIVE);
     let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
     let leading = s.string("leading");
@@ -182,5 +269,5 @@ pub(super) fn output(
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec { fields_every, deformed, checkpoint_every, leading }
+    OutputSpec { fields_every, fields_interval, deformed, checkpoint_every, leading }
 }

@@ -1,0 +1,214 @@
+//! The length of steps from an estimate of their local error.
+//!
+//! The estimate compares a step with the polynomial through its end and the three solutions before: the
+//! leading term of the local error of every scheme is a multiple of a divided difference of these, which costs
+//! no further solve (Milne's device; Gresho, Lee and Sani 1980 for Navier-Stokes equations).
+
+use super::scheme::{FRACTIONAL, Scheme};
+use super::stepper::{Clock, StepFailure, StepReport, Stepper};
+use crate::space::State;
+
+/// Bounds of step-size control.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct AdaptiveSettings {
+    /// Largest local error of the velocity in a step, relative to the largest velocity so far.
+    pub tolerance: f64,
+    /// Steps of this length are taken whatever their error \[s\].
+    pub min_step: f64,
+    /// Longest step \[s\].
+    pub max_step: f64,
+    /// Part of the step that would meet the tolerance exactly.
+    pub safety: f64,
+}
+
+/// Largest ratio of a step to the one before, and smallest to one that was rejected.
+const GROWTH: f64 = 2.0;
+const SHRINK: f64 = 0.2;
+
+/// A step that could grow by less than this stays as it is: a new length costs a new Jacobian.
+const WORTHWHILE: f64 = 1.25;
+
+/// What control remembers, all that a checkpoint needs.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory {
+    /// Length of the next step \[s\].
+    pub next: f64,
+    /// Largest component of the velocity so far \[m/s\].
+    pub scale: f64,
+    /// Steps that were rejected.
+    pub rejected: u64,
+    /// The last solutions, latest first: time \[s\] and velocities.
+    pub past: Vec<(f64, Vec<f64>)>,
+}
+
+/// Step-size control.
+pub struct Adaptive {
+    /// Bounds.
+    pub settings: AdaptiveSettings,
+    /// What it remembers.
+    pub memory: Memory,
+    new: State,
+    old: State,
+}
+
+impl Adaptive {
+    /// With a first step of length `first` \[s\].
+    pub fn new(settings: AdaptiveSettings, first: f64) -> Adaptive {
+        let memory = Memory { next: first, ..Memory::default() };
+        Adaptive { settings, memory, new: State::default(), old: State::default() }
+    }
+
+    /// A step whose error is within the tolerance, at most to `target` \[s\], which it hits exactly.
+    ///
+    /// # Errors
+    /// [`StepFailure`] if a step has no solution even in parts; everything is then as before it.
+    pub fn step<const D: usize>(
+        &mut self,
+        stepper: &mut Stepper<D>,
+        target: f64,
+    ) -> Result<StepReport, StepFailure> {
+        if self.memory.past.is_empty() {
+            self.remember(stepper);
+        }
+        let mut spent = StepReport::default();
+        loop {
+            let k = self.length(target - stepper.time);
+            let before = self.save(stepper);
+            let mut report = stepper.step(k)?;
+            report.newton_steps += spent.newton_steps;
+            report.jacobians += spent.jacobians;
+            let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
+            let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
+            if !rejected || k <= self.settings.min_step {
+                self.accept(k, factor.unwrap_or(1.0));
+                self.remember(stepper);
+                return Ok(report);
+            }
+            self.memory.rejected += 1;
+            self.memory.next = (k * factor.unwrap_or(1.0).max(SHRINK)).max(self.settings.min_step);
+            stepper.go_back(before, &self.new, &self.old);
+            spent = report;
+        }
+    }
+
+    /// The next step, `rest` \[s\] before a time that is to be hit: without a small one at the end.
+    fn length(&self, rest: f64) -> f64 {
+        let k = self.memory.next.clamp(self.settings.min_step, self.settings.max_step);
+        if rest <= 1.001 * k {
+            rest
+        } else if rest < 2.0 * k {
+            0.5 * rest
+        } else {
+            k
+        }
+    }
+
+    /// The length of the step after one of length `k` that could have been `factor` times as long.
+    fn accept(&mut self, k: f64, factor: f64) {
+        let next = &mut self.memory.next;
+        if k < 0.999 * *next {
+            // Shortened to hit a time: that says nothing against longer ones.
+            *next = next.min((k * factor).max(self.settings.min_step));
+        } else if !(1.0..WORTHWHILE).contains(&factor) {
+            *next = (k * factor.min(GROWTH)).clamp(self.settings.min_step, self.settings.max_step);
+        }
+    }
+
+    /// By how much a step of length `k` that was just done could be longer; `None` without enough past.
+    fn factor<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
+        let [(t1, v1), (t2, v2), (t3, v3)] = &self.memory.past[..] else { return None };
+        let c = coefficients(stepper.settings.scheme, k, [stepper.time, *t1, *t2, *t3]);
+        let new = &stepper.new.v;
+        let (mut error, mut scale) = (0.0f64, self.memory.scale);
+        for i in 0..new.len() {
+            error = error.max((c[0] * new[i] + c[1] * v1[i] + c[2] * v2[i] + c[3] * v3[i]).abs());
+            scale = scale.max(new[i].abs());
+        }
+        if error <= f64::MIN_POSITIVE {
+            return Some(GROWTH);
+        }
+        let ratio = self.settings.tolerance * scale / error;
+        Some(self.settings.safety * ratio.powf(1.0 / f64::from(stepper.settings.scheme.order() + 1)))
+    }
+
+    fn remember<const D: usize>(&mut self, stepper: &Stepper<D>) {
+        let Memory { past, scale, .. } = &mut self.memory;
+        let mut v = if past.len() == 3 { past.pop().map(|(_, v)| v).unwrap_or_default() } else { vec![] };
+        v.clear();
+        v.extend_from_slice(&stepper.new.v);
+        *scale = v.iter().fold(*scale, |scale, v| scale.max(v.abs()));
+        past.insert(0, (stepper.time, v));
+    }
+
+    fn save<const D: usize>(&mut self, stepper: &Stepper<D>) -> Clock {
+        for (kept, state) in [(&mut self.new, &stepper.new), (&mut self.old, &stepper.old)] {
+            if kept.v.is_empty() {
+                *kept = state.clone();
+            } else {
+                kept.copy_from(state);
+            }
+        }
+        stepper.clock()
+    }
+}
+
+/// Coefficients of the solutions at the times t, t⁻, t⁼, t≡ in the local error of a step of length k from t⁻ to t.
+///
+/// With second and third divided differences d₂, d₃ and k⁻ = t⁻ − t⁼, a θ-step has
+/// k² (½ − θ) y″ + k³ (⅙ − θ/2) y‴ with y″ = 2 d₂ + 2 (k⁻ − k) d₃ at t⁻ and y‴ = 6 d₃; cG(1) that of θ = ½;
+/// fractional-step θ −k³ y‴ Σ l³ (θ³ + (1 − θ)³)/3; BDF2 k² (k + k⁻) (1 + ω)/(1 + 2ω) d₃.
+fn coefficients(scheme: Scheme, k: f64, t: [f64; 4]) -> [f64; 4] {
+    let before = t[1] - t[2];
+    let of_theta = |theta: f64| {
+        let second = k * k * (1.0 - 2.0 * theta);
+        (second, second * (before - k) + k.powi(3) * (1.0 - 3.0 * theta))
+    };
+    let (second, third) = match scheme {
+        Scheme::Galerkin | Scheme::Rannacher { .. } => of_theta(0.5),
+        Scheme::Theta { .. } | Scheme::ShiftedCrankNicolson { .. } => of_theta(scheme.rule(k).theta),
+        Scheme::FractionalStepTheta => {
+            let part = |l: f64, theta: f64| l.powi(3) * (theta.powi(3) + (1.0 - theta).powi(3)) / 3.0;
+            (0.0, -6.0 * k.powi(3) * FRACTIONAL.iter().map(|p| part(p.length, p.theta)).sum::<f64>())
+        }
+        Scheme::Bdf2 => {
+            let w = k / before;
+            (0.0, k * k * (k + before) * (1.0 + w) / (1.0 + 2.0 * w))
+        }
+    };
+    // A divided difference is Σ yᵢ / Π (tᵢ − tⱼ).
+    let divided = |n: usize, i: usize| {
+        let others = (0..n).filter(|&j| j != i);
+        if i < n { others.map(|j| t[i] - t[j]).product::<f64>().recip() } else { 0.0 }
+    };
+    std::array::from_fn(|i| second * divided(3, i) + third * divided(4, i))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exact for y = t³, whose local errors are known.
+    #[test]
+    fn estimates_are_leading_errors() {
+        let (k, t) = (0.1, [1.0, 0.9, 0.75, 0.7]);
+        let of = |scheme| {
+            let c = coefficients(scheme, k, t);
+            (0..4).map(|i| c[i] * t[i].powi(3)).sum::<f64>()
+        };
+        // One step of y' = f(t) = 3 t² from the exact value.
+        let theta = |theta: f64| {
+            t[0].powi(3) - t[1].powi(3) - k * 3.0 * (theta * t[0].powi(2) + (1.0 - theta) * t[1].powi(2))
+        };
+        for weight in [0.5, 0.6, 1.0] {
+            let found = of(Scheme::Theta { theta: weight });
+            assert!((found - theta(weight)).abs() < 1e-13, "{weight}: {found} {}", theta(weight));
+        }
+        assert!((of(Scheme::Galerkin) + k.powi(3) / 2.0).abs() < 1e-13);
+        let w: f64 = k / 0.15;
+        let base = ((1.0 + w).powi(2) * t[1].powi(3) - w * w * t[2].powi(3)) / (1.0 + 2.0 * w);
+        let bdf2 = t[0].powi(3) - base - k * (1.0 + w) / (1.0 + 2.0 * w) * 3.0 * t[0].powi(2);
+        assert!((of(Scheme::Bdf2).abs() - bdf2.abs()).abs() < 1e-13, "{} {bdf2}", of(Scheme::Bdf2));
+        let fractional = of(Scheme::FractionalStepTheta) / of(Scheme::CRANK_NICOLSON);
+        assert!((fractional - 0.132_035).abs() < 1e-5, "{fractional}");
+    }
+}

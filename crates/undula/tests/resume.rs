@@ -1,0 +1,99 @@
+//! A run that was stopped and goes on repeats the bits of one that was not, with every scheme in time.
+
+mod common;
+
+use common::{SCHEMES, builtin};
+use std::fs;
+use std::path::{Path, PathBuf};
+use undula::output::{Checkpoint, Status};
+use undula::run::{Flow, Observer, RunOptions, run};
+use undula::simulation::{Row, Simulation};
+
+/// Stops after some step.
+struct StopAfter(u64);
+
+impl Observer for StopAfter {
+    fn after_step(&mut self, _: &Simulation, row: &Row) -> Flow {
+        if row.step == self.0 { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// Few cells, a beam that moves.
+const SMALL: [&str; 4] = ["mesh.refine=0", "time.step=0.01", "time.end=0.12", "solid.body-force=[0,-2]"];
+
+fn compute(directory: &Path, sets: &[&str], resume: bool, stop: u64) -> Status {
+    let case = builtin("fsi3", &[&SMALL[..], sets].concat());
+    let options = RunOptions { directory: directory.into(), threads: 1, force: true, resume };
+    run(case, &options, &mut StopAfter(stop)).unwrap().status
+}
+
+fn place(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}"));
+    let _ = fs::remove_dir_all(&path);
+    path
+}
+
+/// History and last state of a run without stop, and of runs stopped after the steps `stops`.
+fn check(name: &str, sets: &[&str], stops: &[u64]) -> String {
+    let whole = place(&format!("{name}-whole"));
+    assert_eq!(compute(&whole, sets, false, 0), Status::Completed);
+    let result = |directory: &Path| {
+        let history = fs::read_to_string(directory.join("history.csv")).unwrap();
+        let latest = Checkpoint::load_latest(directory.join("checkpoints")).unwrap().unwrap();
+        (history, latest.checkpoint.arrays)
+    };
+    let expected = result(&whole);
+    for &stop in stops {
+        let parts = place(&format!("{name}-parts"));
+        assert_eq!(compute(&parts, sets, false, stop), Status::Interrupted);
+        assert_eq!(compute(&parts, sets, true, 0), Status::Completed);
+        let found = result(&parts);
+        assert_eq!(found.0, expected.0, "{name}, stopped after step {stop}");
+        assert!(found.1 == expected.1, "{name}, stopped after step {stop}: the last states differ");
+    }
+    expected.0
+}
+
+#[test]
+fn every_scheme_resumes_with_the_same_bits() {
+    for scheme in SCHEMES.iter().filter(|scheme| !scheme.ends_with("rannacher")) {
+        check(scheme.rsplit('=').next().unwrap(), &[scheme], &[1, 7]);
+    }
+    check("midpoint", &["time.domain-motion=midpoint"], &[7]);
+    check("newton", &["time.scheme=bdf2", "newton.linearization=newton"], &[2]);
+}
+
+/// Before, within and after the damping steps.
+#[test]
+fn rannacher_resumes_within_its_damping_steps() {
+    check("rannacher", &["time.scheme=rannacher", "time.rannacher-interval=0.05"], &[1, 5, 6, 7]);
+}
+
+/// With its past, wherever it stands; fields and steps land on their times.
+#[test]
+fn step_size_control_resumes_with_the_same_bits() {
+    for scheme in ["shifted-crank-nicolson", "bdf2", "fractional-step-theta"] {
+        let scheme = format!("time.scheme={scheme}");
+        let sets = [
+            &scheme,
+            "time.step=0.004",
+            "time.adaptive.tolerance=1e-3",
+            "time.adaptive.min-step=0.001",
+            "time.end=0.1",
+            "output.fields-interval=0.025",
+            "output.fields-every=0",
+            "solid.body-force=[0,0]",
+        ];
+        let history = check(&format!("adaptive-{}", &scheme[12..]), &sets, &[1, 3, 7]);
+        let times: Vec<f64> =
+            history.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
+        for output in [0.025, 0.05, 0.075, 0.1] {
+            assert!(times.contains(&output), "{scheme}: {output} in {times:?}");
+        }
+        let directory =
+            Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-adaptive-{}-whole", &scheme[12..]));
+        assert_eq!(fs::read_dir(directory.join("fields")).unwrap().count(), 4);
+        let summary = fs::read_to_string(directory.join("summary.json")).unwrap();
+        assert!(summary.contains("\"rejected_steps\""), "{summary}");
+    }
+}
