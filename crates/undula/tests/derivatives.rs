@@ -245,7 +245,7 @@ fn fixed_point_is_section_5_2_1() {
             assert!(gap(&flow, &found) < 1e-12, "{:e}", gap(&flow, &found));
 
             let E = 0.5 * (W.grad_u + W.grad_u.t() + new.grad_u.t() * W.grad_u);
-            let Material::StVenantKirchhoff { mu, lambda } = SOLID.material;
+            let Material::StVenantKirchhoff { mu, lambda } = SOLID.material else { unreachable!() };
             let body = Tested {
                 phi: W.v * (SOLID.rho / k),
                 grad_phi: F * (2.0 * mu * E + Tensor::identity() * (lambda * E.trace())),
