@@ -58,8 +58,7 @@ fn refuse_pressure(s: &Section<'_, '_>, how: &Stabilization, space: &SpaceSpec, 
             "pressure",
             format!("works on continuous pressures only, and the pair {v}/{p} needs none; expected `off`"),
         );
-    } else if how.pressure == PressureTerm::LocalProjection && !equal
-        || how.pressure == PressureTerm::BrezziPitkaranta && !equal
+    } else if !equal && matches!(how.pressure, PressureTerm::LocalProjection | PressureTerm::BrezziPitkaranta)
     {
         s.wrong(
             "pressure",
