@@ -1,5 +1,6 @@
 //! Pictures of a run: `undula plot DIR`, and the end of `undula run`.
 
+mod cell;
 mod colors;
 mod figure;
 mod history;

@@ -128,6 +128,7 @@ impl Channel {
             .map(|(x, u)| if in_beam(x) { ([u[0] * 20.0, u[1] * 20.0], flow(*x).1) } else { flow(*x) })
             .collect();
         FieldSnapshot {
+            kind: Default::default(),
             degree: 2,
             points,
             cells: self.cells.clone(),

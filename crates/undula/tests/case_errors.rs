@@ -86,8 +86,8 @@ own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
-own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`
-own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`; did you mean `P1dc`?
+own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`, `P3`, `P2-bubble`
+own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`; did you mean `P1dc`?
 own.toml:14:11: fluid.density = -1000: expected a number above 0
 own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
 own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `kinematic-viscosity`, `body-force`
@@ -379,10 +379,35 @@ fn unstable_pairs_are_refused_with_the_reason() {
          condition (5.24)); P2dc goes with it"
     );
     assert!(refused(&["space.velocity=Q1", "space.pressure=P0"]).contains("checkerboard"));
+    assert_eq!(
+        refused(&["space.velocity=P2", "space.pressure=Q1"]),
+        "--set space.pressure=Q1: lives on other cells than the velocity P2, which needs triangles; P1 goes with it"
+    );
     for set in [&["space.velocity=Q3", "space.pressure=Q1"][..], &["solid=none", "space.pressure=P0"]] {
         builtin("fsi1", set);
     }
+    for velocity in ["Q2", "Q3", "Q4", "P2", "P3", "P2-bubble"] {
+        builtin("fsi1", &[&format!("space.velocity={velocity}")]);
+    }
     builtin("csm1", &["space.velocity=Q1"]);
+}
+
+#[test]
+fn a_mesh_file_must_have_the_cells_of_the_velocity() {
+    let file = std::env::temp_dir().join(format!("undula-cells-{}.msh", std::process::id()));
+    let triangles = undula::mesh::generate::schaefer_turek(0).triangulated();
+    std::fs::write(&file, undula::mesh::gmsh::write(&triangles)).unwrap();
+    let mesh = format!("mesh.file={}", file.display());
+    let set = |velocity: &'static str| ["mesh.generator=none", &mesh, velocity].map(String::from);
+    let case = Case::builtin("dfg-2d1", &set("space.velocity=P2")).unwrap();
+    assert_eq!(case.sizes().unwrap().cells, triangles.n_cells());
+    let refused = Case::builtin("dfg-2d1", &set("space.velocity=Q2")).unwrap().sizes().err().unwrap();
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(
+        refused.to_string(),
+        "--set space.velocity=Q2: space.velocity = Q2 needs quadrilaterals, the mesh has triangles: take P2, or a mesh \
+         of quadrilaterals"
+    );
 }
 
 #[test]

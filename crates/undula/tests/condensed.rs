@@ -23,15 +23,14 @@ use undula::time::{Linear, Linearization, Purpose};
 const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] };
 
 fn coupled(physics: Physics, pressure: PressureKind) -> Manufactured {
-    coupled_in(2, physics, pressure)
+    coupled_in(quadrilaterals(2, pressure), physics)
 }
 
-/// With v and u of degree `degree`.
-fn coupled_in(degree: usize, physics: Physics, pressure: PressureKind) -> Manufactured {
+fn coupled_in(pair: Pair, physics: Physics) -> Manufactured {
     let zero = number(0.0);
     let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
-    let space = space(&square(4, Cells::Curved, Body::Block), &physics, degree, pressure);
-    problem_in(space, physics, nothing, InTime::Difference, degree + 1)
+    let space = pair.space(&square(4, Cells::Curved, Body::Block), &physics);
+    problem_in(space, physics, nothing, InTime::Difference, pair.quadrature())
 }
 
 /// The more nodes, the closer, and the smaller the values, so that gradients are alike.
@@ -181,11 +180,20 @@ fn fractional_steps_share_one_jacobian() {
 fn elements_of_any_degree_are_condensed() {
     let pairs = [(2, Pdc(0)), (3, Pdc(2)), (3, Pdc(1)), (3, Continuous(2)), (4, Pdc(3)), (4, Continuous(3))];
     for (degree, pressure) in pairs {
-        let options = Options::serial(degree + 1);
-        check_problem(coupled_in(degree, FSI, pressure), RULE, &options);
-        check_problem(coupled_in(degree, FLOW, pressure), StepRule::STATIONARY, &options);
+        check_pair(quadrilaterals(degree, pressure));
     }
-    check_problem(coupled_in(1, BODY, Continuous(1)), RULE, &options());
+    for pair in [triangles(2, Continuous(1)), triangles(3, Continuous(2)), triangles(3, Pdc(1)), BUBBLE] {
+        check_pair(pair);
+    }
+    for pair in [quadrilaterals(1, Continuous(1)), triangles(1, Continuous(1))] {
+        check_problem(coupled_in(pair, BODY), RULE, &options());
+    }
+}
+
+fn check_pair(pair: Pair) {
+    let options = Options::serial(pair.quadrature());
+    check_problem(coupled_in(pair, FSI), RULE, &options);
+    check_problem(coupled_in(pair, FLOW), StepRule::STATIONARY, &options);
 }
 
 #[test]

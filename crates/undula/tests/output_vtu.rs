@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::path::PathBuf;
-use undula::output::{Collection, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
+use undula::output::{CellKind, Collection, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
 
 /// An empty directory for the test `name`.
 fn scratch(name: &str) -> PathBuf {
@@ -46,6 +46,30 @@ fn files_read_back_with_the_same_bits() {
         let (read, time) = read_vtu(&path).unwrap();
         assert_eq!(time, 0.1 + 0.2);
         assert_eq!(read, written);
+    }
+}
+
+/// Two triangles with the long side in common.
+fn two_triangles(degree: usize) -> FieldSnapshot {
+    let n = degree + 1;
+    let number = |i: usize, j: usize| (i + n * j) as u32;
+    let inside = || (0..n).flat_map(|j| (0..n - j).map(move |i| (i, j)));
+    let mut mesh = FieldSnapshot { kind: CellKind::Triangle, degree, ..FieldSnapshot::default() };
+    mesh.points = (0..n * n).map(|p| [(p % n) as f64, (p / n) as f64, 0.0]).collect();
+    mesh.cells.extend(inside().map(|(i, j)| number(i, j)));
+    mesh.cells.extend(inside().map(|(i, j)| number(degree - i, degree - j)));
+    mesh.cell_data = vec![Field::new("solid", 1, vec![0.0, 1.0])];
+    mesh
+}
+
+#[test]
+fn triangles_read_back_with_the_same_bits() {
+    for degree in 1..=3 {
+        let path = scratch(&format!("vtu-triangles-{degree}")).join("a.vtu");
+        let written = two_triangles(degree);
+        assert_eq!(written.n_cells(), 2);
+        write_vtu(&path, &written, 0.5, Precision::Double).unwrap();
+        assert_eq!(read_vtu(&path).unwrap(), (written, 0.5));
     }
 }
 

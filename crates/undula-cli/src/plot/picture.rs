@@ -1,5 +1,6 @@
 //! Fields on the deformed mesh.
 
+use super::cell::{Pieces, Reference, lagrange};
 use super::colors::{self, INK, PLASMA, Rgb, SOLID, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
 use std::collections::HashMap;
@@ -187,14 +188,6 @@ fn range(content: &Content, raster: &Raster, solid: &[bool]) -> (f64, f64) {
     if high - low > 1e-9 * high.abs().max(low.abs()) { (low, high) } else { (low - 0.5, low + 0.5) }
 }
 
-/// Values of the Lagrange polynomials on equidistant nodes in [0, 1] at `s`.
-fn lagrange(degree: usize, s: f64) -> Vec<f64> {
-    let node = |i: usize| i as f64 / degree as f64;
-    let one =
-        |i: usize| (0..=degree).filter(|&j| j != i).map(|j| (s - node(j)) / (node(i) - node(j))).product();
-    (0..=degree).map(one).collect()
-}
-
 /// No cell.
 const NOWHERE: u32 = u32::MAX;
 
@@ -219,8 +212,8 @@ impl Raster {
         let (width, height) = (panel.width as usize * fine, panel.height as usize * fine);
         let mut raster =
             Raster { width, height, samples: vec![Sample { value: 0.0, cell: NOWHERE }; width * height] };
-        let degree = snapshot.degree;
-        let mut tables: HashMap<usize, Vec<Vec<f64>>> = HashMap::new();
+        let reference = Reference::of(snapshot);
+        let mut tables: HashMap<usize, Pieces> = HashMap::new();
         for (number, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
             let nodes: Vec<[f64; 3]> = cell
                 .iter()
@@ -236,26 +229,17 @@ impl Raster {
                 range.1 - range.0
             };
             let pieces = ((extent(0).max(extent(1)) / (4 * fine) as f64).ceil() as usize).clamp(2, 32);
-            let table = tables.entry(pieces).or_insert_with(|| {
-                (0..=pieces).map(|i| lagrange(degree, i as f64 / pieces as f64)).collect()
-            });
-            let lattice: Vec<[f64; 3]> = (0..=pieces)
-                .flat_map(|j| (0..=pieces).map(move |i| (i, j)))
-                .map(|(i, j)| {
-                    let mut at = [0.0; 3];
-                    for (n, node) in nodes.iter().enumerate() {
-                        let weight = table[i][n % (degree + 1)] * table[j][n / (degree + 1)];
-                        (0..3).for_each(|d| at[d] += weight * node[d]);
-                    }
-                    at
-                })
-                .collect();
-            for j in 0..pieces {
-                for i in 0..pieces {
-                    let corner = |a: usize, b: usize| lattice[i + a + (pieces + 1) * (j + b)];
-                    raster.triangle([corner(0, 0), corner(1, 0), corner(1, 1)], number as u32);
-                    raster.triangle([corner(0, 0), corner(1, 1), corner(0, 1)], number as u32);
+            let table = tables.entry(pieces).or_insert_with(|| reference.pieces(pieces));
+            let corner = |weights: &Vec<f64>| {
+                let mut at = [0.0; 3];
+                for (weight, node) in weights.iter().zip(&nodes) {
+                    (0..3).for_each(|d| at[d] += weight * node[d]);
                 }
+                at
+            };
+            let corners: Vec<[f64; 3]> = table.weights.iter().map(corner).collect();
+            for triangle in &table.triangles {
+                raster.triangle(triangle.map(|corner| corners[corner]), number as u32);
             }
         }
         raster.close();
@@ -348,18 +332,12 @@ impl Edges {
         let (x, y) = bounds(snapshot, |_| true);
         let unit = 1e-8 * (x.1 - x.0).max(y.1 - y.0);
         let key = |p: [f64; 2]| p.map(|c| (c / unit).round() as i64);
-        let k = snapshot.degree;
+        let (k, sides) = (snapshot.degree, Reference::of(snapshot).sides());
         let mut found: HashMap<[[i64; 2]; 2], Edge> = HashMap::new();
         for (n, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
-            for side in 0..4 {
-                let number = |i: usize| match side {
-                    0 => i,
-                    1 => k + (k + 1) * i,
-                    2 => i + (k + 1) * k,
-                    _ => (k + 1) * i,
-                };
-                let at = |i: usize| snapshot.points[cell[number(i)] as usize];
-                let nodes: Vec<[f64; 2]> = (0..=k).map(|i| [at(i)[0], at(i)[1]]).collect();
+            for side in &sides {
+                let at = |i: usize| snapshot.points[cell[i] as usize];
+                let nodes: Vec<[f64; 2]> = side.iter().map(|&i| [at(i)[0], at(i)[1]]).collect();
                 let (a, b) = (key(nodes[0]), key(nodes[k]));
                 let edge = found.entry([a.min(b), a.max(b)]).or_insert(Edge { beside: Vec::new(), nodes });
                 edge.beside.push(solid[n]);

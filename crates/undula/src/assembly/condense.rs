@@ -53,7 +53,8 @@ where
     /// Unknowns inside of cells are eliminated if asked to.
     pub fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32], eliminate: bool) {
         let b = &self.batches;
-        let mut layout = Layout::new(space.mesh.shape, space.nodes.degree, b.n_pressure, space.pressure.kind);
+        let (shape, degree) = (space.mesh.shape, space.nodes.degree);
+        let mut layout = Layout::new(shape, degree, b.n_basis, b.n_pressure, space.pressure.kind);
         if !eliminate {
             layout.outer = layout.all;
         }

@@ -3,7 +3,7 @@
 use super::interior::FacetBlocks;
 use super::kernel::StepView;
 use super::scatter::DROP;
-use crate::element::{BasisTable, Quadrature};
+use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
 use crate::mesh::Facet;
 use crate::physics::{FacetForm, Fields, Outflow};
@@ -32,7 +32,7 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
     let mesh = &space.mesh;
     let (cell, local) = (facet.cell as usize, facet.local as usize);
     let rule = Quadrature::facet(mesh.shape, local, n);
-    let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+    let table = space.nodes.table(mesh.shape, &rule);
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
@@ -40,9 +40,8 @@ pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize
         let cofactor = jacobian.cofactor();
         let inverse_t = cofactor * (1.0 / jacobian.det());
         // Nanson: n dS = cof(DX) N dS for the reference normal N of the facet.
-        let mut reference = Vector::zero();
-        reference.0[local / 2] = if local % 2 == 1 { 1.0 } else { -1.0 };
-        let area = cofactor * reference;
+        let normal = mesh.shape.facet_normal(local);
+        let area = cofactor * Vector(std::array::from_fn(|d| normal[d]));
         let size = area.dot(area).sqrt();
         let grad = |a: usize| {
             let reference = Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));

@@ -35,18 +35,19 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// For cells of `shape` with nodes of degree `degree` and `n_pressure` pressures of `kind`.
-    pub fn new(shape: Shape, degree: usize, n_pressure: usize, kind: PressureKind) -> Layout {
+    /// For cells of `shape` with `n_basis` nodes, those of degree `degree` and perhaps a bubble, and `n_pressure`
+    /// pressures of `kind`.
+    pub fn new(shape: Shape, degree: usize, n_basis: usize, n_pressure: usize, kind: PressureKind) -> Layout {
         let dim = shape.dim();
-        let inside = |a: usize| shape.is_inner(degree, a);
-        let own = |b: usize| matches!(kind, PressureKind::Pdc(_)) && b > 0;
-        let mut layout =
-            Layout { node: vec![0; shape.n_nodes(degree)], pressure: vec![0; n_pressure], outer: 0, all: 0 };
+        let inside = |a: usize| a >= shape.n_nodes(degree) || shape.is_inner(degree, a);
+        // Pressures without velocities that feel them stay: their matrix is singular.
+        let felt = n_pressure <= 1 + dim * (0..n_basis).filter(|&a| inside(a)).count();
+        let own = |b: usize| matches!(kind, PressureKind::Pdc(_)) && felt && b > 0;
+        let mut layout = Layout { node: vec![0; n_basis], pressure: vec![0; n_pressure], outer: 0, all: 0 };
         for inner in [false, true] {
-            for (a, place) in layout.node.iter_mut().enumerate().filter(|(a, _)| inside(*a) == inner) {
+            for (_, place) in layout.node.iter_mut().enumerate().filter(|(a, _)| inside(*a) == inner) {
                 *place = layout.all;
                 layout.all += dim;
-                debug_assert!(a < shape.n_nodes(degree));
             }
             for (_, place) in layout.pressure.iter_mut().enumerate().filter(|(b, _)| own(*b) == inner) {
                 *place = layout.all;

@@ -1,7 +1,7 @@
 //! Fields at all quadrature points, one by one in `f64`: for functionals, errors and sources.
 
 use super::facets::fields_at;
-use crate::element::{BasisTable, Quadrature};
+use crate::element::Quadrature;
 use crate::math::Tensor;
 use crate::physics::Fields;
 use crate::space::{FsiSpace, Region, State};
@@ -26,7 +26,8 @@ pub struct PointValues<'a, const D: usize> {
     pub pressure: &'a [f64],
 }
 
-/// Call `visit` at every point of the rule with `n` Gauss points per direction.
+/// Call `visit` at every point of the rule of number `n`, see [`Quadrature::cell`]. In cells without a bubble the basis
+/// may be one longer than the list of nodes.
 pub fn for_each_point<const D: usize>(
     space: &FsiSpace<D>,
     state: &State,
@@ -35,7 +36,7 @@ pub fn for_each_point<const D: usize>(
 ) {
     let mesh = &space.mesh;
     let rule = Quadrature::cell(mesh.shape, n);
-    let table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
+    let table = space.nodes.table(mesh.shape, &rule);
     let mut grad = vec![[0.0; D]; table.n_basis];
     for cell in 0..mesh.n_cells() {
         for (q, xi) in rule.points.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Nodal bases Q_k on tensor-product cells, equidistant nodes.
+//! Nodal bases on equidistant nodes: Q_k on tensor-product cells, P_k on triangles.
 
 use super::Shape;
 
@@ -23,8 +23,11 @@ pub fn basis_1d(k: usize, x: f64) -> (Vec<f64>, Vec<f64>) {
     (value, slope)
 }
 
-/// Values `[a]` and gradients `[a][d]` of the Q_k basis of `shape` at `xi`, nodes in the order of [`Shape`].
+/// Values `[a]` and gradients `[a][d]` of the basis of `shape` at `xi`, nodes in the order of [`Shape`].
 pub fn basis(shape: Shape, k: usize, xi: &[f64]) -> (Vec<f64>, Vec<[f64; 3]>) {
+    if shape == Shape::Triangle {
+        return triangle(k, [xi[0], xi[1]]);
+    }
     let factors: Vec<_> = (0..shape.dim()).map(|d| basis_1d(k, xi[d])).collect();
     let n = shape.n_nodes(k);
     let (mut value, mut grad) = (vec![1.0; n], vec![[0.0; 3]; n]);
@@ -41,10 +44,40 @@ pub fn basis(shape: Shape, k: usize, xi: &[f64]) -> (Vec<f64>, Vec<[f64; 3]>) {
     (value, grad)
 }
 
+/// Π_{m<n} (k s − m)/(m + 1), which is 1 at s = n/k and 0 at the n nodes before it, and its derivative.
+fn factor(k: usize, n: usize, s: f64) -> (f64, f64) {
+    let (mut value, mut slope) = (1.0, 0.0);
+    for m in 0..n {
+        let (scale, next) = (k as f64 / (m + 1) as f64, (k as f64 * s - m as f64) / (m + 1) as f64);
+        slope = slope * next + value * scale;
+        value *= next;
+    }
+    (value, slope)
+}
+
+/// The P_k basis of a triangle at `xi`: products of one factor in each barycentric coordinate.
+fn triangle(k: usize, [x, y]: [f64; 2]) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let node = |a: usize| {
+        let [i, j, _] = Shape::Triangle.lattice(k, a);
+        let [(u, u_x), (v, v_y), (w, w_s)] =
+            [(i, x), (j, y), (k - i - j, 1.0 - x - y)].map(|(n, s)| factor(k, n, s));
+        (u * v * w, [v * (u_x * w - u * w_s), u * (v_y * w - v * w_s), 0.0])
+    };
+    (0..Shape::Triangle.n_nodes(k)).map(node).unzip()
+}
+
+/// The cubic bubble 27 λ_0 λ_1 λ_2 of a triangle at `xi` and its gradient: 1 at the centre, 0 on all edges.
+pub fn bubble([x, y]: [f64; 2]) -> (f64, [f64; 2]) {
+    let z = 1.0 - x - y;
+    (27.0 * x * y * z, [27.0 * y * (z - x), 27.0 * x * (z - y)])
+}
+
 /// Reference coordinates of node `a` of degree `k`.
 pub fn node(shape: Shape, k: usize, a: usize) -> [f64; 3] {
-    let at = shape.lattice(k, a);
-    at.map(|i| if k == 0 { 0.5 } else { i as f64 / k as f64 })
+    if k == 0 {
+        return shape.centre();
+    }
+    shape.lattice(k, a).map(|i| i as f64 / k as f64)
 }
 
 #[cfg(test)]
@@ -52,8 +85,23 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_bubble_vanishes_on_edges_and_is_one_in_the_middle() {
+        for s in [0.0, 0.3, 1.0] {
+            for at in [[s, 0.0], [0.0, s], [s, 1.0 - s]] {
+                assert!(bubble(at).0.abs() < 1e-15);
+            }
+        }
+        assert!((bubble([1.0 / 3.0; 2]).0 - 1.0).abs() < 1e-15);
+        let (at, h) = ([0.3, 0.21], 1e-6);
+        let along_x = (bubble([at[0] + h, at[1]]).0 - bubble([at[0] - h, at[1]]).0) / (2.0 * h);
+        let along_y = (bubble([at[0], at[1] + h]).0 - bubble([at[0], at[1] - h]).0) / (2.0 * h);
+        let [x, y] = bubble(at).1;
+        assert!((x - along_x).abs() < 1e-8 && (y - along_y).abs() < 1e-8);
+    }
+
+    #[test]
     fn nodality_partition_of_unity_and_gradients() {
-        for shape in [Shape::Quadrilateral, Shape::Hexahedron] {
+        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
             for k in 1..5 {
                 for a in 0..shape.n_nodes(k) {
                     let (value, _) = basis(shape, k, &node(shape, k, a));
@@ -61,7 +109,7 @@ mod tests {
                         assert!((v - if a == b { 1.0 } else { 0.0 }).abs() < 1e-13);
                     }
                 }
-                let xi = [0.3, 0.71, 0.44];
+                let xi = [0.3, 0.61, 0.44];
                 let (value, grad) = basis(shape, k, &xi);
                 assert!((value.iter().sum::<f64>() - 1.0).abs() < 1e-13);
                 for d in 0..shape.dim() {

@@ -18,7 +18,7 @@ pub struct BasisTable {
 }
 
 impl BasisTable {
-    /// Q_k of `shape` at the points of `rule`.
+    /// Q_k or P_k of `shape` at the points of `rule`.
     pub fn lagrange(shape: Shape, k: usize, rule: &Quadrature) -> BasisTable {
         let (dim, n_basis, n_points) = (shape.dim(), shape.n_nodes(k), rule.points.len());
         let (mut value, mut grad) = (vec![], vec![]);
@@ -28,6 +28,18 @@ impl BasisTable {
             grad.extend(g.iter().flat_map(|g| g[..dim].to_vec()));
         }
         BasisTable { n_basis, n_points, dim, value, grad }
+    }
+
+    /// The same with the cubic bubble of a triangle as last function.
+    pub fn with_bubble(&self, rule: &Quadrature) -> BasisTable {
+        let (n, dim) = (self.n_basis, self.dim);
+        let (mut value, mut grad) = (vec![], vec![]);
+        for (q, point) in rule.points.iter().enumerate() {
+            let (v, g) = lagrange::bubble([point[0], point[1]]);
+            value.extend(self.value(q).iter().chain(&[v]));
+            grad.extend(self.grad(q).iter().chain(&g));
+        }
+        BasisTable { n_basis: n + 1, n_points: self.n_points, dim, value, grad }
     }
 
     /// Values at point `q`, `[basis]`.

@@ -1,6 +1,7 @@
 //! A tree of boxes, to find among many things those near a point.
 
 use super::geometry::bounds;
+use crate::element::Shape;
 
 /// Leaves hold at most this many boxes.
 const LEAF: usize = 4;
@@ -100,16 +101,19 @@ fn outside<const D: usize>(x: [f64; D], (lower, upper): &Bounds<D>) -> f64 {
     (0..D).map(|d| gap(d).powi(2)).sum::<f64>().sqrt()
 }
 
-/// A box around the image of a Lagrange map of degree `degree` in `dim` variables with these nodes.
-///
-/// A quadratic interpolation leaves the box of its nodes by at most a factor 5/4 per variable.
-pub(crate) fn image_bounds<const D: usize>(
-    nodes: impl Iterator<Item = [f64; D]>,
-    degree: usize,
-    dim: usize,
-) -> Bounds<D> {
+/// The factor by which the image of the Lagrange map of degree 1 or 2 leaves the box of its nodes at most (Lebesgue
+/// constant): 5/4 per variable for degree 2, 5/3 on a triangle.
+pub(crate) fn spread(shape: Shape, degree: usize) -> f64 {
+    match (shape, degree) {
+        (_, 1) => 1.0,
+        (Shape::Triangle, _) => 5.0 / 3.0,
+        _ => 1.25_f64.powi(shape.dim() as i32),
+    }
+}
+
+/// A box around the image of a Lagrange map with these nodes, which leaves the box of its nodes by at most `factor`.
+pub(crate) fn image_bounds<const D: usize>(nodes: impl Iterator<Item = [f64; D]>, factor: f64) -> Bounds<D> {
     let (mut lower, mut upper) = bounds(nodes);
-    let factor = if degree == 1 { 1.0 } else { 1.25_f64.powi(dim as i32) };
     for d in 0..D {
         let (middle, half) = (0.5 * (lower[d] + upper[d]), 0.5 * (upper[d] - lower[d]));
         (lower[d], upper[d]) = (middle - factor * half, middle + factor * half);

@@ -50,7 +50,8 @@ impl<const D: usize> FacetMap<D> {
     }
 
     pub(crate) fn bounds(&self) -> ([f64; D], [f64; D]) {
-        image_bounds(self.nodes.iter().copied(), self.degree, D - 1)
+        let factor = if self.degree == 1 { 1.0 } else { 1.25_f64.powi(D as i32 - 1) };
+        image_bounds(self.nodes.iter().copied(), factor)
     }
 
     /// Distance from `x` to the facet.

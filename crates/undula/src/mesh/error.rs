@@ -66,6 +66,9 @@ pub enum MeshError {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// Cells of a shape on which the finite elements do not live, in words.
+    #[error("{0}")]
+    WrongCells(String),
     /// A name that the mesh does not have.
     #[error("the mesh has no {kind} `{name}`; it has {known}")]
     UnknownName {

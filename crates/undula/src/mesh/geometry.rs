@@ -1,6 +1,7 @@
 //! The map from the reference cell to a cell, `X(ξ) = Σ_i L_i(ξ) x_i`.
 
 use super::{CellAt, CellList, LISTED, Mesh};
+use crate::element::Shape;
 
 /// Lagrange basis of degree 1 or 2 on `[0, 1]` at `s`; unused entries zero.
 pub(crate) fn lagrange(degree: usize, s: f64) -> [f64; 3] {
@@ -46,9 +47,29 @@ pub(crate) fn distance<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
     (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }
 
+/// Basis of degree 1 or 2 on a triangle with its derivatives, nodes in the order of [`Shape`]; unused entries zero.
+fn triangle(degree: usize, [x, y]: [f64; 2]) -> [(f64, [f64; 2]); 6] {
+    let z = 1.0 - x - y;
+    if degree == 1 {
+        let none = (0.0, [0.0; 2]);
+        return [(z, [-1.0, -1.0]), (x, [1.0, 0.0]), (y, [0.0, 1.0]), none, none, none];
+    }
+    [
+        (z * (2.0 * z - 1.0), [1.0 - 4.0 * z, 1.0 - 4.0 * z]),
+        (4.0 * x * z, [4.0 * (z - x), -4.0 * x]),
+        (x * (2.0 * x - 1.0), [4.0 * x - 1.0, 0.0]),
+        (4.0 * y * z, [-4.0 * y, 4.0 * (z - y)]),
+        (4.0 * x * y, [4.0 * y, 4.0 * x]),
+        (y * (2.0 * y - 1.0), [0.0, 4.0 * y - 1.0]),
+    ]
+}
+
 impl<const D: usize> Mesh<D> {
     /// Image `X(ξ)` \[m\] of reference point `xi` in `cell`.
     pub fn map(&self, cell: usize, xi: [f64; D]) -> [f64; D] {
+        if self.shape == Shape::Triangle {
+            return self.map_triangle(cell, xi).0;
+        }
         let basis = xi.map(|s| lagrange(self.degree, s));
         let mut x = [0.0; D];
         for (local, &node) in self.cell(cell).iter().enumerate() {
@@ -63,6 +84,9 @@ impl<const D: usize> Mesh<D> {
 
     /// Gradient `DX(ξ)` \[m\] of the map, `[i][j] = ∂X_i/∂ξ_j`.
     pub fn map_gradient(&self, cell: usize, xi: [f64; D]) -> [[f64; D]; D] {
+        if self.shape == Shape::Triangle {
+            return self.map_triangle(cell, xi).1;
+        }
         let basis = xi.map(|s| lagrange(self.degree, s));
         let slope = xi.map(|s| lagrange_slope(self.degree, s));
         let mut gradient = [[0.0; D]; D];
@@ -77,6 +101,24 @@ impl<const D: usize> Mesh<D> {
             }
         }
         gradient
+    }
+
+    /// The map of a triangle and its gradient.
+    fn map_triangle(&self, cell: usize, xi: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+        let (mut x, mut gradient) = ([0.0; D], [[0.0; D]; D]);
+        for (&node, (value, slope)) in self.cell(cell).iter().zip(triangle(self.degree, [xi[0], xi[1]])) {
+            let at = self.nodes[node as usize];
+            for i in 0..D {
+                x[i] += value * at[i];
+                gradient[i].iter_mut().zip(slope).for_each(|(g, s)| *g += s * at[i]);
+            }
+        }
+        (x, gradient)
+    }
+
+    /// Centre of the reference cell.
+    pub(crate) fn reference_centre(&self) -> [f64; D] {
+        std::array::from_fn(|d| self.shape.centre()[d])
     }
 
     /// Mean of the vertices of `cell` \[m\].

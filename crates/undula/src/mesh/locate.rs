@@ -1,6 +1,6 @@
 //! Which cell a point of the reference domain lies in.
 
-use super::box_tree::{BoxTree, image_bounds};
+use super::box_tree::{BoxTree, image_bounds, spread};
 use super::geometry::distance;
 use super::{Mesh, MeshError};
 
@@ -15,7 +15,7 @@ const STEPS: usize = 30;
 pub struct Located<const D: usize> {
     /// The cell.
     pub cell: usize,
-    /// Reference coordinates in `[0, 1]^D`.
+    /// Coordinates in the reference cell.
     pub xi: [f64; D],
 }
 
@@ -32,7 +32,8 @@ impl<'a, const D: usize> Locator<'a, D> {
     /// Prepares the search in `mesh`.
     pub fn new(mesh: &'a Mesh<D>) -> Self {
         let nodes = |cell: usize| mesh.cell(cell).iter().map(|&n| mesh.nodes[n as usize]);
-        let boxes = (0..mesh.n_cells()).map(|cell| image_bounds(nodes(cell), mesh.degree, D)).collect();
+        let factor = spread(mesh.shape, mesh.degree);
+        let boxes = (0..mesh.n_cells()).map(|cell| image_bounds(nodes(cell), factor)).collect();
         let reach = (0..mesh.n_cells()).map(|cell| mesh.cell_diameter(cell)).fold(0.0, f64::max);
         Locator { mesh, tree: BoxTree::new(boxes), reach: TOLERANCE * reach }
     }
@@ -62,11 +63,11 @@ impl<'a, const D: usize> Locator<'a, D> {
         let mut best: Option<(f64, Located<D>)> = None;
         for cell in candidates {
             if let Some(xi) = self.mesh.inverse_map(cell, x) {
-                let outside = xi.iter().map(|s| (s - 1.0).max(-s)).fold(0.0, f64::max);
+                let outside = self.mesh.shape.outside(&xi);
                 // Points on a facet of two cells must not depend on rounding.
                 let outside = if outside < 1e-9 { 0.0 } else { outside };
                 if outside <= TOLERANCE && best.is_none_or(|(least, _)| outside < least) {
-                    best = Some((outside, Located { cell, xi: xi.map(|s| s.clamp(0.0, 1.0)) }));
+                    best = Some((outside, Located { cell, xi: self.mesh.shape.clamp(xi) }));
                 }
             }
         }
@@ -87,7 +88,7 @@ impl<const D: usize> Mesh<D> {
     /// Reference coordinates of `x` in `cell` by Newton's method, also somewhat outside of the cell; none
     /// if it does not converge.
     pub fn inverse_map(&self, cell: usize, x: [f64; D]) -> Option<[f64; D]> {
-        let mut xi = [0.5; D];
+        let mut xi = self.reference_centre();
         for _ in 0..STEPS {
             let at = self.map(cell, xi);
             let residual = std::array::from_fn(|d| x[d] - at[d]);

@@ -15,6 +15,7 @@ mod quality;
 mod refine;
 mod regions;
 mod topology;
+mod triangulate;
 
 pub use curve::Curve;
 pub use distance::FacetDistance;
@@ -35,7 +36,7 @@ use crate::element::Shape;
 pub struct Mesh<const D: usize> {
     /// Shape of every cell.
     pub shape: Shape,
-    /// Degree of the geometry map: 1 straight, 2 biquadratic.
+    /// Degree of the geometry map: 1 straight, 2 (bi)quadratic.
     pub degree: usize,
     /// Coordinates of the geometry nodes \[m\].
     pub nodes: Vec<[f64; D]>,

@@ -2,6 +2,7 @@
 
 use super::geometry::determinant;
 use super::{Mesh, MeshError};
+use crate::element::{Quadrature, Shape, lagrange};
 
 /// Three-point Gauss rule on `[0, 1]`: points and weights.
 const GAUSS: [(f64, f64); 3] =
@@ -11,7 +12,8 @@ const GAUSS: [(f64, f64); 3] =
 #[derive(Clone, Debug)]
 pub struct Quality {
     /// Smallest `det DX / Π_j |∂X/∂ξ_j|` of each cell over its geometry nodes and Gauss points: 1 for a
-    /// rectangle, 0 for a degenerate cell.
+    /// rectangle, 0 for a degenerate cell. Of triangles that for all pairs of edges, times 2/√3: 1 for an
+    /// equilateral one.
     pub scaled_jacobian: Vec<f64>,
     /// Area or volume of each cell \[m^D\].
     pub volume: Vec<f64>,
@@ -34,15 +36,22 @@ impl Quality {
 impl<const D: usize> Mesh<D> {
     /// Measures all cells.
     pub fn quality(&self) -> Quality {
-        let mut points: Vec<([f64; D], f64)> = (0..3_usize.pow(D as u32))
-            .map(|i| {
-                let at: [usize; D] = std::array::from_fn(|d| i / 3_usize.pow(d as u32) % 3);
-                (at.map(|k| GAUSS[k].0), at.iter().map(|&k| GAUSS[k].1).product())
-            })
-            .collect();
+        let mut points: Vec<([f64; D], f64)> = match self.shape {
+            Shape::Triangle => {
+                let rule = Quadrature::cell(self.shape, 3);
+                let at = |x: &[f64; 3]| std::array::from_fn(|d| x[d]);
+                rule.points.iter().map(at).zip(rule.weights).collect()
+            }
+            _ => (0..3_usize.pow(D as u32))
+                .map(|i| {
+                    let at: [usize; D] = std::array::from_fn(|d| i / 3_usize.pow(d as u32) % 3);
+                    (at.map(|k| GAUSS[k].0), at.iter().map(|&k| GAUSS[k].1).product())
+                })
+                .collect(),
+        };
         points.extend((0..self.shape.n_nodes(self.degree)).map(|n| {
-            let at = self.shape.lattice(self.degree, n);
-            (std::array::from_fn(|d| at[d] as f64 / self.degree as f64), 0.0)
+            let at = lagrange::node(self.shape, self.degree, n);
+            (std::array::from_fn(|d| at[d]), 0.0)
         }));
         let mut quality = Quality { scaled_jacobian: vec![], volume: vec![], inverted: vec![] };
         for cell in 0..self.n_cells() {
@@ -50,7 +59,7 @@ impl<const D: usize> Mesh<D> {
             for &(xi, weight) in &points {
                 let gradient = self.map_gradient(cell, xi);
                 let det = determinant(gradient);
-                worst = worst.min(scaled(gradient, det));
+                worst = worst.min(scaled(self.shape, gradient, det));
                 volume += weight * det;
             }
             if worst <= 0.0 {
@@ -69,16 +78,22 @@ impl<const D: usize> Mesh<D> {
         let turned: Vec<usize> = (0..n)
             .map(|i| {
                 let [x, y, z] = self.shape.lattice(self.degree, i);
-                y + (self.degree + 1) * (x + (self.degree + 1) * z)
+                self.shape.number(self.degree, [y, x, z])
             })
             .collect();
+        let centre = self.reference_centre();
         let clockwise: Vec<usize> =
-            (0..self.n_cells()).filter(|&c| determinant(self.map_gradient(c, [0.5; D])) < 0.0).collect();
+            (0..self.n_cells()).filter(|&c| determinant(self.map_gradient(c, centre)) < 0.0).collect();
         for &cell in &clockwise {
             let nodes = self.cell(cell).to_vec();
             turned.iter().enumerate().for_each(|(i, &j)| self.cell_nodes[cell * n + i] = nodes[j]);
-            for facet in self.facets.iter_mut().filter(|f| f.cell as usize == cell && f.local < 4) {
-                facet.local ^= 2;
+            for facet in self.facets.iter_mut().filter(|f| f.cell as usize == cell) {
+                facet.local = match (self.shape, facet.local) {
+                    (Shape::Triangle, 1) => 2,
+                    (Shape::Triangle, 2) => 1,
+                    (Shape::Quadrilateral | Shape::Hexahedron, local @ 0..4) => local ^ 2,
+                    (_, local) => local,
+                };
             }
         }
         clockwise.len()
@@ -93,9 +108,16 @@ impl<const D: usize> Mesh<D> {
     }
 }
 
-/// `det DX / Π_j |∂X/∂ξ_j|`; 0 where a column vanishes.
-fn scaled<const D: usize>(gradient: [[f64; D]; D], det: f64) -> f64 {
+/// `det DX / Π_j |∂X/∂ξ_j|`; 0 where a column vanishes. On triangles the smallest of that for the three pairs of
+/// edges, times 2/√3.
+fn scaled<const D: usize>(shape: Shape, gradient: [[f64; D]; D], det: f64) -> f64 {
     let column = |j: usize| (0..D).map(|i| gradient[i][j].powi(2)).sum::<f64>().sqrt();
-    let product: f64 = (0..D).map(column).product();
-    if product > 0.0 { det / product } else { 0.0 }
+    let mut product: f64 = (0..D).map(column).product();
+    let mut factor = 1.0;
+    if shape == Shape::Triangle {
+        let third = (0..D).map(|i| (gradient[i][1] - gradient[i][0]).powi(2)).sum::<f64>().sqrt();
+        product = product.max(column(0) * third).max(column(1) * third);
+        factor = 2.0 / 3f64.sqrt();
+    }
+    if product > 0.0 { factor * det / product } else { 0.0 }
 }

@@ -2,19 +2,21 @@
 
 use super::topology::Side;
 use super::{Curve, Facet, Mesh};
+use crate::element::Shape;
 use std::collections::HashMap;
 
 /// A uniformly refined mesh and where its cells come from.
 #[derive(Clone, Debug)]
 pub struct Refined<const D: usize> {
-    /// The finer mesh; cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order.
+    /// The finer mesh; cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order; of triangles
+    /// those at the three vertices, then the one in the middle.
     pub mesh: Mesh<D>,
     /// The coarse cell of each fine cell.
     pub parent: Vec<u32>,
 }
 
 /// Identity of a point on the facets of cells: the vertices it depends on and the weights there in a
-/// multilinear interpolation, in units of `4^-D`. Cells that share a facet agree on both.
+/// multilinear (on triangles: linear) interpolation. Cells that share a facet agree on both.
 type PointKey = [(u32, u32); 8];
 
 impl<const D: usize> Mesh<D> {
@@ -52,7 +54,7 @@ impl<const D: usize> Mesh<D> {
             cell_nodes,
             cell_region: parent.iter().map(|&p| self.cell_region[p as usize]).collect(),
             regions: self.regions.clone(),
-            facets: self.facets.iter().flat_map(|&f| child_facets::<D>(f)).collect(),
+            facets: self.facets.iter().flat_map(|&f| child_facets::<D>(self.shape, f)).collect(),
             boundaries: self.boundaries.clone(),
         };
         mesh.project_boundaries(curves);
@@ -123,8 +125,9 @@ impl<const D: usize> NodePool<D> {
     }
 }
 
-/// The geometry nodes of all children within their parent: `(2 degree + 1)^D` points.
+/// The geometry nodes of all children within their parent: the nodes of degree `2 degree`.
 struct FineLattice<const D: usize> {
+    shape: Shape,
     /// Intervals per direction.
     n: usize,
     /// Positions, the first coordinate running fastest.
@@ -134,10 +137,11 @@ struct FineLattice<const D: usize> {
 impl<const D: usize> FineLattice<D> {
     fn new(mesh: &Mesh<D>) -> Self {
         let n = 2 * mesh.degree;
-        let at = (0..(n + 1).pow(D as u32))
-            .map(|i| std::array::from_fn(|d| i / (n + 1).pow(d as u32) % (n + 1)))
-            .collect();
-        FineLattice { n, at }
+        let at = (0..mesh.shape.n_nodes(n)).map(|i| {
+            let at = mesh.shape.lattice(n, i);
+            std::array::from_fn(|d| at[d])
+        });
+        FineLattice { shape: mesh.shape, n, at: at.collect() }
     }
 
     /// Reference coordinates of lattice position `at`.
@@ -147,20 +151,20 @@ impl<const D: usize> FineLattice<D> {
 
     /// Index of lattice position `at`.
     fn index(&self, at: [usize; D]) -> usize {
-        at.iter().rev().fold(0, |sum, &i| sum * (self.n + 1) + i)
+        self.shape.number(self.n, std::array::from_fn(|d| if d < D { at[d] } else { 0 }))
     }
 
     /// Identity of position `at` in a cell with these vertices; none inside of the cell.
     fn key(&self, at: [usize; D], vertices: &[u32]) -> Option<PointKey> {
-        if at.iter().all(|&i| i != 0 && i != self.n) {
+        let node = self.index(at);
+        if self.shape.is_inner(self.n, node) {
             return None;
         }
         let mut key = [(u32::MAX, 0); 8];
-        for (corner, (&vertex, entry)) in vertices.iter().zip(&mut key).enumerate() {
-            let weight = |d: usize| if corner >> d & 1 == 1 { at[d] } else { self.n - at[d] };
-            let product: usize = (0..D).map(weight).product();
-            if product > 0 {
-                *entry = (vertex, product as u32);
+        let weights = self.shape.vertex_weights(self.n, node);
+        for ((&vertex, weight), entry) in vertices.iter().zip(weights).zip(&mut key) {
+            if weight > 0 {
+                *entry = (vertex, weight);
             }
         }
         key.sort_unstable();
@@ -172,7 +176,12 @@ impl<const D: usize> FineLattice<D> {
         let degree = mesh.degree;
         (0..mesh.shape.n_nodes(degree)).map(move |local| {
             let at = mesh.shape.lattice(degree, local);
-            self.index(std::array::from_fn(|d| (child >> d & 1) * degree + at[d]))
+            self.index(std::array::from_fn(|d| match (self.shape, child) {
+                (Shape::Triangle, 3) => degree - at[d],
+                (Shape::Triangle, _) if d + 1 == child => degree + at[d],
+                (Shape::Triangle, _) => at[d],
+                _ => (child >> d & 1) * degree + at[d],
+            }))
         })
     }
 
@@ -194,9 +203,23 @@ impl<const D: usize> FineLattice<D> {
         mean
     }
 
+    /// Moves the points on facet `facet` of a triangle onto `curve`, those with an odd number along the facet next to
+    /// the middle of their neighbours. The map keeps its second derivatives up to `O(h³)`, since the points move
+    /// by no more, so that those inside may stay.
+    fn move_edge_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
+        let nodes = self.shape.facet_nodes(self.n, facet);
+        let beside = |i: usize| if i % 2 == 1 { [nodes[i - 1], nodes[i + 1]] } else { [nodes[i]; 2] };
+        let mean = |[a, b]: [usize; 2]| std::array::from_fn(|d| 0.5 * (points[a][d] + points[b][d]));
+        let targets: Vec<_> = (0..nodes.len()).map(|i| curve.project(mean(beside(i)))).collect();
+        nodes.iter().zip(targets).for_each(|(&node, target)| points[node] = target);
+    }
+
     /// Moves the points on facet `facet` onto `curve`, and those behind the inside of the facet by
     /// `1 − t` of the same, `t ∈ [0, 1]` being their place between the facet and the opposite one.
     fn move_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
+        if self.shape == Shape::Triangle {
+            return self.move_edge_onto(curve, facet, points);
+        }
         let (axis, side) = (facet / 2, facet % 2);
         for &at in self.at.iter().filter(|at| at[axis] == side * self.n) {
             let here = points[self.index(at)];
@@ -216,9 +239,13 @@ impl<const D: usize> FineLattice<D> {
 }
 
 /// The `2^(D−1)` parts of a facet.
-fn child_facets<const D: usize>(facet: Facet) -> impl Iterator<Item = Facet> {
+fn child_facets<const D: usize>(shape: Shape, facet: Facet) -> impl Iterator<Item = Facet> {
     let (axis, side) = (facet.local as usize / 2, facet.local as usize % 2);
     (0..1_usize << D)
-        .filter(move |child| child >> axis & 1 == side)
+        .filter(move |&child| match shape {
+            // The children at the two vertices of the edge.
+            Shape::Triangle => child < 3 && child != facet.local as usize,
+            _ => child >> axis & 1 == side,
+        })
         .map(move |child| Facet { cell: (facet.cell << D) + child as u32, ..facet })
 }

@@ -53,9 +53,7 @@ impl<const D: usize> Mesh<D> {
     /// All sides of all cells with their vertices, sorted.
     pub(crate) fn sides_by_vertices(&self) -> Vec<(FacetKey, Side)> {
         let corners = self.shape.vertices(self.degree);
-        let on = |&c: &usize, local: usize| {
-            self.shape.lattice(self.degree, c)[local / 2] == local % 2 * self.degree
-        };
+        let on = |&c: &usize, local: usize| self.shape.on_facet(self.degree, c, local);
         let of_facet: Vec<Vec<usize>> = (0..self.shape.n_facets())
             .map(|local| corners.iter().copied().filter(|c| on(c, local)).collect())
             .collect();

@@ -20,7 +20,7 @@ pub use error::OutputError;
 pub use history::{History, HistoryWriter};
 pub use pvd::Collection;
 pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, summarize};
-pub use vtu::{Field, FieldSnapshot, Precision, read_vtu, write_vtu};
+pub use vtu::{CellKind, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
 
 #[cfg(test)]
 pub(crate) mod testing {

@@ -1,7 +1,7 @@
 //! VTU files: fields on the deformed mesh, as ParaView reads them.
 //!
 //! An `UnstructuredGrid` with appended raw data in zlib-compressed blocks, little endian, `UInt64`
-//! headers. Cells are curved: `VTK_BIQUADRATIC_QUAD` for degree 2. [`read_vtu`] reads what [`write_vtu`]
+//! headers. Cells are curved: `VTK_BIQUADRATIC_QUAD` and `VTK_QUADRATIC_TRIANGLE` for degree 2. [`read_vtu`] reads what [`write_vtu`]
 //! writes, nothing else.
 
 use super::history::number;
@@ -29,18 +29,30 @@ impl Field {
     }
 }
 
-/// The fields of one moment on quadrilateral cells of degree 1, 2 or higher.
+/// Shape of the cells.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+pub enum CellKind {
+    /// `(degree + 1)²` points.
+    #[default]
+    Quadrilateral,
+    /// `(degree + 1) (degree + 2) / 2` points.
+    Triangle,
+}
+
+/// The fields of one moment on cells of degree 1, 2 or higher, triangles up to 3.
 ///
 /// Points lie where the material or the mesh is at that moment, so that pictures show the deformed domain
 /// without further filters. The pictures of `undula plot` look for the point data `velocity` \[m/s\],
 /// `pressure` \[Pa\] and for the cell data `solid` (1 in cells of the solid, else 0).
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FieldSnapshot {
+    /// Shape of the cells.
+    pub kind: CellKind,
     /// Degree of the cells.
     pub degree: usize,
     /// Deformed positions \[m\], the third coordinate zero in 2D.
     pub points: Vec<[f64; 3]>,
-    /// Points of each cell in lexicographic order, `n_cells × (degree + 1)²`.
+    /// Points of each cell in lexicographic order, `n_cells × points_per_cell`.
     pub cells: Vec<u32>,
     /// Values at points, `n_points × components` each.
     pub point_data: Vec<Field>,
@@ -51,7 +63,10 @@ pub struct FieldSnapshot {
 impl FieldSnapshot {
     /// Points per cell.
     pub fn points_per_cell(&self) -> usize {
-        (self.degree + 1).pow(2)
+        match self.kind {
+            CellKind::Quadrilateral => (self.degree + 1).pow(2),
+            CellKind::Triangle => (self.degree + 1) * (self.degree + 2) / 2,
+        }
     }
 
     /// Number of cells.
@@ -85,12 +100,22 @@ pub enum Precision {
 /// Bytes per compressed block.
 const BLOCK: usize = 1 << 16;
 
-/// Lexicographic numbers of the nodes of a quadrilateral in the order of VTK: vertices, edges, interior.
+/// Lexicographic numbers of the nodes of a cell in the order of VTK: vertices, edges, interior.
 ///
-/// Vertices go round; edges are bottom, right, top, left, each in the direction of its coordinate. This is
-/// the order of `VTK_QUAD`, `VTK_BIQUADRATIC_QUAD` and `VTK_LAGRANGE_QUADRILATERAL` alike.
-fn vtk_order(degree: usize) -> Vec<usize> {
+/// Vertices go round; edges of quadrilaterals are bottom, right, top, left, each in the direction of its coordinate. This is
+/// the order of `VTK_QUAD`, `VTK_BIQUADRATIC_QUAD` and `VTK_LAGRANGE_QUADRILATERAL` alike. Edges of triangles
+/// go round, too.
+fn vtk_order(kind: CellKind, degree: usize) -> Vec<usize> {
     let k = degree;
+    if kind == CellKind::Triangle {
+        let mut lattice = vec![(0, 0), (k, 0), (0, k)];
+        lattice.extend((1..k).map(|i| (i, 0)));
+        lattice.extend((1..k).map(|j| (k - j, j)));
+        lattice.extend((1..k).map(|j| (0, k - j)));
+        // Inside there is one point at most.
+        lattice.extend((1..k.saturating_sub(1)).map(|i| (i, 1)));
+        return lattice.into_iter().map(|(i, j)| i + (0..j).map(|row| k + 1 - row).sum::<usize>()).collect();
+    }
     let mut lattice = vec![(0, 0), (k, 0), (k, k), (0, k)];
     lattice.extend((1..k).map(|i| (i, 0)));
     lattice.extend((1..k).map(|j| (k, j)));
@@ -101,11 +126,14 @@ fn vtk_order(degree: usize) -> Vec<usize> {
 }
 
 /// Number of the cell type in VTK.
-fn vtk_cell_type(degree: usize) -> u8 {
-    match degree {
-        1 => 9,
-        2 => 28,
-        _ => 70,
+fn vtk_cell_type(kind: CellKind, degree: usize) -> u8 {
+    match (kind, degree) {
+        (CellKind::Quadrilateral, 1) => 9,
+        (CellKind::Quadrilateral, 2) => 28,
+        (CellKind::Quadrilateral, _) => 70,
+        (CellKind::Triangle, 1) => 5,
+        (CellKind::Triangle, 2) => 22,
+        (CellKind::Triangle, _) => 69,
     }
 }
 
@@ -131,7 +159,7 @@ pub fn write_vtu(
         Precision::Double => false,
     };
     let mut data = Appended::default();
-    let order = vtk_order(snapshot.degree);
+    let order = vtk_order(snapshot.kind, snapshot.degree);
     let flat: Vec<u8> = snapshot.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     let points = data.array("Float64", "Points", 3, &flat);
     let nodes = snapshot.cells.chunks_exact(n).flat_map(|cell| order.iter().map(|&i| cell[i]));
@@ -139,7 +167,7 @@ pub fn write_vtu(
     let offsets: Vec<u8> = (1..=n_cells).flat_map(|c| ((n * c) as i64).to_le_bytes()).collect();
     let cells = data.array("Int64", "connectivity", 1, &connectivity)
         + &data.array("Int64", "offsets", 1, &offsets)
-        + &data.array("UInt8", "types", 1, &vec![vtk_cell_type(snapshot.degree); n_cells]);
+        + &data.array("UInt8", "types", 1, &vec![vtk_cell_type(snapshot.kind, snapshot.degree); n_cells]);
     let point_data: String = snapshot.point_data.iter().map(|f| data.field(f, n_points, single)).collect();
     let cell_data: String = snapshot.cell_data.iter().map(|f| data.field(f, n_cells, single)).collect();
     let header = format!(
@@ -258,12 +286,16 @@ fn parse(bytes: &[u8]) -> Result<(FieldSnapshot, f64), String> {
 /// Fills in degree and cells.
 fn cells(snapshot: &mut FieldSnapshot, connectivity: &[f64], types: &[f64]) -> Result<(), String> {
     let n = connectivity.len().checked_div(types.len()).unwrap_or(4);
-    snapshot.degree = n.isqrt().max(2) - 1;
-    let kind = f64::from(vtk_cell_type(snapshot.degree));
+    let is_triangle = types.first().is_some_and(|kind| [5.0, 22.0, 69.0].contains(kind));
+    (snapshot.kind, snapshot.degree) = match is_triangle {
+        true => (CellKind::Triangle, (2 * n).isqrt().max(2) - 1),
+        false => (CellKind::Quadrilateral, n.isqrt().max(2) - 1),
+    };
+    let kind = f64::from(vtk_cell_type(snapshot.kind, snapshot.degree));
     if snapshot.points_per_cell() * types.len() != connectivity.len() || types.iter().any(|t| *t != kind) {
-        return Err("cells that are not all of the same kind of quadrilateral".into());
+        return Err("cells that are not all of the same kind".into());
     }
-    let order = vtk_order(snapshot.degree);
+    let order = vtk_order(snapshot.kind, snapshot.degree);
     snapshot.cells = vec![0; connectivity.len()];
     for (cell, from) in snapshot.cells.chunks_exact_mut(n).zip(connectivity.chunks_exact(n)) {
         for (&i, &point) in order.iter().zip(from) {
@@ -331,8 +363,13 @@ mod tests {
     /// Figures of the VTK file format: vertices round the cell, then edges, then the interior.
     #[test]
     fn nodes_are_in_the_order_of_vtk() {
-        assert_eq!(vtk_order(1), [0, 1, 3, 2]);
-        assert_eq!(vtk_order(2), [0, 2, 8, 6, 1, 5, 7, 3, 4]);
-        assert_eq!(vtk_order(3), [0, 3, 15, 12, 1, 2, 7, 11, 13, 14, 4, 8, 5, 6, 9, 10]);
+        let quadrilateral = |k| vtk_order(CellKind::Quadrilateral, k);
+        assert_eq!(quadrilateral(1), [0, 1, 3, 2]);
+        assert_eq!(quadrilateral(2), [0, 2, 8, 6, 1, 5, 7, 3, 4]);
+        assert_eq!(quadrilateral(3), [0, 3, 15, 12, 1, 2, 7, 11, 13, 14, 4, 8, 5, 6, 9, 10]);
+        let triangle = |k| vtk_order(CellKind::Triangle, k);
+        assert_eq!(triangle(1), [0, 1, 2]);
+        assert_eq!(triangle(2), [0, 2, 5, 1, 4, 3]);
+        assert_eq!(triangle(3), [0, 3, 9, 1, 2, 6, 8, 7, 4, 5]);
     }
 }

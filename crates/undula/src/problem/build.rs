@@ -3,13 +3,14 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization, MeshSource,
-    MotionModel, PressureElement,
+    MotionModel, PressureElement, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu, SingleLu};
 use crate::assembly::{self, Assembler, Physics};
+use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
@@ -37,7 +38,9 @@ impl Case {
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
         let spec = &self.mesh;
-        let refine = spec.refine as usize;
+        let triangles = self.space.velocity.shape() == Shape::Triangle;
+        // Triangles are refined after they are made.
+        let refine = if triangles { 0 } else { spec.refine as usize };
         let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
             MeshSource::TurekHron => {
                 (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
@@ -52,6 +55,13 @@ impl Case {
                 (mesh.refined(refine, &[]), vec![])
             }
         };
+        if triangles {
+            if !matches!(spec.source, MeshSource::File(_)) {
+                mesh = mesh.triangulated();
+            }
+            mesh = mesh.refined(spec.refine as usize, &curves);
+        }
+        self.check_shape(&mesh)?;
         for (name, inside) in &spec.region {
             mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
                 .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
@@ -73,6 +83,23 @@ impl Case {
             mesh.check().map_err(|e| self.blame(key, e))?;
         }
         Ok(mesh)
+    }
+
+    /// Refuses cells on which the velocity does not live.
+    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
+        let velocity = self.space.velocity;
+        if mesh.shape == velocity.shape() {
+            return Ok(());
+        }
+        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
+        let reason = format!(
+            "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
+            velocity.name(),
+            velocity.shape().name(),
+            mesh.shape.name(),
+            velocity.shape().name()
+        );
+        Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
     }
 
     /// An error of the mesh, told with the place of the `key` of the case that is to blame.
@@ -105,12 +132,19 @@ impl Case {
         let regions = mesh.cell_region.iter().map(region).collect();
         let pressure = match self.space.pressure {
             PressureElement::Pdc(m) => PressureKind::Pdc(m),
-            PressureElement::Q(m) => PressureKind::Continuous(m),
+            PressureElement::Q(m) | PressureElement::P(m) => PressureKind::Continuous(m),
         };
         let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
         let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
         let degree = self.space.velocity.degree();
-        let mut space = FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies);
+        let mut space = match self.space.velocity {
+            VelocityElement::P2Bubble if own => {
+                let message = "bubbles are of the fluid alone, and the pressure of an incompressible solid needs them, too; take `P3`";
+                return Err(self.refuse("space.velocity", message.into()));
+            }
+            VelocityElement::P2Bubble => FsiSpace::with_bubbles(mesh, regions, degree, pressure),
+            _ => FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies),
+        };
         space.walls = self.motion.walls;
         let message =
             "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
@@ -125,7 +159,8 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        let triangles = space.mesh.shape == Shape::Triangle;
+        if !needed || !triangles && assembly::stabilize::patches(space).is_some() {
             return Ok(());
         }
         let key = "stabilization.projection";

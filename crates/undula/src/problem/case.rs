@@ -120,7 +120,7 @@ pub struct SpaceSpec {
     pub velocity: VelocityElement,
     /// Pressure.
     pub pressure: PressureElement,
-    /// Gauss points per direction.
+    /// Gauss points per direction; on triangles the rule exact to the same degree, 2 n − 1.
     pub quadrature: usize,
 }
 

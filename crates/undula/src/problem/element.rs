@@ -1,10 +1,16 @@
 //! Finite elements by name, and which pairs of velocity and pressure can be used.
 
+use crate::element::Shape;
+
 /// Space of velocity and deformation.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum VelocityElement {
     /// Continuous, of degree k in each coordinate of a quadrilateral.
     Q(usize),
+    /// Continuous, of total degree k on triangles.
+    P(usize),
+    /// P2, the velocity with a cubic bubble on every triangle of the fluid.
+    P2Bubble,
 }
 
 /// Space of the pressure.
@@ -12,20 +18,26 @@ pub enum VelocityElement {
 pub enum PressureElement {
     /// Continuous, of degree k in each coordinate of a quadrilateral.
     Q(usize),
+    /// Continuous, of total degree k on triangles.
+    P(usize),
     /// Discontinuous, of total degree k in the reference-domain coordinates of the cell.
     Pdc(usize),
 }
 
 /// Velocities by the names they have in a case.
-pub const VELOCITIES: [(&str, VelocityElement); 4] = [
+pub const VELOCITIES: [(&str, VelocityElement); 8] = [
     ("Q1", VelocityElement::Q(1)),
     ("Q2", VelocityElement::Q(2)),
     ("Q3", VelocityElement::Q(3)),
     ("Q4", VelocityElement::Q(4)),
+    ("P1", VelocityElement::P(1)),
+    ("P2", VelocityElement::P(2)),
+    ("P3", VelocityElement::P(3)),
+    ("P2-bubble", VelocityElement::P2Bubble),
 ];
 
 /// Pressures by the names they have in a case.
-pub const PRESSURES: [(&str, PressureElement); 8] = [
+pub const PRESSURES: [(&str, PressureElement); 10] = [
     ("P0", PressureElement::Pdc(0)),
     ("P1dc", PressureElement::Pdc(1)),
     ("P2dc", PressureElement::Pdc(2)),
@@ -34,6 +46,8 @@ pub const PRESSURES: [(&str, PressureElement); 8] = [
     ("Q2", PressureElement::Q(2)),
     ("Q3", PressureElement::Q(3)),
     ("Q4", PressureElement::Q(4)),
+    ("P1", PressureElement::P(1)),
+    ("P2", PressureElement::P(2)),
 ];
 
 /// What is known of the inf-sup condition (5.24) of a pair.
@@ -41,7 +55,7 @@ pub const PRESSURES: [(&str, PressureElement); 8] = [
 pub enum Stability {
     /// It holds with a constant that does not depend on the mesh.
     Stable,
-    /// Velocity and pressure are of equal order: it fails, and stabilisation is needed.
+    /// Velocity and pressure are continuous and of equal order: it fails, and stabilisation is needed.
     Equal,
     /// The pair is of no use, and why.
     Refused(String),
@@ -53,45 +67,75 @@ impl VelocityElement {
         VELOCITIES.iter().find(|(_, e)| *e == self).map_or("", |(name, _)| name)
     }
 
-    /// Polynomial degree k.
+    /// Polynomial degree k, bubbles aside.
     pub fn degree(self) -> usize {
-        let VelocityElement::Q(k) = self;
-        k
+        match self {
+            VelocityElement::Q(k) | VelocityElement::P(k) => k,
+            VelocityElement::P2Bubble => 2,
+        }
     }
 
-    /// The pressure that goes with it unless one is asked for: P_{k−1} discontinuous, of equal order for k = 1.
+    /// Shape of the cells.
+    pub fn shape(self) -> Shape {
+        match self {
+            VelocityElement::Q(_) => Shape::Quadrilateral,
+            _ => Shape::Triangle,
+        }
+    }
+
+    /// The pressure that goes with it unless one is asked for: discontinuous P_{k−1} with Q_k and bubbles, continuous
+    /// P_{k−1} with P_k, of equal order for k = 1.
     pub fn pressure(self) -> PressureElement {
         match self {
             VelocityElement::Q(1) => PressureElement::Q(1),
             VelocityElement::Q(k) => PressureElement::Pdc(k - 1),
+            VelocityElement::P(1) => PressureElement::P(1),
+            VelocityElement::P(k) => PressureElement::P(k - 1),
+            VelocityElement::P2Bubble => PressureElement::Pdc(1),
         }
     }
 
-    /// Gauss points per direction unless a number is asked for: products of two gradients on affine cells, and
-    /// mass matrices, are then exact.
+    /// Number of the quadrature rule unless one is asked for: mass matrices, and products of two gradients with a
+    /// field on affine cells, are then exact.
     pub fn quadrature(self) -> usize {
-        self.degree() + 1
+        match self {
+            VelocityElement::P2Bubble => 4,
+            _ => self.degree() + 1,
+        }
     }
 
     /// Whether it makes a useful pair with `pressure`.
     pub fn stability(self, pressure: PressureElement) -> Stability {
-        use PressureElement::Pdc;
-        let VelocityElement::Q(k) = self;
-        match pressure {
-            PressureElement::Q(m) if m < k => Stability::Stable,
-            PressureElement::Q(m) if m == k => Stability::Equal,
-            Pdc(m) if m < k && k > 1 => Stability::Stable,
-            Pdc(0) => {
-                Stability::Refused("has checkerboard modes with Q1: take Q2, or a stabilised Q1".into())
-            }
-            other => Stability::Refused(format!(
+        use PressureElement::{P, Pdc, Q};
+        use VelocityElement as V;
+        let too_many = || {
+            Stability::Refused(format!(
                 "has too many unknowns for the velocity {} (inf-sup condition (5.24)); {} goes with it",
                 self.name(),
-                match (self.pressure(), other) {
-                    (pressure, Pdc(_)) => pressure.name().to_string(),
-                    (pressure, _) => format!("{} or a lower degree", pressure.name()),
-                }
+                self.pressure().name(),
+            ))
+        };
+        match (self, pressure) {
+            (V::Q(_), P(_)) | (V::P(_) | V::P2Bubble, Q(_)) => Stability::Refused(format!(
+                "lives on other cells than the velocity {}, which needs {}; {} goes with it",
+                self.name(),
+                self.shape().name(),
+                self.pressure().name()
             )),
+            (V::Q(k), Q(m)) | (V::P(k), P(m)) if m < k => Stability::Stable,
+            (V::Q(k), Q(m)) | (V::P(k), P(m)) if m == k => Stability::Equal,
+            (V::Q(1) | V::P(1), Pdc(0)) => Stability::Refused(format!(
+                "is not stable with the velocity {0} (checkerboards, locking): take the degree 2, or {0} with a stabilised {0}",
+                self.name()
+            )),
+            (V::Q(k), Pdc(m)) if m < k => Stability::Stable,
+            // P2-P1dc lacks a bubble, and P3-P2dc is stable on special meshes only.
+            (V::P(2), Pdc(1)) => Stability::Refused(
+                "is not stable with the velocity P2: take P2-bubble with P1dc, or P2 with P1".into(),
+            ),
+            (V::P(k), Pdc(m)) if m + 2 <= k => Stability::Stable,
+            (V::P2Bubble, Pdc(0 | 1) | P(1)) => Stability::Stable,
+            _ => too_many(),
         }
     }
 }
@@ -117,8 +161,29 @@ mod tests {
         for (name, pressure) in PRESSURES {
             assert_eq!(pressure.name(), name);
         }
-        assert!(matches!(VelocityElement::Q(1).stability(PressureElement::Pdc(0)), Stability::Refused(_)));
-        assert!(matches!(VelocityElement::Q(2).stability(PressureElement::Pdc(2)), Stability::Refused(_)));
-        assert!(matches!(VelocityElement::Q(2).stability(PressureElement::Q(3)), Stability::Refused(_)));
+    }
+
+    #[test]
+    fn pairs_without_a_stable_pressure_are_refused() {
+        use PressureElement::{P, Pdc, Q};
+        use VelocityElement as V;
+        for (velocity, pressure) in [
+            (V::Q(1), Pdc(0)),
+            (V::Q(2), Pdc(2)),
+            (V::Q(2), Q(3)),
+            (V::Q(2), P(1)),
+            (V::P(1), Pdc(0)),
+            (V::P(2), Pdc(1)),
+            (V::P(3), Pdc(2)),
+            (V::P(2), Q(1)),
+            (V::P2Bubble, P(2)),
+            (V::P2Bubble, Pdc(2)),
+        ] {
+            let stability = velocity.stability(pressure);
+            assert!(matches!(stability, Stability::Refused(_)), "{velocity:?} {pressure:?}: {stability:?}");
+        }
+        assert_eq!(V::P(3).stability(Pdc(1)), Stability::Stable);
+        assert_eq!(V::P(2).stability(Pdc(0)), Stability::Stable);
+        assert_eq!(V::P(2).stability(P(2)), Stability::Equal);
     }
 }

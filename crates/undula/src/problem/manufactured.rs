@@ -301,6 +301,12 @@ impl Manufactured {
                 state.u[2 * node..2 * node + 2].copy_from_slice(&f.u.0);
             }
         }
+        // Bubbles stand beside the interpolation.
+        let bubbles = 2 * space.nodes.n_lagrange;
+        state.v[bubbles..].fill(0.0);
+        if space.deforms {
+            state.u[bubbles..].fill(0.0);
+        }
         for cell in 0..space.mesh.n_cells() {
             for (a, &dof) in space.pressure.cell(cell).iter().enumerate() {
                 let s = sample(&self.exact, space.pressure.points[dof as usize], t);

@@ -124,7 +124,11 @@ impl Case {
         out.table("space");
         out.word("velocity", self.space.velocity.name());
         out.word("pressure", self.space.pressure.name());
-        out.key("quadrature", self.space.quadrature.to_string(), "Gauss points per direction");
+        out.key(
+            "quadrature",
+            self.space.quadrature.to_string(),
+            "Gauss points per direction; exact to the same degree on triangles",
+        );
     }
 
     /// Keys that matter only: others would be refused when read again.

@@ -38,7 +38,7 @@ pub enum Walls {
 pub struct Constraints<const D: usize> {
     /// Velocity nodes that are given.
     pub v: Vec<bool>,
-    /// Components of the deformation that are given (always 0).
+    /// Components of the deformation that are given (always 0), those of bubbles among them.
     pub u: Vec<[bool; D]>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
@@ -72,6 +72,8 @@ impl<const D: usize> Constraints<D> {
                 }
             }
         }
+        // Bubbles are of the velocity alone.
+        c.u[space.nodes.n_lagrange..].fill([true; D]);
         if space.walls == Walls::Sliding {
             for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
                 if let Some(axis) = axis {

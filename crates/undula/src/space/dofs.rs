@@ -1,6 +1,6 @@
 //! Numbering of continuous nodal spaces.
 
-use crate::element::{Shape, lagrange};
+use crate::element::{BasisTable, Quadrature, Shape, lagrange};
 use crate::mesh::Mesh;
 use std::collections::HashMap;
 
@@ -13,15 +13,17 @@ pub struct Nodes<const D: usize> {
     pub points: Vec<[f64; D]>,
     /// Nodes of each cell, `n_cells × per_cell`, in the order of [`Shape`].
     pub cell_nodes: Vec<u32>,
-    /// Number of nodes of a cell.
+    /// Number of nodes of a cell, at most.
     pub per_cell: usize,
+    /// Number of nodes of the Lagrange basis. Those behind are bubbles, each the last node of its cell.
+    pub n_lagrange: usize,
 }
 
 impl<const D: usize> Nodes<D> {
     /// Number the nodes of degree `degree` on `mesh`, in the order in which cells meet them.
     ///
-    /// A node is a combination of the vertices of its cell with whole-number weights (the multilinear
-    /// coordinates times k^D). Those of the facet, edge or vertex on which it lies are the only ones not
+    /// A node is a combination of the vertices of its cell with whole-number weights, see
+    /// [`Shape::vertex_weights`]. Those of the facet, edge or vertex on which it lies are the only ones not
     /// zero, so that the combination names the node whichever cell asks, in any dimension and orientation.
     pub fn new(mesh: &Mesh<D>, degree: usize) -> Nodes<D> {
         Self::on_cells(mesh, degree, |_| true)
@@ -31,7 +33,7 @@ impl<const D: usize> Nodes<D> {
     pub fn on_cells(mesh: &Mesh<D>, degree: usize, keep: impl Fn(usize) -> bool) -> Nodes<D> {
         let shape = mesh.shape;
         let per_cell = shape.n_nodes(degree);
-        let weights: Vec<Vec<u32>> = (0..per_cell).map(|a| vertex_weights(shape, degree, a)).collect();
+        let weights: Vec<Vec<u32>> = (0..per_cell).map(|a| shape.vertex_weights(degree, a)).collect();
         let vertices = shape.vertices(mesh.degree);
         let local: Vec<[f64; D]> = (0..per_cell)
             .map(|a| {
@@ -57,7 +59,34 @@ impl<const D: usize> Nodes<D> {
                 cell_nodes[c * per_cell + a] = number;
             }
         }
-        Nodes { degree, points, cell_nodes, per_cell }
+        let n_lagrange = points.len();
+        Nodes { degree, points, cell_nodes, per_cell, n_lagrange }
+    }
+
+    /// With a bubble, at the centre, in every cell where `there` holds.
+    pub fn with_bubbles(mut self, mesh: &Mesh<D>, there: impl Fn(usize) -> bool) -> Nodes<D> {
+        let mut cell_nodes = Vec::with_capacity(self.cell_nodes.len() + mesh.n_cells());
+        for (cell, nodes) in self.cell_nodes.chunks_exact(self.per_cell).enumerate() {
+            cell_nodes.extend(nodes);
+            if there(cell) {
+                cell_nodes.push(self.points.len() as u32);
+                self.points.push(mesh.map(cell, mesh.reference_centre()));
+            } else {
+                cell_nodes.push(u32::MAX);
+            }
+        }
+        Nodes { cell_nodes, per_cell: self.per_cell + 1, ..self }
+    }
+
+    /// The basis at the points of `rule`: that of the nodes, and behind it the bubble if there are any.
+    pub fn table(&self, shape: Shape, rule: &Quadrature) -> BasisTable {
+        let table = BasisTable::lagrange(shape, self.degree, rule);
+        if self.per_cell > table.n_basis { table.with_bubble(rule) } else { table }
+    }
+
+    /// Whether `cell` has a bubble.
+    pub fn has_bubble(&self, cell: usize) -> bool {
+        self.cell(cell).last().is_some_and(|&node| node as usize >= self.n_lagrange)
     }
 
     /// Number of nodes.
@@ -72,17 +101,10 @@ impl<const D: usize> Nodes<D> {
 
     /// Nodes of cell `cell`.
     pub fn cell(&self, cell: usize) -> &[u32] {
-        &self.cell_nodes[cell * self.per_cell..(cell + 1) * self.per_cell]
+        let nodes = &self.cell_nodes[cell * self.per_cell..(cell + 1) * self.per_cell];
+        match nodes.split_last() {
+            Some((&u32::MAX, others)) => others,
+            _ => nodes,
+        }
     }
-}
-
-/// Multilinear coordinates of node `a` with respect to the vertices, times k^D.
-fn vertex_weights(shape: Shape, degree: usize, a: usize) -> Vec<u32> {
-    let at = shape.lattice(degree, a);
-    (0..shape.n_nodes(1))
-        .map(|v| {
-            let corner = shape.lattice(1, v);
-            (0..shape.dim()).map(|d| if corner[d] == 1 { at[d] } else { degree - at[d] } as u32).product()
-        })
-        .collect()
 }

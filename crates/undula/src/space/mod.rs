@@ -11,6 +11,7 @@ pub use dofs::Nodes;
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
 
+use crate::element::Shape;
 use crate::mesh::{Facet, Mesh};
 
 /// Which equations hold in a cell.
@@ -71,6 +72,31 @@ impl<const D: usize> FsiSpace<D> {
         bodies: &[Region],
     ) -> FsiSpace<D> {
         let nodes = Nodes::new(&mesh, degree);
+        Self::with_nodes(mesh, regions, nodes, pressure, bodies)
+    }
+
+    /// Those of [`FsiSpace::new`] with a cubic bubble for the velocity on every triangle of the fluid: P^{2,bubble} for
+    /// degree 2.
+    ///
+    /// Bubbles stand beside the nodal basis and vanish on facets. Their coefficients of the deformation are given
+    /// as 0, and in the solid there are none, so that the velocity-deformation relation stays an identity of nodes.
+    pub fn with_bubbles(
+        mesh: Mesh<D>,
+        regions: Vec<Region>,
+        degree: usize,
+        pressure: PressureKind,
+    ) -> FsiSpace<D> {
+        let nodes = Nodes::new(&mesh, degree).with_bubbles(&mesh, |c| regions[c] == Region::Fluid);
+        Self::with_nodes(mesh, regions, nodes, pressure, &[Region::Fluid])
+    }
+
+    fn with_nodes(
+        mesh: Mesh<D>,
+        regions: Vec<Region>,
+        nodes: Nodes<D>,
+        pressure: PressureKind,
+        bodies: &[Region],
+    ) -> FsiSpace<D> {
         let of = |body: Region| {
             PressureSpace::new(&mesh, pressure, |c| regions[c] == body && bodies.contains(&body))
         };
@@ -149,9 +175,11 @@ fn pressure_nodes<const D: usize>(
     let mut list = vec![0; pressure.n];
     for c in 0..mesh.n_cells() {
         for (a, &dof) in pressure.cell(c).iter().enumerate() {
-            let at = mesh.shape.lattice(k, a);
-            let near = (0..D).rev().fold(0, |number, d| number * (n + 1) + (2 * at[d] * n + k) / (2 * k));
-            list[dof as usize] = nodes.cell(c)[near];
+            let mut near = mesh.shape.lattice(k, a).map(|i| (2 * i * n + k) / (2 * k));
+            if mesh.shape == Shape::Triangle {
+                near[1] = near[1].min(n - near[0]);
+            }
+            list[dof as usize] = nodes.cell(c)[mesh.shape.number(n, near)];
         }
     }
     list

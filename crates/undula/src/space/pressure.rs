@@ -61,7 +61,7 @@ impl<const D: usize> PressureSpace<D> {
                 let mut cell_dofs = vec![u32::MAX; mesh.n_cells() * per_cell];
                 let (mut frames, mut points, mut n) = (vec![], vec![], 0);
                 for c in 0..mesh.n_cells() {
-                    let x = mesh.map(c, [0.5; D]);
+                    let x = mesh.map(c, mesh.reference_centre());
                     frames.push((x, cell_size(mesh, c)));
                     if fluid(c) {
                         for a in 0..per_cell {

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 use undula::assembly::{Options, Physics};
+use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
@@ -100,8 +101,49 @@ pub fn bend(mesh: &mut Mesh<2>, n: usize, cells: Cells) {
     }
 }
 
+/// Velocity and pressure.
+#[derive(Copy, Clone, Debug)]
+pub struct Pair {
+    pub cells: Shape,
+    pub degree: usize,
+    pub bubble: bool,
+    pub pressure: PressureKind,
+}
+
+/// Q_k with a pressure.
+pub const fn quadrilaterals(degree: usize, pressure: PressureKind) -> Pair {
+    Pair { cells: Shape::Quadrilateral, degree, bubble: false, pressure }
+}
+
+/// P_k with a pressure.
+pub const fn triangles(degree: usize, pressure: PressureKind) -> Pair {
+    Pair { cells: Shape::Triangle, degree, bubble: false, pressure }
+}
+
+/// P2-bubble with P1dc.
+pub const BUBBLE: Pair = Pair { bubble: true, ..triangles(2, PressureKind::Pdc(1)) };
+
+impl Pair {
+    /// The number of the quadrature rule that a case takes.
+    pub fn quadrature(self) -> usize {
+        self.degree + 1 + usize::from(self.bubble)
+    }
+
+    /// Spaces on those regions of `mesh` whose equations there are, in triangles if need be.
+    pub fn space(self, mesh: &Mesh<2>, physics: &Physics) -> Arc<FsiSpace<2>> {
+        match self.cells {
+            Shape::Triangle => spaces(&mesh.triangulated(), physics, self),
+            _ => spaces(mesh, physics, self),
+        }
+    }
+}
+
 /// Spaces of degree `degree` for v and u on those regions of `mesh` whose equations there are.
 pub fn space(mesh: &Mesh<2>, physics: &Physics, degree: usize, pressure: PressureKind) -> Arc<FsiSpace<2>> {
+    spaces(mesh, physics, quadrilaterals(degree, pressure))
+}
+
+fn spaces(mesh: &Mesh<2>, physics: &Physics, pair: Pair) -> Arc<FsiSpace<2>> {
     let mut keep = vec![];
     if physics.fluid.is_some() {
         keep.push("fluid");
@@ -115,7 +157,10 @@ pub fn space(mesh: &Mesh<2>, physics: &Physics, degree: usize, pressure: Pressur
     let regions = mesh.cell_region.iter().map(region).collect();
     let own = physics.solid.is_some_and(|s| s.material.compliance().is_some());
     let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
-    Arc::new(FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies))
+    Arc::new(match pair.bubble {
+        true => FsiSpace::with_bubbles(mesh, regions, pair.degree, pair.pressure),
+        false => FsiSpace::with_pressure_in(mesh, regions, pair.degree, pair.pressure, bodies),
+    })
 }
 
 /// The velocity of `exact`.

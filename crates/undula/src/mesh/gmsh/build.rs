@@ -8,18 +8,27 @@ use crate::mesh::{Mesh, MeshError, Side};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::Path;
 
-/// Nodes of Gmsh's quadrilaterals in lexicographic order: corners, then mid nodes, counter-clockwise.
-const LEXICOGRAPHIC: [&[usize]; 2] = [&[0, 1, 3, 2], &[0, 4, 1, 7, 8, 5, 3, 6, 2]];
+/// Shape, degree and nodes in lexicographic order of cells with `n` nodes; Gmsh has corners first, then mid nodes,
+/// both counter-clockwise.
+fn kind(n: usize) -> (Shape, usize, &'static [usize]) {
+    match n {
+        3 => (Shape::Triangle, 1, &[0, 1, 2]),
+        6 => (Shape::Triangle, 2, &[0, 3, 1, 5, 4, 2]),
+        4 => (Shape::Quadrilateral, 1, &[0, 1, 3, 2]),
+        _ => (Shape::Quadrilateral, 2, &[0, 4, 1, 7, 8, 5, 3, 6, 2]),
+    }
+}
 
 /// Builds the mesh.
 pub(super) fn mesh(raw: Raw, path: &Path) -> Result<Mesh<2>, MeshError> {
     let (surfaces, curves): (Vec<&Element>, Vec<&Element>) = raw.elements.iter().partition(|e| e.dim == 2);
     let Some(first) = surfaces.first() else {
-        return Err(error(path, 1, "the mesh has no quadrilaterals".into()));
+        return Err(error(path, 1, "the mesh has no triangles or quadrilaterals".into()));
     };
+    let (shape, degree, order) = kind(first.nodes.len());
     let mut mesh = Mesh {
-        shape: Shape::Quadrilateral,
-        degree: if first.nodes.len() == 4 { 1 } else { 2 },
+        shape,
+        degree,
         nodes: vec![],
         cell_nodes: vec![],
         cell_region: vec![],
@@ -33,14 +42,13 @@ pub(super) fn mesh(raw: Raw, path: &Path) -> Result<Mesh<2>, MeshError> {
     for element in &surfaces {
         if element.nodes.len() != first.nodes.len() {
             let reason = format!(
-                "a quadrilateral of {} nodes after one of {} in line {}; all must be alike",
+                "a cell of {} nodes after one of {} in line {}; all must be alike",
                 element.nodes.len(),
                 first.nodes.len(),
                 first.line
             );
             return Err(error(path, element.line, reason));
         }
-        let order = LEXICOGRAPHIC[mesh.degree - 1];
         mesh.cell_nodes.extend(order.iter().map(|&i| number[&element.nodes[i]]));
         mesh.cell_region.push(regions.index(element)?);
     }

@@ -1,9 +1,9 @@
-//! Meshes of quadrilaterals from Gmsh: `.msh` files of version 2.2 or 4.1, ASCII.
+//! Meshes of triangles or quadrilaterals from Gmsh: `.msh` files of version 2.2 or 4.1, ASCII.
 //!
 //! Every cell and every boundary line must be in exactly one *named* physical group; the names of
-//! surfaces become regions, those of curves boundaries. Quadrilaterals have 4 or 9 nodes. In Gmsh:
-//! `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};`, `Mesh.RecombineAll = 1`,
-//! `Mesh.ElementOrder = 2` and for 9 nodes `Mesh.SecondOrderIncomplete = 0`.
+//! surfaces become regions, those of curves boundaries. Triangles have 3 or 6 nodes, quadrilaterals 4 or 9. In Gmsh:
+//! `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};`, `Mesh.ElementOrder = 2`, and for
+//! quadrilaterals `Mesh.RecombineAll = 1` and for 9 nodes `Mesh.SecondOrderIncomplete = 0`.
 
 mod build;
 mod lines;

@@ -11,7 +11,7 @@ pub(super) struct Raw {
     pub names: Vec<(usize, i64, String)>,
     /// The nodes.
     pub nodes: Vec<Node>,
-    /// Lines and quadrilaterals.
+    /// Lines, triangles and quadrilaterals.
     pub elements: Vec<Element>,
 }
 
@@ -25,7 +25,7 @@ pub(super) struct Node {
     pub x: [f64; 3],
 }
 
-/// A line or a quadrilateral.
+/// A line, a triangle or a quadrilateral.
 pub(super) struct Element {
     /// Line number in the file.
     pub line: usize,
@@ -212,6 +212,8 @@ fn element(line: &mut Line, kind: u32, group: i64, raw: &mut Raw) -> Result<(), 
     let (dim, n) = match kind {
         1 => (1, 2),
         8 => (1, 3),
+        2 => (2, 3),
+        9 => (2, 6),
         3 => (2, 4),
         10 => (2, 9),
         15 => return Ok(()),
@@ -225,18 +227,17 @@ fn element(line: &mut Line, kind: u32, group: i64, raw: &mut Raw) -> Result<(), 
 /// Why elements of type `kind` cannot be used, and what to do.
 fn refusal(kind: u32) -> String {
     match kind {
-        2 | 9 | 20..=25 => "triangles are not supported yet: recombine them into quadrilaterals with \
-             `Recombine Surface{:};` or `Mesh.RecombineAll = 1; Mesh.SubdivisionAlgorithm = 1;`"
-            .into(),
         16 => "quadrilaterals with 8 nodes are not supported: write 9 nodes with \
              `Mesh.SecondOrderIncomplete = 0;`"
             .into(),
-        26..=28 | 36..=39 => {
+        20..=28 | 36..=39 => {
             "elements of order above 2 are not supported: write order 2 with `Mesh.ElementOrder = 2;`".into()
         }
         4..=7 | 11..=14 | 17..=19 | 29..=35 => "elements of three dimensions are not supported".into(),
         _ => {
-            format!("elements of type {kind} are not supported; lines (1, 8) and quadrilaterals (3, 10) are")
+            format!(
+                "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9) and quadrilaterals (3, 10) are"
+            )
         }
     }
 }

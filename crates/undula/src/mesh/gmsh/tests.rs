@@ -159,7 +159,11 @@ fn broken_files_are_refused_with_line_and_advice() {
         ("$Nodes\n8", "$Nodes\n9", "own.msh:21: expected the tag of a node, found `$EndNodes`"),
         ("$EndElements\n", "", "own.msh:33: the file ends where `$EndElements` should follow"),
         ("$Elements\n10", "$Elements\n9", "own.msh:33: expected `$EndElements`, found `10 3 2 1 1"),
-        ("10 3 2 1 1 10 20 50 40", "10 2 2 1 1 10 20 50", "own.msh:33: triangles are not supported yet"),
+        (
+            "10 3 2 1 1 10 20 50 40",
+            "10 2 2 1 1 10 20 50",
+            "own.msh:33: a cell of 3 nodes after one of 4 in line 32; all must be alike",
+        ),
         ("10 3 2 1 1 10 20 50 40", "10 16 2 1 1 10 20 50 40 1 2 3 4", "Mesh.SecondOrderIncomplete = 0"),
         ("10 3 2 1 1", "10 3 2 0 1", "own.msh:33: a cell in no physical group: give its surface a named one"),
         ("10 3 2 1 1", "10 3 2 3 1", "own.msh:33: a cell in physical group 3, which has no name"),
@@ -198,4 +202,25 @@ fn mutilated_files_do_not_panic() {
             }
         }
     }
+}
+
+/// Triangles of both degrees survive the way to a file and back; those numbered clockwise are turned.
+#[test]
+fn triangles_are_written_and_read() {
+    let curved = turek_hron(0, 0).triangulated();
+    let same = parse(&write(&curved), Path::new("own.msh")).unwrap();
+    assert_eq!((same.shape, same.degree), (curved.shape, 2));
+    assert!(same.nodes == curved.nodes && same.cell_nodes == curved.cell_nodes);
+    assert_eq!(same.facets.len(), curved.facets.len());
+    same.check_matching("fluid", "solid", &[cylinder()]).unwrap();
+    let straight = V2
+        .replace("9 3 2 4 2 20 50 60 30\n10 3 2 1 1 10 20 50 40", "9 2 2 1 1 10 50 20\n10 2 2 1 1 10 50 40");
+    let straight = straight
+        .replace("3 1 2 7 2 20 30\n4 1 2 7 3 30 60\n5 1 2 7 4 50 60\n", "")
+        .replace("$Elements\n10", "$Elements\n7");
+    let mesh = parse(&straight, Path::new("own.msh")).unwrap();
+    assert_eq!((mesh.n_cells(), mesh.degree), (2, 1));
+    assert!((mesh.quality().total_volume() - 1.0).abs() < 1e-15);
+    assert!(mesh.quality().inverted.is_empty());
+    assert_eq!(mesh.facets.len(), 4);
 }

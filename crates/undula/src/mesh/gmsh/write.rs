@@ -6,7 +6,6 @@ use crate::mesh::Mesh;
 /// The mesh as text in format 2.2 (ASCII), with a named physical group for each region and boundary;
 /// [`super::parse`] reads the same mesh, to the last bit, but for the order of facets.
 pub fn write(mesh: &Mesh<2>) -> String {
-    debug_assert_eq!(mesh.shape, Shape::Quadrilateral);
     let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n");
     let mut put = |line: std::fmt::Arguments| text.push_str(&format!("{line}\n"));
     put(format_args!("$PhysicalNames\n{}", mesh.boundaries.len() + mesh.regions.len()));
@@ -28,8 +27,12 @@ pub fn write(mesh: &Mesh<2>) -> String {
         put(format_args!("{} {kind} 2 {group} {group}{}", i + 1, tags(&nodes, order)));
     }
     for cell in 0..mesh.n_cells() {
-        let (kind, order): (u32, &[usize]) =
-            if mesh.degree == 1 { (3, &[0, 1, 3, 2]) } else { (10, &[0, 2, 8, 6, 1, 5, 7, 3, 4]) };
+        let (kind, order): (u32, &[usize]) = match (mesh.shape, mesh.degree) {
+            (Shape::Triangle, 1) => (2, &[0, 1, 2]),
+            (Shape::Triangle, _) => (9, &[0, 2, 5, 1, 4, 3]),
+            (_, 1) => (3, &[0, 1, 3, 2]),
+            _ => (10, &[0, 2, 8, 6, 1, 5, 7, 3, 4]),
+        };
         let group = mesh.boundaries.len() + mesh.cell_region[cell] as usize + 1;
         let number = mesh.facets.len() + cell + 1;
         put(format_args!("{number} {kind} 2 {group} {group}{}", tags(mesh.cell(cell), order)));

@@ -85,8 +85,8 @@ fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
 }
 
 pub(super) fn space(mut s: Section<'_, '_>) -> SpaceSpec {
-    let velocity = s.choice("velocity", &VELOCITIES, &["P1", "P2", "P3", "P2-bubble"]);
-    let pressure = s.choice("pressure", &PRESSURES, &["P1", "P2"]);
+    let velocity = s.choice("velocity", &VELOCITIES, &[]);
+    let pressure = s.choice("pressure", &PRESSURES, &[]);
     let velocity = velocity.unwrap_or(VelocityElement::Q(2));
     let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
     s.finish();
