@@ -33,6 +33,9 @@ pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bo
         projection: s.choice("projection", &PROJECTION, &[]).unwrap_or(Projection::Cell),
         directional: s.boolean("directional", false),
     };
+    if fluid && how.acts() && space.velocity.name() == "P2-bubble" {
+        s.wrong("transport", "not yet available with the bubbles of P2-bubble; expected `off`");
+    }
     if fluid {
         refuse_pressure(&s, &how, space, equal);
         refuse_without_effect(&s, &how);
