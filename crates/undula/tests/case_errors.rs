@@ -398,7 +398,8 @@ fn a_mesh_file_must_have_the_cells_of_the_velocity() {
     let triangles = undula::mesh::generate::schaefer_turek(0).triangulated();
     std::fs::write(&file, undula::mesh::gmsh::write(&triangles)).unwrap();
     let mesh = format!("mesh.file={}", file.display());
-    let set = |velocity: &'static str| ["mesh.generator=none", &mesh, velocity].map(String::from);
+    let set =
+        |velocity: &'static str| ["mesh.generator=none", "mesh.refine=0", &mesh, velocity].map(String::from);
     let case = Case::builtin("dfg-2d1", &set("space.velocity=P2")).unwrap();
     assert_eq!(case.sizes().unwrap().cells, triangles.n_cells());
     let refused = Case::builtin("dfg-2d1", &set("space.velocity=Q2")).unwrap().sizes().err().unwrap();
@@ -480,4 +481,16 @@ fn pairs_of_equal_order_are_stabilised() {
         assert_eq!(builtin("fsi1", set).stabilization.pressure, PressureTerm::LocalProjection, "{set:?}");
     }
     assert!(!builtin("fsi1", &[]).stabilization.acts());
+}
+
+#[test]
+fn forces_at_the_current_position_need_a_method_that_knows_it() {
+    let force = ["fluid.body-force=[\"x\", 0]", "fluid.body-force-at=current"];
+    for (other, expected) in
+        [("time.scheme=cg1", "middle of a step"), ("stabilization.transport=supg", "supg")]
+    {
+        let message = wrong_builtin("fsi3", &[&force[..], &[other]].concat());
+        assert!(message.contains(expected), "{message}");
+    }
+    builtin("fsi3", &[&force[..], &["time.scheme=bdf2"]].concat());
 }

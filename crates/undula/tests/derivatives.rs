@@ -134,7 +134,12 @@ fn check<F: ByHand<D>, const D: usize>(form: &F) {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for rule in rules() {
         for _ in 0..200 {
-            let (new, old, place) = (random.fields::<D>(0.6), random.fields::<D>(0.6), random.place_of(form));
+            let (new, old) = (random.fields::<D>(0.6), random.fields::<D>(0.6));
+            let mut place = random.place_of(form);
+            if !rule.quadrature.is_empty() {
+                // One force for all times within the step: a case refuses that at the current position.
+                place.force_slope = Tensor::zero();
+            }
             let W = random.fields::<D>(1.0);
             let dual = automatic(form, &rule, &place, &new, &old, &W);
             let hand = form.by_hand(&rule, &place, &new, &old, &W);

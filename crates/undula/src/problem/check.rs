@@ -8,10 +8,11 @@ mod condition;
 mod solver;
 pub(super) mod stabilization;
 
-use super::case::{Case, Record};
+use super::case::{Case, Record, TimeScheme, TimeSpec};
 use super::error::CaseErrors;
 use super::raw::{Document, Origin};
 use super::read::{Checker, Section};
+use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use std::path::{Path, PathBuf};
 
 impl Case {
@@ -72,6 +73,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let motion = root.section("motion");
     let boundary = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
+    if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
+        refuse_current(&root.section("fluid"), time.as_ref(), &how);
+    }
     let motion = body::motion(motion, time.is_some(), space.velocity);
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
@@ -101,6 +105,20 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     root.finish();
     Some(case)
+}
+
+/// Methods that take the body force at other places than those where the flow is.
+fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabilization) {
+    if time.is_some_and(|time| time.scheme == TimeScheme::Galerkin) {
+        fluid.wrong(
+            "body-force-at",
+            "cg1 takes forces at the middle of a step; expected `reference`, or another scheme",
+        );
+    }
+    if how.pressure == PressureTerm::Pspg || how.transport == TransportTerm::Supg {
+        let message = "the residuals of pspg and supg take forces on the reference domain; expected `reference`, or lps";
+        fluid.wrong("body-force-at", message);
+    }
 }
 
 /// A stationary case takes its data at one time; that time must be known if it matters.
