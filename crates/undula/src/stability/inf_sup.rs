@@ -157,7 +157,7 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>, number: &[u32], n_v: usize) -> 
 
 /// Coefficients of the pressure 1.
 fn constants<const D: usize>(space: &FsiSpace<D>) -> Vec<f64> {
-    let first = |dof: usize| dof % space.pressure.per_cell == 0;
+    let first = |dof: usize| dof.is_multiple_of(space.pressure.per_cell);
     let one = |dof: usize| matches!(space.pressure.kind, PressureKind::Continuous(_)) || first(dof);
     (0..space.n_p()).map(|dof| if one(dof) { 1.0 } else { 0.0 }).collect()
 }

@@ -149,7 +149,7 @@ where
     /// `[v, u, p]`, [`DROP`]ped ones included.
     pub fn entries(&self, columns: Columns, number: &[u32], mut visit: impl FnMut(usize, u32, u32)) {
         let (n, m) = (self.tables.velocity.n, self.tables.pressure.n);
-        for batch in 0..self.tables.len() {
+        for batch in 0..self.tables.n_batches() {
             let active = self.tables.active[batch];
             let nodes = &self.tables.velocity.dofs[batch * n..(batch + 1) * n];
             let pressures = &self.tables.pressure.dofs[batch * m..(batch + 1) * m];
@@ -196,7 +196,7 @@ where
                 last[l] = find(row, column);
             }
         });
-        let per_batch = slots.len() / self.tables.len().max(1) * L;
+        let per_batch = slots.len() / self.tables.n_batches().max(1) * L;
         let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
         let copies = Copies::new(n_entries, &self.tables.chunks, &mut writes);
         let target = &mut self.targets[columns as usize];
@@ -230,7 +230,7 @@ where
         let mut copies = std::mem::take(&mut self.targets[columns as usize].copies);
         let shared = copies.share(out);
         let target = &self.targets[columns as usize];
-        let per_batch = target.slots.len() / self.tables.len().max(1);
+        let per_batch = target.slots.len() / self.tables.n_batches().max(1);
         self.for_each_batch(|batch| {
             self.scratch.with(|scratch| {
                 let slots = &target.slots[batch * per_batch..(batch + 1) * per_batch];

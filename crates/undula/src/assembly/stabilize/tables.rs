@@ -170,7 +170,7 @@ impl<const D: usize, const L: usize> Tables<D, L> {
     }
 
     /// Number of batches.
-    pub fn len(&self) -> usize {
+    pub fn n_batches(&self) -> usize {
         self.active.len()
     }
 

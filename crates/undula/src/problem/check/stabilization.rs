@@ -33,6 +33,9 @@ pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bo
         projection: s.choice("projection", &PROJECTION, &[]).unwrap_or(Projection::Cell),
         directional: s.boolean("directional", false),
     };
+    if fluid && how.acts() && space.velocity.name() == "P2-bubble" {
+        s.wrong("transport", "not yet available with the bubbles of P2-bubble; expected `off`");
+    }
     if fluid {
         refuse_pressure(&s, &how, space, equal);
         refuse_without_effect(&s, &how);
@@ -58,8 +61,7 @@ fn refuse_pressure(s: &Section<'_, '_>, how: &Stabilization, space: &SpaceSpec, 
             "pressure",
             format!("works on continuous pressures only, and the pair {v}/{p} needs none; expected `off`"),
         );
-    } else if how.pressure == PressureTerm::LocalProjection && !equal
-        || how.pressure == PressureTerm::BrezziPitkaranta && !equal
+    } else if !equal && matches!(how.pressure, PressureTerm::LocalProjection | PressureTerm::BrezziPitkaranta)
     {
         s.wrong(
             "pressure",
