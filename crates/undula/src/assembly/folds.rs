@@ -22,8 +22,10 @@ where
 {
     fn corners(&self, space: &FsiSpace<D>) -> Corners<D, L> {
         let (mesh, degree) = (&space.mesh, space.nodes.degree);
-        let points: Vec<[f64; 3]> =
-            (0..self.batches.n_basis).map(|a| lagrange::node(mesh.shape, degree, a)).collect();
+        // A bubble counts at the centre of its cell.
+        let n_nodes = mesh.shape.n_nodes(degree);
+        let node = |a| if a < n_nodes { lagrange::node(mesh.shape, degree, a) } else { mesh.shape.centre() };
+        let points: Vec<[f64; 3]> = (0..self.batches.n_basis).map(node).collect();
         let weights = vec![1.0; points.len()];
         let mut inverse = vec![];
         for cells in &self.batches.cells {
@@ -39,8 +41,10 @@ where
                 inverse.push(all);
             }
         }
-        let grad = BasisTable::lagrange(mesh.shape, degree, &Quadrature { points, weights }).grad;
-        Corners { grad, inverse }
+        let rule = Quadrature { points, weights };
+        let table = BasisTable::lagrange(mesh.shape, degree, &rule);
+        let table = if self.batches.n_basis > n_nodes { table.with_bubble(&rule) } else { table };
+        Corners { grad: table.grad, inverse }
     }
 
     /// The smallest J of the last residual and at the nodes, whose deformation is `u`; for [`Kernel::worst`], too.
