@@ -254,7 +254,8 @@ fn a_block_takes_the_closed_form() {
                 2.0 * c1 * b + 2.0 * c2 * b * (a * a + 1.0) - 2.0 * (c1 + 2.0 * c2) / b
                     + (lambda - 4.0 * c2) * (a * b - 1.0) * a
             };
-            let laws: [(Material, &dyn Fn(f64, f64) -> f64); 3] = [
+            type Law<'a> = (Material, &'a dyn Fn(f64, f64) -> f64);
+            let laws: [Law<'_>; 3] = [
                 (Material::NeoHookean { mu, lambda }, &neo),
                 (Material::StVenantKirchhoff { mu, lambda }, &venant),
                 (Material::MooneyRivlin { c1, c2, lambda }, &mooney),
