@@ -164,16 +164,12 @@ impl Case {
         if !needed || !triangles && assembly::stabilize::patches(space).is_some() {
             return Ok(());
         }
-        let key = "stabilization.projection";
-        let message = "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, \
-                       or projection = \"cell\""
-            .into();
-        Err(Error::Case(CaseErrors(vec![CaseError {
-            place: self.place_of(key),
-            key: key.into(),
-            value: None,
-            message,
-        }])))
+        let message = if triangles {
+            "patches are made of quadrilaterals; expected `cell` with triangles"
+        } else {
+            "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, or `cell`"
+        };
+        Err(self.refuse("stabilization.projection", message.into()))
     }
 
     /// Parameters of the equations.
