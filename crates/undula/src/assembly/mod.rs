@@ -525,7 +525,8 @@ macro_rules! both {
 struct Pair<const D: usize, const L: usize> {
     fluid: Option<Kernel<Fluid, D, L>>,
     solid: Option<Kernel<Solid, D, L>>,
-    stabilizer: Option<Stabilizer<D, L>>,
+    /// One cell at a time: for every vector width it would take minutes to compile.
+    stabilizer: Option<Stabilizer<D, 1>>,
 }
 
 impl<const D: usize, const L: usize> Pair<D, L>
@@ -705,7 +706,8 @@ where
     }
 
     fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options) {
-        self.stabilizer = Some(Stabilizer::new(how, fluid, space, options.quadrature, options.threads));
+        self.stabilizer =
+            Some(Stabilizer::<D, 1>::new(how, fluid, space, options.quadrature, options.threads));
     }
 
     fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {

@@ -62,17 +62,7 @@ struct Point<'a, F, const D: usize, const L: usize> {
 
 /// How a tangent is computed, as a type: each way is compiled on its own.
 trait How<F, const D: usize, const L: usize> {
-    /// What all directions share.
-    type Base;
-
-    fn base(&self, at: &Point<'_, F, D, L>) -> Self::Base;
-
-    fn tangent(
-        &self,
-        at: &Point<'_, F, D, L>,
-        base: &Self::Base,
-        direction: &Fields<Lanes<L>, D>,
-    ) -> Tested<Lanes<L>, D>;
+    fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D>;
 }
 
 struct Automatic;
@@ -88,16 +78,10 @@ struct ByDifference {
 macro_rules! by_direction {
     ($how:ty, $tangent:expr) => {
         impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for $how {
-            type Base = ();
-
-            #[inline(always)]
-            fn base(&self, _: &Point<'_, F, D, L>) {}
-
             #[inline(always)]
             fn tangent(
                 &self,
                 at: &Point<'_, F, D, L>,
-                (): &(),
                 direction: &Fields<Lanes<L>, D>,
             ) -> Tested<Lanes<L>, D> {
                 $tangent(at.form, at.rule, at.place, at.new, at.old, direction)
@@ -108,54 +92,101 @@ macro_rules! by_direction {
 
 by_direction!(Automatic, automatic);
 by_direction!(Analytic, F::by_hand);
-by_direction!(FixedPoint, fixed_point);
+/// A way that is computed lane by lane: rarely taken, it would take minutes to compile for every vector width.
+trait ByLane<F, const D: usize> {
+    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D>;
+}
 
-impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for ByDifference {
-    type Base = Tested<Lanes<L>, D>;
+/// A point in one lane.
+struct Single<'a, F, const D: usize> {
+    form: &'a F,
+    rule: &'a StepRule,
+    place: Place<f64, D>,
+    new: Fields<f64, D>,
+    old: Fields<f64, D>,
+}
 
-    #[inline(always)]
-    fn base(&self, at: &Point<'_, F, D, L>) -> Tested<Lanes<L>, D> {
-        let mut r = Tested::zero();
-        at.rule.residual(at.form, at.place, at.new, at.new, at.old, &mut r);
-        r
+impl<F: ByHand<D>, const D: usize> ByLane<F, D> for FixedPoint {
+    #[inline(never)]
+    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        fixed_point(at.form, at.rule, &at.place, &at.new, &at.old, direction)
     }
+}
 
-    #[inline(always)]
-    fn tangent(
-        &self,
-        at: &Point<'_, F, D, L>,
-        base: &Tested<Lanes<L>, D>,
-        direction: &Fields<Lanes<L>, D>,
-    ) -> Tested<Lanes<L>, D> {
+impl<F: ByHand<D>, const D: usize> ByLane<F, D> for ByDifference {
+    #[inline(never)]
+    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        let mut base = Tested::zero();
+        at.rule.residual(at.form, &at.place, &at.new, &at.new, &at.old, &mut base);
         let h = perturbation(&self.by, direction);
-        let ends = (at.new, at.old);
-        self.by.derivative(self.lagged, at.form, at.rule, at.place, ends, base, (direction, h))
+        let ends = (&at.new, &at.old);
+        self.by.derivative(self.lagged, at.form, at.rule, &at.place, ends, &base, (direction, h))
     }
+}
+
+macro_rules! by_lane {
+    ($how:ty) => {
+        impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for $how {
+            #[inline(always)]
+            fn tangent(
+                &self,
+                at: &Point<'_, F, D, L>,
+                direction: &Fields<Lanes<L>, D>,
+            ) -> Tested<Lanes<L>, D> {
+                let mut all = Tested::zero();
+                for l in 0..L {
+                    let single = Single {
+                        form: at.form,
+                        rule: at.rule,
+                        place: Place {
+                            force: at.place.force.map(|x| x.0[l]),
+                            force_slope: at.place.force_slope.map(|x| x.0[l]),
+                            stiffness: at.place.stiffness.0[l],
+                        },
+                        new: at.new.map(|x| x.0[l]),
+                        old: at.old.map(|x| x.0[l]),
+                    };
+                    put(&mut all, &ByLane::tangent(self, &single, &direction.map(|x| x.0[l])), l);
+                }
+                all
+            }
+        }
+    };
+}
+
+by_lane!(FixedPoint);
+by_lane!(ByDifference);
+
+/// Lane `l` of `all`.
+#[inline(always)]
+fn put<const D: usize, const L: usize>(all: &mut Tested<Lanes<L>, D>, one: &Tested<f64, D>, l: usize) {
+    for i in 0..D {
+        all.phi.0[i].0[l] = one.phi.0[i];
+        all.psi.0[i].0[l] = one.psi.0[i];
+        for d in 0..D {
+            all.grad_phi.0[i][d].0[l] = one.grad_phi.0[i][d];
+            all.grad_psi.0[i][d].0[l] = one.grad_psi.0[i][d];
+        }
+    }
+    all.xi.0[l] = one.xi;
 }
 
 /// h for a direction in which one component moves: ∇u by `epsilon`, else `epsilon` times the size of the field.
 ///
 /// Directions are with respect to reference coordinates, so that v and ∇v move as if a nodal value did.
-#[inline(always)]
-fn perturbation<const D: usize, const L: usize>(
-    by: &Difference,
-    direction: &Fields<Lanes<L>, D>,
-) -> Lanes<L> {
+fn perturbation<const D: usize>(by: &Difference, direction: &Fields<f64, D>) -> f64 {
     let grad_u = direction.grad_u.ddot(direction.grad_u);
     let u = direction.u.dot(direction.u);
-    let is_p = direction.p;
-    Lanes(std::array::from_fn(|l| {
-        by.epsilon
-            * if grad_u.0[l] > 0.0 {
-                1.0 / grad_u.0[l].sqrt()
-            } else if is_p.0[l] != 0.0 {
-                by.sizes.p
-            } else if u.0[l] > 0.0 {
-                by.sizes.u / u.0[l].sqrt()
-            } else {
-                by.sizes.v
-            }
-    }))
+    by.epsilon
+        * if grad_u > 0.0 {
+            1.0 / grad_u.sqrt()
+        } else if direction.p != 0.0 {
+            by.sizes.p
+        } else if u > 0.0 {
+            by.sizes.u / u.sqrt()
+        } else {
+            by.sizes.v
+        }
 }
 
 /// The tangent at all points of a batch.
@@ -187,7 +218,6 @@ where
             let (new, old) = k.fields(batch, q, s);
             let (point, place) = (&b.points[index], k.place(&k.force, index));
             let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
-            let base = self.how.base(&at);
             let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
             for (n, column) in columns.chunks_exact_mut(components).enumerate() {
                 if !with_u && (D + D * D..2 * (D + D * D)).contains(&n) {
@@ -198,7 +228,7 @@ where
                     direction.u = direction.v * Lanes::constant(coupling);
                     direction.grad_u = direction.grad_v * Lanes::constant(coupling);
                 }
-                let t = self.how.tangent(&at, &base, &direction);
+                let t = self.how.tangent(&at, &direction);
                 store(&pull_back(&t, point), column);
             }
         }
