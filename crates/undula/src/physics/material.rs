@@ -62,6 +62,20 @@ pub enum Material {
     },
 }
 
+// Functions, not closures: a closure that is called twice is compiled apart, for the baseline processor.
+
+/// Hooke's law, 2 μ E + λ tr(E) I.
+#[inline(always)]
+fn hooke<T: Scalar, const D: usize>(E: Tensor<T, D>, mu: f64, lambda: f64) -> Tensor<T, D> {
+    2.0 * mu * E + Tensor::identity() * (E.trace() * lambda)
+}
+
+/// tr(E) I − E.
+#[inline(always)]
+fn cross<T: Scalar, const D: usize>(E: Tensor<T, D>) -> Tensor<T, D> {
+    Tensor::identity() * E.trace() - E
+}
+
 /// c₁, c₂ and what stands before J⁻ᵀ: the laws of rubber are
 /// P = 2 (c₁ + 2 c₂)(F − F⁻ᵀ) + 4 c₂ F (tr(E) I − E) + h (J − 1) F⁻ᵀ.
 struct Rubber<T> {
@@ -97,18 +111,18 @@ impl Material {
 
     #[inline(always)]
     fn rubber<T: Scalar>(&self, J: T) -> Option<Rubber<T>> {
-        let compressible = |c1: f64, c2: f64, lambda: f64| Rubber {
+        let (c1, c2, lambda) = match *self {
+            Material::Linear { .. } | Material::StVenantKirchhoff { .. } => return None,
+            Material::NeoHookean { mu, lambda } => (0.5 * mu, 0.0, lambda),
+            Material::MooneyRivlin { c1, c2, lambda } => (c1, c2, lambda),
+            Material::Incompressible { c1, c2, .. } => (c1, c2, 4.0 * c2),
+        };
+        Some(Rubber {
             shear: 2.0 * (c1 + 2.0 * c2),
             second: 4.0 * c2,
             volume: J * (lambda - 4.0 * c2),
             slope: (J + J - T::one()) * (lambda - 4.0 * c2),
-        };
-        match *self {
-            Material::Linear { .. } | Material::StVenantKirchhoff { .. } => None,
-            Material::NeoHookean { mu, lambda } => Some(compressible(0.5 * mu, 0.0, lambda)),
-            Material::MooneyRivlin { c1, c2, lambda } => Some(compressible(c1, c2, lambda)),
-            Material::Incompressible { c1, c2, .. } => Some(compressible(c1, c2, 4.0 * c2)),
-        }
+        })
     }
 
     /// First Piola-Kirchhoff stress P = F Σ at ∇u, without −p J F⁻ᵀ of an incompressible law, in the form that
@@ -125,8 +139,6 @@ impl Material {
         grad_u: &Tensor<T, D>,
         lag: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        let hooke =
-            |E: Tensor<T, D>, mu: f64, lambda: f64| 2.0 * mu * E + Tensor::identity() * (E.trace() * lambda);
         if let Material::Linear { mu, lambda } = *self {
             return hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda);
         }
@@ -139,7 +151,7 @@ impl Material {
         let change = volume * volume_change(grad_u, lag);
         let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
         if second != 0.0 {
-            P += second * (F * (Tensor::identity() * E.trace() - E));
+            P += second * (F * cross(E));
         }
         P
     }
@@ -158,11 +170,9 @@ impl Material {
         let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
         let dE = 0.5 * (grad_w.t() * F + F.t() * *grad_w);
         if let Material::StVenantKirchhoff { mu, lambda } = *self {
-            let Sigma = |E: Tensor<T, D>| 2.0 * mu * E + Tensor::identity() * (E.trace() * lambda);
-            return *grad_w * Sigma(E) + F * Sigma(dE);
+            return *grad_w * hooke(E, mu, lambda) + F * hooke(dE, mu, lambda);
         }
         let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else { return Tensor::zero() };
-        let cross = |E: Tensor<T, D>| Tensor::identity() * E.trace() - E;
         let F_inv_t = F_inv.t();
         let turned = F_inv_t * grad_w.t() * F_inv_t;
         shear * (*grad_w + turned)
@@ -173,7 +183,7 @@ impl Material {
 
     /// Stored energy W per reference volume \[J/m³\]; of a law with J = 1 that of the deformation alone.
     pub fn energy<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> T {
-        let hooke =
+        let of_hooke =
             |E: Tensor<T, D>, mu: f64, lambda: f64| E.ddot(E) * mu + E.trace() * E.trace() * (0.5 * lambda);
         let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
         let J = (Tensor::identity() + *grad_u).det();
@@ -185,8 +195,8 @@ impl Material {
             squared(c1, c2) - J.ln() * (2.0 * (c1 + 2.0 * c2)) + change * change * (0.5 * (lambda - 4.0 * c2))
         };
         match *self {
-            Material::Linear { mu, lambda } => hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda),
-            Material::StVenantKirchhoff { mu, lambda } => hooke(E, mu, lambda),
+            Material::Linear { mu, lambda } => of_hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda),
+            Material::StVenantKirchhoff { mu, lambda } => of_hooke(E, mu, lambda),
             Material::NeoHookean { mu, lambda } => compressible(0.5 * mu, 0.0, lambda),
             Material::MooneyRivlin { c1, c2, lambda } => compressible(c1, c2, lambda),
             Material::Incompressible { c1, c2, compliance } => {

@@ -4,8 +4,10 @@
 //! leading term of the local error of every scheme is a multiple of a divided difference of these, which costs
 //! no further solve (Milne's device; Gresho, Lee and Sani 1980 for Navier-Stokes equations).
 
+use super::report::{StepFailure, StepReport};
+use super::restart::Clock;
 use super::scheme::{FRACTIONAL, Scheme};
-use super::stepper::{Clock, StepFailure, StepReport, Stepper};
+use super::stepper::Stepper;
 use crate::space::State;
 
 /// Bounds of step-size control.

@@ -1,15 +1,22 @@
 //! Steps in time.
 
 pub mod adaptive;
+mod attempt;
+mod halves;
 pub mod linear;
 pub mod parts;
+pub mod report;
+pub mod restart;
 pub mod scheme;
+mod stationary;
 pub mod stepper;
 pub mod system;
 
 pub use crate::tangent::Linearization;
 pub use adaptive::{Adaptive, AdaptiveSettings};
 pub use linear::{Linear, MakeSolver, Purpose};
+pub use report::{StepFailure, StepReport};
+pub use restart::{Clock, JacobianPoint};
 pub use scheme::{Damping, DomainMotion, Scheme};
-pub use stepper::{Clock, Force, JacobianPoint, StepFailure, StepReport, Stepper, StepperSettings};
+pub use stepper::{Force, Stepper, StepperSettings};
 pub use system::{BlockNorms, Scales};

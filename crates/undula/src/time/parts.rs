@@ -3,8 +3,10 @@
 //! Each part has a pressure of its own, and is of first order by itself. Their mean, weighted by length, is
 //! of second order at the middle of the step; so are the means of forces.
 
+use super::report::{StepFailure, StepReport};
+use super::restart::decimal;
 use super::scheme::FRACTIONAL;
-use super::stepper::{StepFailure, StepReport, Stepper, decimal};
+use super::stepper::Stepper;
 use crate::assembly::{Assembler, End, StepView};
 use crate::physics::StepRule;
 use crate::space::State;
@@ -71,20 +73,10 @@ impl<const D: usize> Stepper<D> {
             let (rule, new, old, assembler) = self.last_step();
             return (1.0, StepView { rule, new, old }, assembler);
         };
-        self.set_forces(End::Old, parts.times[i]);
-        self.set_forces(End::New, parts.times[i + 1]);
+        self.set_forces(End::Old, parts.times[i], 1.0);
+        self.set_forces(End::New, parts.times[i + 1], 1.0);
         let Parts { rules, states, .. } = self.parts.insert(parts);
         let view = StepView { rule: rules[i], new: &states[i + 1], old: &states[i] };
         (FRACTIONAL[i].length, view, &mut self.assembler)
-    }
-}
-
-impl StepReport {
-    /// Add that of the next part of a step.
-    fn add(&mut self, next: StepReport) {
-        self.newton_steps += next.newton_steps;
-        self.jacobians += next.jacobians;
-        self.norms = next.norms;
-        self.min_j = self.min_j.min(next.min_j);
     }
 }

@@ -1,7 +1,7 @@
 //! The nonlinear system of one step.
 
 use super::linear::Linear;
-use super::stepper::JacobianPoint;
+use super::restart::JacobianPoint;
 use crate::algebra::SolverError;
 use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::newton::Age;

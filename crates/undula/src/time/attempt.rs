@@ -1,0 +1,153 @@
+//! One step without division: boundary data, start value, Newton.
+
+use super::report::{StepFailure, StepReport};
+use super::restart::decimal;
+use super::scheme::{Formula, Past, multistep};
+use super::stepper::Stepper;
+use super::system::{BlockNorms, StepSystem};
+use crate::assembly::{End, StepView};
+use crate::nonlinear::newton::GROWTH;
+use crate::nonlinear::{Newton, NewtonError, NewtonReport};
+use crate::space::State;
+use std::time::Instant;
+
+/// How the iteration of a step begins.
+struct Start<'a> {
+    /// The old solution.
+    old: &'a State,
+    /// The solution before the old one and the ratio of the steps, to extrapolate.
+    older: Option<(&'a State, f64)>,
+    /// Residual at the old solution.
+    reference: f64,
+}
+
+impl Start<'_> {
+    /// The extrapolated solution, or the old one where that is no good, with the boundary data.
+    /// Returns the residual there; `None` if not even the old solution is admissible.
+    fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
+        if let Some((older, ratio)) = self.older {
+            system.new.extrapolate(older, self.old, ratio);
+            self.complete(system, false);
+            let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
+            if norm.is_some() {
+                return norm;
+            }
+        }
+        system.new.copy_from(self.old);
+        self.complete(system, true);
+        newton.norm(system)
+    }
+
+    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>, follow: bool) {
+        let assembler = &mut *system.assembler;
+        assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
+        system.linear.start(assembler, system.rule, system.new, system.old, follow);
+    }
+}
+
+impl<const D: usize> Stepper<D> {
+    /// The formula of part `part` of a step, of length `k` \[s\].
+    fn formula(&self, k: f64, part: usize) -> Formula {
+        let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
+        let past = Past { ratio, damped: self.damping.left > 0, part };
+        let Formula { rule, ratio } = self.settings.scheme.formula(k, &past);
+        Formula { rule: self.settings.domain_motion.apply(rule), ratio }
+    }
+
+    /// A step of one part, or part `part` of one; on failure everything is as before.
+    pub(super) fn attempt(&mut self, k: f64, part: usize) -> Result<StepReport, StepFailure> {
+        let formula = self.formula(k, part);
+        let (t_old, t) = (self.time, self.time + k);
+        std::mem::swap(&mut self.older, &mut self.old);
+        std::mem::swap(&mut self.old, &mut self.new);
+        // Now `old` is the last solution and `older` the one before.
+        let solved = self.solve_step(&formula, t_old, t);
+        match solved {
+            Ok((report, norms, min_j)) => {
+                self.time = decimal(t);
+                (self.last_step, self.last) = (k, formula);
+                Ok(StepReport::new(report, norms, min_j))
+            }
+            Err(reason) => {
+                let worst = self.assembler.worst();
+                std::mem::swap(&mut self.old, &mut self.new);
+                std::mem::swap(&mut self.older, &mut self.old);
+                // `new` and `old` are as before; only the spare third state was written.
+                self.newton.forget();
+                Err(StepFailure { time: t, step: k, reason, worst })
+            }
+        }
+    }
+
+    /// Set forces, explicit part, boundary data and the base of the difference of the step from `t_old` to `t`;
+    /// returns the time of the body force.
+    fn prepare(&mut self, formula: &Formula, t_old: f64, t: f64) -> f64 {
+        let (start, rule) = (Instant::now(), formula.rule);
+        // cG(1) integrates over the step: its body force is that of the middle.
+        let t_force = if rule.quadrature.is_empty() { t } else { 0.5 * (t_old + t) };
+        self.set_forces(End::Old, t_old, 1.0);
+        self.set_forces(End::New, t_force, 1.0);
+        let view = StepView { rule, new: &self.old, old: &self.old };
+        self.assembler.explicit(&view, &mut self.explicit);
+        if let Some(source) = &mut self.source {
+            source(t_old, t, rule.theta, &mut self.explicit);
+        }
+        self.new.copy_from(&self.old);
+        self.apply_boundary(t, 1.0);
+        self.newton.seconds.assembly += start.elapsed().as_secs_f64();
+        if let Some(ratio) = formula.ratio {
+            multistep(&mut self.base, &self.older, &self.old, ratio);
+        }
+        t_force
+    }
+
+    fn solve_step(
+        &mut self,
+        formula: &Formula,
+        t_old: f64,
+        t: f64,
+    ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
+        let t_force = self.prepare(formula, t_old, t);
+        let rule = formula.rule;
+        let k = t - t_old;
+        let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
+        let extrapolate = self.settings.extrapolate && ratio > 0.0;
+        let mut system = StepSystem {
+            assembler: &mut self.assembler,
+            linear: &mut self.linear,
+            rule,
+            new: &mut self.new,
+            old: if formula.ratio.is_some() { &self.base } else { &self.old },
+            explicit: &self.explicit,
+            scales: self.settings.scales,
+            tangent: self.settings.tangent,
+            time: t,
+            force_time: t_force,
+            point: &mut self.point,
+            min_j: 1.0,
+            norms: BlockNorms::default(),
+        };
+        // The criterion refers to the old solution with the new boundary data, whatever the start value.
+        let reference = self.newton.norm(&mut system).ok_or(NewtonError::Inadmissible)?;
+        let start = Start { old: &self.old, older: extrapolate.then_some((&self.older, ratio)), reference };
+        let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
+        let mut solved = self.newton.solve(&mut system, norm, reference);
+        if solved.is_err() && system.linear.fall_back() {
+            self.newton.forget();
+            let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
+            solved = self.newton.solve(&mut system, norm, reference);
+        }
+        let report = solved?;
+        let min_j = system.assembler.nodal_min_j(system.new);
+        if min_j <= 0.0 {
+            return Err(NewtonError::Inadmissible);
+        }
+        if let Some(point) = &mut system.point {
+            point.age = self.newton.age();
+        }
+        if system.linear.count_step() {
+            self.newton.forget();
+        }
+        Ok((report, system.norms, min_j))
+    }
+}
