@@ -473,7 +473,9 @@ fn senseless_stabilisation_is_refused_with_the_reason() {
         let case = builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=0"]);
         let said = case.sizes().err().map_or(String::new(), |e| e.to_string());
         assert!(
-            said.contains("stabilization.projection=patch: the fluid does not consist of cells refined in four"),
+            said.contains(
+                "stabilization.projection=patch: the fluid does not consist of cells refined in four"
+            ),
             "{said}"
         );
         builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=1"]).sizes().unwrap();
