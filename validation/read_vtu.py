@@ -6,8 +6,8 @@
     read_vtu.py fields.pvd --area 2.356194 --expect "pressure=x*x-y*y+x*y" --expect "velocity=-y,x,x*y"
 
 Checked for every file: the collection's time is that of the file, all values are finite, all cells have one
-type, every point belongs to a cell, and the Jacobian of every cell map, by VTK's own shape functions, is
-positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
+type that Undula writes, every point belongs to a cell, and the Jacobian of every cell map, by VTK's own shape
+functions, is positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
 --expect compares point data with expressions of x, y at the points, and inside the cells the interpolation by
 VTK's shape functions. The exit code is 1 if anything is wrong.
 """
@@ -33,20 +33,41 @@ def arrays_of(data):
     return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
 
 
+# Cells that Undula writes: quadrilaterals of degree 1, 2, above, triangles of degree 1, 2, 3.
+QUADRILATERALS = {vtk.VTK_QUAD, vtk.VTK_BIQUADRATIC_QUAD, vtk.VTK_LAGRANGE_QUADRILATERAL}
+TRIANGLES = {vtk.VTK_TRIANGLE, vtk.VTK_QUADRATIC_TRIANGLE, vtk.VTK_LAGRANGE_TRIANGLE}
+
+
+def gauss(is_triangle):
+    """Points and weights on the reference cell; on triangles those of a square with one side collapsed."""
+    at, weight = np.polynomial.legendre.leggauss(5)
+    at, weight = 0.5 * (at + 1), 0.5 * weight
+    for s, of_s in zip(at, weight):
+        side = 1 - s if is_triangle else 1
+        yield from (((r * side, s), of_r * of_s * side) for r, of_r in zip(at, weight))
+
+
+def derivatives_of(cell, at):
+    """Derivatives of the shape functions [2, n]. VTK stores them in one order for some cells and in another one for
+    others: the right one maps the parametric coordinates of the nodes to the unit matrix."""
+    n = cell.GetNumberOfPoints()
+    flat, coordinates = [0.0] * (2 * n), np.reshape([cell.GetParametricCoords()[i] for i in range(3 * n)], (n, 3))
+    cell.InterpolateDerivs([*at, 0.0], flat)
+    for candidate in (np.reshape(flat, (2, n)), np.reshape(flat, (n, 2)).T):
+        if np.allclose(candidate @ coordinates[:, :2], np.eye(2), atol=1e-9):
+            return candidate
+    raise ValueError(f"derivatives of {cell.GetClassName()} in an order that is not known")
+
+
 def tables(cell):
     """Weights, shape functions and their derivatives at 5 x 5 Gauss points, by the cell's own class."""
-    interleaved = cell.GetClassName().startswith("vtkLagrange")
-    at, weight = np.polynomial.legendre.leggauss(5)
-    at, weight, n = 0.5 * (at + 1), 0.5 * weight, cell.GetNumberOfPoints()
     weights, values, derivatives = [], [], []
-    for i, r in enumerate(at):
-        for j, s in enumerate(at):
-            phi, d_phi = [0.0] * n, [0.0] * (2 * n)
-            cell.InterpolateFunctions([r, s, 0.0], phi)
-            cell.InterpolateDerivs([r, s, 0.0], d_phi)
-            weights.append(weight[i] * weight[j])
-            values.append(phi)
-            derivatives.append(np.reshape(d_phi, (n, 2)).T if interleaved else np.reshape(d_phi, (2, n)))
+    for at, weight in gauss(cell.GetCellType() in TRIANGLES):
+        phi = [0.0] * cell.GetNumberOfPoints()
+        cell.InterpolateFunctions([*at, 0.0], phi)
+        weights.append(weight)
+        values.append(phi)
+        derivatives.append(derivatives_of(cell, at))
     return np.array(weights), np.array(values), np.array(derivatives)
 
 
@@ -67,6 +88,8 @@ def check(time, path, args):
         wrong.append(f"time {stored} in the file, {time} in the collection")
     if len(types) != 1:
         return wrong + [f"{len(types)} cell types"]
+    if not types.keys() <= QUADRILATERALS | TRIANGLES:
+        return wrong + [f"cells that Undula does not write: {types}"]
 
     nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
     if len(np.unique(nodes)) != len(points):

@@ -456,19 +456,30 @@ fn senseless_stabilisation_is_refused_with_the_reason() {
         (&["space.pressure=Q2", "stabilization.directional=1"], "expected true or false"),
         (&["space.pressure=Q2", "stabilization.alpha=0"], "expected a number above 0"),
         (&["stabilization.transport=gls"], "expected one of `off`, `lps`, `supg`"),
+        (
+            &["space.velocity=P2-bubble", "stabilization.transport=supg"],
+            "--set stabilization.transport=supg: not yet available with P2-bubble; expected `off`, or `P2` or `P3` as \
+             space.velocity",
+        ),
+        (
+            &["space.velocity=P2-bubble", "space.pressure=P1", "stabilization.pressure=pspg"],
+            "--set stabilization.pressure=pspg: not yet available with P2-bubble; expected `off`",
+        ),
     ] {
         let said = wrong_builtin("fsi1", set);
         assert!(said.contains(words), "{set:?}: {said}");
     }
-    let case = builtin("fsi1", &["space.pressure=Q2", "stabilization.projection=patch", "mesh.refine=0"]);
-    let said = case.sizes().err().map_or(String::new(), |e| e.to_string());
-    assert!(
-        said.contains("stabilization.projection=patch: the fluid does not consist of cells refined in four"),
-        "{said}"
-    );
-    builtin("fsi1", &["space.pressure=Q2", "stabilization.projection=patch", "mesh.refine=1"])
-        .sizes()
-        .unwrap();
+    for pressure in ["space.pressure=Q2", "space.velocity=P1"] {
+        let case = builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=0"]);
+        let said = case.sizes().err().map_or(String::new(), |e| e.to_string());
+        assert!(
+            said.contains(
+                "stabilization.projection=patch: the fluid does not consist of cells refined in four"
+            ),
+            "{said}"
+        );
+        builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=1"]).sizes().unwrap();
+    }
 }
 
 /// A pair of equal order is stabilised unless something else is asked for.

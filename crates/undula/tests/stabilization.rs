@@ -8,6 +8,7 @@ use manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
 use undula::assembly::{Assembler, End, Options, StepView};
+use undula::element::Shape;
 use undula::math::{Tensor, Vector};
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
@@ -49,9 +50,17 @@ fn equal_order(mesh: Mesh<2>, degree: usize) -> Arc<FsiSpace<2>> {
     Arc::new(FsiSpace::new(mesh, regions, degree, Continuous(degree)))
 }
 
+/// Equal order on both kinds of cells.
+const KINDS: [(Shape, usize); 4] =
+    [(Shape::Quadrilateral, 1), (Shape::Quadrilateral, 2), (Shape::Triangle, 1), (Shape::Triangle, 2)];
+
 /// The unit square with a solid lower half, bent, refined so that there are patches.
-fn halves(n: usize) -> Mesh<2> {
-    square(n, Cells::Trapezia, Body::Half).refined(1, &[])
+fn halves(n: usize, shape: Shape) -> Mesh<2> {
+    in_cells(square(n, Cells::Trapezia, Body::Half), shape).refined(1, &[])
+}
+
+fn in_cells(mesh: Mesh<2>, shape: Shape) -> Mesh<2> {
+    if shape == Shape::Triangle { mesh.triangulated() } else { mesh }
 }
 
 fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, threads: usize) -> Assembler<2> {
@@ -106,8 +115,8 @@ fn added(space: &Arc<FsiSpace<2>>, how: &Stabilization, step: &StepView<'_>, for
 #[test]
 fn derivatives_are_limits_of_differences() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    for degree in [1, 2] {
-        let space = equal_order(halves(4), degree);
+    for (shape, degree) in KINDS {
+        let space = equal_order(halves(4, shape), degree);
         let h = 1.0 / (8 * degree) as f64;
         for how in methods() {
             let mut assembler = assembler(&space, &how, 1, 1);
@@ -146,8 +155,9 @@ fn derivatives_are_limits_of_differences() {
 #[test]
 fn condensed_matrix_of_a_flow_is_its_jacobian() {
     let mut random = Random(3);
-    for degree in [1, 2] {
-        let space = equal_order(rectangle([0.0; 2], [1.0; 2], [3, 2], 1).unwrap(), degree);
+    for (shape, degree) in KINDS {
+        let mesh = in_cells(rectangle([0.0; 2], [1.0; 2], [3, 2], 0).unwrap(), shape).refined(1, &[]);
+        let space = equal_order(mesh, degree);
         for how in methods() {
             let mut assembler = assembler(&space, &how, 1, 1);
             let (new, old) = (random_state(&space, &mut random, 0.0), random_state(&space, &mut random, 0.0));
@@ -175,8 +185,8 @@ fn condensed_matrix_of_a_flow_is_its_jacobian() {
 fn terms_are_those_of_the_moved_mesh() {
     let A = Tensor([[0.5, 0.3], [-0.2, 0.1]]);
     let mut random = Random(17);
-    for degree in [1, 2] {
-        let space = equal_order(halves(4), degree);
+    for (shape, degree) in KINDS {
+        let space = equal_order(halves(4, shape), degree);
         let mut moved_mesh = space.mesh.clone();
         for x in &mut moved_mesh.nodes {
             *x = (Vector(*x) + A * Vector(*x)).0;
@@ -223,8 +233,11 @@ fn parameters_are_those_of_the_moved_cell() {
 #[test]
 fn projections_leave_the_smaller_space_alone() {
     let mut random = Random(5);
-    for (projection, degree) in [(Projection::Cell, 2), (Projection::Patch, 1), (Projection::Patch, 2)] {
-        let space = equal_order(halves(4), degree);
+    let kinds = [(Projection::Cell, 2), (Projection::Patch, 1), (Projection::Patch, 2)];
+    let triangles = kinds.map(|(projection, degree)| (Shape::Triangle, projection, degree));
+    let quadrilaterals = kinds.map(|(projection, degree)| (Shape::Quadrilateral, projection, degree));
+    for (shape, projection, degree) in triangles.into_iter().chain(quadrilaterals) {
+        let space = equal_order(halves(4, shape), degree);
         let mut state = random_state(&space, &mut random, 0.01);
         let linear = |x: &[f64; 2]| [1.0 + x[0] - 2.0 * x[1], 0.5 * x[0] + x[1]];
         for (node, x) in space.nodes.points.iter().enumerate() {
@@ -250,7 +263,7 @@ fn projections_leave_the_smaller_space_alone() {
         let plain = Stabilization { pressure: BrezziPitkaranta, ..Stabilization::NONE };
         let plain = largest(&added(&space, &plain, &step, [0.0; 2]));
         println!(
-            "{projection:?} Q{degree}: {left:e}, of a random state {size:e}; Brezzi-Pitkäranta {plain:e}"
+            "{projection:?} {shape:?} {degree}: {left:e}, of a random state {size:e}; Brezzi-Pitkäranta {plain:e}"
         );
         assert!(left < 1e-12 * size && plain > 1e-3 * size);
     }
@@ -264,11 +277,13 @@ fn residual_methods_vanish_for_exact_solutions() {
     let A = Tensor([[a, b], [b, -a]]);
     let s = a * a + b * b;
     let force = [0.8, -1.1];
-    for (bent, mesh) in
-        [(false, square(4, Cells::Square, Body::Half)), (true, square(4, Cells::Trapezia, Body::Half))]
-    {
+    for (bent, mesh) in [
+        (false, square(4, Cells::Square, Body::Half)),
+        (true, square(4, Cells::Trapezia, Body::Half)),
+        (true, square(4, Cells::Trapezia, Body::Half).triangulated()),
+    ] {
         let space = equal_order(mesh, 2);
-        // On bent cells only an affine motion keeps p in the space.
+        // On bent cells and triangles only an affine motion keeps p in the space.
         let u = |x: &[f64; 2], t: f64| {
             let c = if bent { 0.0 } else { 0.2 * t };
             Vector([
@@ -307,7 +322,7 @@ fn residual_methods_vanish_for_exact_solutions() {
 #[test]
 fn lanes_and_threads_change_nothing() {
     let mut random = Random(23);
-    let space = equal_order(halves(8), 2);
+    let space = equal_order(halves(8, Shape::Quadrilateral), 2);
     let (new, old) = (random_state(&space, &mut random, 0.005), random_state(&space, &mut random, 0.005));
     let step = StepView { rule: StepRule::theta(0.1, 0.6), new: &new, old: &old };
     for how in methods().into_iter().filter(|how| how.directional) {

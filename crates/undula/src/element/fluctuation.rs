@@ -13,50 +13,57 @@ pub struct Fluctuation {
     pub children: Vec<Vec<usize>>,
 }
 
+/// A child is the image of the reference cell under ξ ↦ `corner` + `scale` ξ.
+struct Place {
+    corner: [f64; 3],
+    scale: f64,
+}
+
+impl Place {
+    fn of(&self, xi: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|d| self.corner[d] + self.scale * xi[d])
+    }
+}
+
 impl Fluctuation {
     /// π is the L² projection on one cell from degree `k` to `k − 1`.
     pub fn on_cell(shape: Shape, k: usize, rule: &Quadrature) -> Fluctuation {
         let nodes = (0..shape.n_nodes(k)).collect();
-        Self::new(shape, k, k - 1, rule, vec![nodes], vec![[0.0; 3]], 1.0)
+        Self::new(shape, k, k - 1, rule, vec![nodes], vec![Place { corner: [0.0; 3], scale: 1.0 }])
     }
 
     /// π is the L² projection to the same degree `k` on the coarser mesh; the children of a patch are those of
-    /// a refined cell in lexicographic order. Functions are numbered like the nodes of degree `2 k`.
+    /// a refined cell in the order of [`Shape::in_parent`]. Functions are numbered like the nodes of degree `2 k`.
     pub fn on_patch(shape: Shape, k: usize, rule: &Quadrature) -> Fluctuation {
-        let (dim, n) = (shape.dim(), 2 * k + 1);
-        let side = |child: usize, d: usize| child >> d & 1;
-        let node = |child: usize, a: usize| {
-            let at = shape.lattice(k, a);
-            (0..dim).rev().fold(0, |number, d| number * n + side(child, d) * k + at[d])
-        };
-        let children = 0..1_usize << dim;
+        let node =
+            |child: usize, a: usize| shape.number(2 * k, shape.in_parent(k, child, shape.lattice(k, a)));
+        let children = 0..1_usize << shape.dim();
         let nodes = children.clone().map(|c| (0..shape.n_nodes(k)).map(|a| node(c, a)).collect()).collect();
-        let corner = |c: usize| std::array::from_fn(|d| if d < dim { 0.5 * side(c, d) as f64 } else { 0.0 });
-        Self::new(shape, k, k, rule, nodes, children.map(corner).collect(), 0.5)
+        let place = |child: usize| {
+            let scale = if shape.is_turned(child) { -0.5 } else { 0.5 };
+            Place { corner: std::array::from_fn(|d| 0.5 * (child >> d & 1) as f64), scale }
+        };
+        Self::new(shape, k, k, rule, nodes, children.map(place).collect())
     }
 
-    /// Child c is the image of the reference cell under ξ ↦ `corners[c]` + `scale` ξ.
+    /// Child c is at `places[c]`.
     fn new(
         shape: Shape,
         fine: usize,
         coarse: usize,
         rule: &Quadrature,
         children: Vec<Vec<usize>>,
-        corners: Vec<[f64; 3]>,
-        scale: f64,
+        places: Vec<Place>,
     ) -> Fluctuation {
         let (dim, n_coarse) = (shape.dim(), shape.n_nodes(coarse));
         let n_basis = 1 + children.iter().flatten().max().copied().unwrap_or(0);
-        let place = |corner: &[f64; 3], xi: &[f64; 3]| -> [f64; 3] {
-            std::array::from_fn(|d| corner[d] + scale * xi[d])
-        };
         // Products of degree 2 fine are integrated exactly, whatever `rule` is.
         let exact = Quadrature::cell(shape, fine + 1);
         let (mut mass, mut mixed) = (vec![0.0; n_coarse * n_coarse], vec![0.0; n_coarse * n_basis]);
-        for (nodes, corner) in children.iter().zip(&corners) {
+        for (nodes, place) in children.iter().zip(&places) {
             for (xi, weight) in exact.points.iter().zip(&exact.weights) {
                 let value = lagrange::basis(shape, fine, xi).0;
-                let tested = lagrange::basis(shape, coarse, &place(corner, xi)).0;
+                let tested = lagrange::basis(shape, coarse, &place.of(xi)).0;
                 for i in 0..n_coarse {
                     for j in 0..n_coarse {
                         mass[i * n_coarse + j] += weight * tested[i] * tested[j];
@@ -69,15 +76,15 @@ impl Fluctuation {
         }
         let projected = solve(mass, mixed, n_coarse, n_basis);
         let mut grad = vec![];
-        for (nodes, corner) in children.iter().zip(&corners) {
+        for (nodes, place) in children.iter().zip(&places) {
             for xi in &rule.points {
                 let first = grad.len();
-                let slope = lagrange::basis(shape, coarse, &place(corner, xi)).1;
+                let slope = lagrange::basis(shape, coarse, &place.of(xi)).1;
                 for a in 0..n_basis {
                     let sum = |d: usize| {
                         (0..n_coarse).map(|i| projected[i * n_basis + a] * slope[i][d]).sum::<f64>()
                     };
-                    grad.extend((0..dim).map(|d| -scale * sum(d)));
+                    grad.extend((0..dim).map(|d| -place.scale * sum(d)));
                 }
                 for (slope, &a) in lagrange::basis(shape, fine, xi).1.iter().zip(nodes) {
                     (0..dim).for_each(|d| grad[first + a * dim + d] += slope[d]);
@@ -121,13 +128,15 @@ mod tests {
 
     #[test]
     fn nothing_is_left_of_the_smaller_space() {
-        for shape in [Shape::Quadrilateral, Shape::Hexahedron] {
+        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
             for k in 1..4 {
                 let rule = Quadrature::cell(shape, k + 1);
                 let power = |x: f64, n: usize| x.powi(n as i32);
+                // The other exponent of a monomial of degree n.
+                let other = |n: usize| if shape == Shape::Triangle { 0 } else { n };
                 let cell = Fluctuation::on_cell(shape, k, &rule);
                 let on_cell = |a: usize| lagrange::node(shape, k, a);
-                let small = |a: usize| power(on_cell(a)[0], k - 1) * power(on_cell(a)[1], k - 1) + 3.0;
+                let small = |a: usize| power(on_cell(a)[0], other(k - 1)) * power(on_cell(a)[1], k - 1) + 3.0;
                 assert!(left(&cell, shape.dim(), small) < 1e-12, "{shape:?} {k}");
                 assert!(left(&cell, shape.dim(), |a| power(on_cell(a)[1], k)) > 0.1);
                 if shape == Shape::Hexahedron && k > 2 {
@@ -135,7 +144,7 @@ mod tests {
                 }
                 let patch = Fluctuation::on_patch(shape, k, &rule);
                 let on_patch = |a: usize| shape.lattice(2 * k, a).map(|i| i as f64 / (2 * k) as f64);
-                let small = |a: usize| power(on_patch(a)[0], k) * power(on_patch(a)[1], k) - 2.0;
+                let small = |a: usize| power(on_patch(a)[0], other(k)) * power(on_patch(a)[1], k) - 2.0;
                 assert!(left(&patch, shape.dim(), small) < 1e-11, "{shape:?} {k}");
                 assert!(left(&patch, shape.dim(), |a| power(on_patch(a)[1], k + 1)) > 0.01);
             }

@@ -81,6 +81,18 @@ impl Shape {
         }
     }
 
+    /// Whether child `child` of a cell that is refined in `2^D` is turned round: ξ ↦ ½ (b − ξ) instead of ½ (b + ξ), b_d
+    /// being bit d of `child`. The last one of a triangle is: that in the middle.
+    pub fn is_turned(self, child: usize) -> bool {
+        self == Shape::Triangle && child == 3
+    }
+
+    /// Lattice position of degree `2 degree` of the node at `at` of child `child`.
+    pub fn in_parent(self, degree: usize, child: usize, at: [usize; 3]) -> [usize; 3] {
+        let corner = |d: usize| (child >> d & 1) * degree;
+        std::array::from_fn(|d| if self.is_turned(child) { corner(d) - at[d] } else { corner(d) + at[d] })
+    }
+
     /// Whether node `node` of degree `degree` lies on facet `facet`.
     pub fn on_facet(self, degree: usize, node: usize, facet: usize) -> bool {
         let at = self.lattice(degree, node);

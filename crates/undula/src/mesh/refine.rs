@@ -173,16 +173,9 @@ impl<const D: usize> FineLattice<D> {
 
     /// Lattice indices of the geometry nodes of child `child`, in the order of the shape.
     fn child_nodes<'a>(&'a self, mesh: &'a Mesh<D>, child: usize) -> impl Iterator<Item = usize> + 'a {
-        let degree = mesh.degree;
-        (0..mesh.shape.n_nodes(degree)).map(move |local| {
-            let at = mesh.shape.lattice(degree, local);
-            self.index(std::array::from_fn(|d| match (self.shape, child) {
-                (Shape::Triangle, 3) => degree - at[d],
-                (Shape::Triangle, _) if d + 1 == child => degree + at[d],
-                (Shape::Triangle, _) => at[d],
-                _ => (child >> d & 1) * degree + at[d],
-            }))
-        })
+        let (shape, degree) = (mesh.shape, mesh.degree);
+        let place = move |local| shape.in_parent(degree, child, shape.lattice(degree, local));
+        (0..shape.n_nodes(degree)).map(move |local| shape.number(self.n, place(local)))
     }
 
     /// Mean of the parent's nodes next to `at` on the facet across `axis`: projected, it lies in the

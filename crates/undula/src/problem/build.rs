@@ -160,15 +160,11 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        let triangles = space.mesh.shape == Shape::Triangle;
-        if !needed || !triangles && assembly::stabilize::patches(space).is_some() {
+        if !needed || assembly::stabilize::patches(space).is_some() {
             return Ok(());
         }
-        let message = if triangles {
-            "patches are made of quadrilaterals; expected `cell` with triangles"
-        } else {
-            "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, or `cell`"
-        };
+        let message =
+            "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, or `cell`";
         Err(self.refuse("stabilization.projection", message.into()))
     }
 

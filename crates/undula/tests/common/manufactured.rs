@@ -31,7 +31,7 @@ pub const FLOW: Physics = Physics { fluid: Some(FLUID), solid: None };
 pub const BODY: Physics = Physics { fluid: None, solid: Some(SOLID) };
 
 /// How the cells of the unit square are bent.
-#[derive(Copy, Clone, PartialEq)]
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Cells {
     /// Equal squares.
     Square,

@@ -11,6 +11,7 @@
 //! the last `k − e` columns of `panel` and `upper` then belong to the contribution too.
 
 use super::buffer::Buffer;
+use super::factors::{Sizes, pack};
 use super::kernels::{flush, flushed, gemm_sub, gemv_sub, max_abs};
 use super::large;
 use super::real::Real;
@@ -46,10 +47,13 @@ pub(super) struct Front<T> {
     pub r: usize,
     /// Pivots eliminated; the others are delayed.
     pub e: usize,
-    /// F11 over F21, leading dimension [`Front::ld`].
+    /// F11 over F21, leading dimension [`Front::ld`]; lent until it has been packed, or the parent has taken
+    /// delayed pivots out of it.
     pub panel: Buffer<T>,
-    /// F12ᵀ, leading dimension `padded(r)`.
+    /// F12ᵀ, leading dimension `padded(r)`; lent like `panel`.
     pub upper: Buffer<T>,
+    /// L and U of a front whose sizes are not those of the analysis, else empty.
+    pub spill: Buffer<T>,
     /// F22, leading dimension `padded(r)`; lent from the pool until the parent has added it. Children
     /// are added last.
     pub rest: Buffer<T>,
@@ -70,6 +74,10 @@ pub(super) struct Front<T> {
 /// Memory shared by the fronts of one thread.
 #[derive(Debug, Default)]
 pub(super) struct Scratch<T> {
+    /// Of a front, as long as it is eliminated.
+    pub panel: Buffer<T>,
+    /// The same.
+    pub upper: Buffer<T>,
     pub column: Vec<T>,
     pub block: Vec<T>,
     pub row_scale: Vec<f64>,
@@ -87,9 +95,16 @@ impl<T: Real> Front<T> {
         self.k - self.e
     }
 
-    /// Sets all numbers to zero for `k` pivots and `r` rows, but not those of the given `rest`.
-    pub fn reset(&mut self, k: usize, r: usize, rest: Buffer<T>) {
-        (self.k, self.r, self.e, self.rest) = (k, r, 0, rest);
+    /// What determines where its factors are.
+    #[inline(always)]
+    pub fn sizes(&self) -> Sizes {
+        Sizes { k: self.k, e: self.e, r: self.r }
+    }
+
+    /// Takes memory and sets all numbers to zero for `k` pivots and `r` rows, but not those of `rest`.
+    pub fn reset(&mut self, k: usize, r: usize, panel: Buffer<T>, upper: Buffer<T>, rest: Buffer<T>) {
+        (self.k, self.r, self.e) = (k, r, 0);
+        (self.panel, self.upper, self.rest) = (panel, upper, rest);
         let zeros = |v: &mut Buffer<T>, n: usize| {
             v.resize(n);
             v.fill(T::ZERO);
@@ -102,6 +117,23 @@ impl<T: Real> Front<T> {
             from.clear();
             from.extend(0..k as u32);
         }
+    }
+
+    /// Packs the factors, where sizes are those `foreseen` into `lower` and `upper`.
+    #[inline(always)]
+    pub fn put_away(&mut self, foreseen: Sizes, lower: &mut [T], upper: &mut [T]) {
+        let sizes = self.sizes();
+        if sizes == foreseen {
+            self.spill.resize(0);
+            pack(self, lower, upper);
+            return;
+        }
+        let mut spill = std::mem::take(&mut self.spill);
+        spill.resize(sizes.lower() + sizes.upper() + SLACK);
+        let (lower, upper) = spill.split_at_mut(sizes.lower());
+        upper[sizes.upper()..].fill(T::ZERO);
+        pack(self, lower, upper);
+        self.spill = spill;
     }
 
     /// Eliminates what can be eliminated.

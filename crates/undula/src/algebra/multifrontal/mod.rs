@@ -8,6 +8,7 @@
 
 mod buffer;
 mod dense;
+mod factors;
 mod front;
 mod graph;
 mod kernels;
@@ -24,8 +25,9 @@ mod tree;
 use super::direct::Failure;
 use super::scaling::inverse;
 use super::{Backend, Cost, Csr, Direct, Options, Pattern, Scaling, SolverError, Unknown, norm_inf};
+use factors::Factors;
 use front::Front;
-use numeric::{Numeric, Pool};
+use numeric::{Numeric, Part, Pool};
 use pulp::Arch;
 use real::Real;
 use solve::{Parent, Solve};
@@ -58,6 +60,7 @@ impl SingleLu {
 pub struct MultifrontalBackend<T = f64> {
     symbolic: Symbolic,
     fronts: Vec<Front<T>>,
+    factors: Factors<T>,
     pool: Pool<T>,
     arch: Arch,
     permuted: Vec<T>,
@@ -68,6 +71,7 @@ impl<T: Real> Default for MultifrontalBackend<T> {
         Self {
             symbolic: Symbolic::default(),
             fronts: Vec::new(),
+            factors: Factors::default(),
             pool: Pool::new(),
             arch: Arch::new(),
             permuted: Vec::new(),
@@ -90,9 +94,9 @@ impl<T: Real> MultifrontalBackend<T> {
     /// Memory of factors and vectors. That of contributions depends on how many threads had some at a
     /// time, which no result may.
     fn bytes(&self) -> usize {
-        let of =
-            |f: &Front<T>| f.panel.capacity() + f.upper.capacity() + f.work.capacity() + f.spare.capacity();
-        size_of::<T>() * self.fronts.iter().map(of).sum::<usize>()
+        let of = |f: &Front<T>| f.spill.capacity() + f.work.capacity() + f.spare.capacity();
+        let factors = self.factors.lower.capacity() + self.factors.upper.capacity();
+        size_of::<T>() * (factors + self.fronts.iter().map(of).sum::<usize>())
     }
 }
 
@@ -105,15 +109,18 @@ impl<T: Real> Backend for MultifrontalBackend<T> {
         self.symbolic = Symbolic::new(pattern, unknowns)?;
         self.fronts.clear();
         self.fronts.resize_with(self.symbolic.fronts.len(), Front::default);
+        self.factors = Factors::new(self.symbolic.stored.0, self.symbolic.stored.1);
         self.pool = Pool::new();
         self.permuted = vec![T::ZERO; pattern.n];
         Ok(())
     }
 
     fn factor(&mut self, a: &Csr, scaling: &Scaling) -> Result<Cost, Failure> {
-        let Self { symbolic, fronts, pool, arch, .. } = self;
+        let Self { symbolic, fronts, factors: Factors { lower, upper }, pool, arch, .. } = self;
         let numeric = Numeric { symbolic, a, scaling, pool, arch: *arch };
-        numeric.subtrees(&symbolic.roots, fronts);
+        let ((n_lower, n_upper), fronts) = (symbolic.stored, &mut fronts[..]);
+        let (lower, upper) = (&mut lower[..n_lower], &mut upper[..n_upper]);
+        numeric.subtrees(&symbolic.roots, Part { fronts, lower, upper });
         for &root in &symbolic.roots {
             let (front, shape) = (&self.fronts[root as usize], &symbolic.fronts[root as usize]);
             if front.delayed() > 0 {
@@ -126,14 +133,14 @@ impl<T: Real> Backend for MultifrontalBackend<T> {
     }
 
     fn solve(&mut self, y: &mut [f64]) {
-        let Self { symbolic, fronts, arch, permuted, .. } = self;
+        let Self { symbolic, fronts, factors, arch, permuted, .. } = self;
         // Powers of two round nothing, and no right-hand side is too small or too large for factors in
         // single precision.
         let scale = inverse(norm_inf(y).max(f64::MIN_POSITIVE));
         for (p, &old) in permuted.iter_mut().zip(&symbolic.old) {
             *p = T::of(y[old as usize] * scale);
         }
-        let solve = Solve { symbolic, arch: *arch };
+        let solve = Solve { symbolic, factors, arch: *arch };
         solve.forward(&symbolic.roots, fronts, permuted);
         solve.backward(&symbolic.roots, fronts, permuted, Parent { known: &[], k: 0, shift: 0 });
         for (p, &old) in permuted.iter().zip(&symbolic.old) {

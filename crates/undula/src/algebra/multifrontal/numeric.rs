@@ -2,7 +2,8 @@
 
 use super::super::{Csr, Scaling};
 use super::buffer::Buffer;
-use super::front::{Front, Scratch, padded};
+use super::factors::Sizes;
+use super::front::{Front, SLACK, Scratch, padded};
 use super::kernels::flushed;
 use super::real::Real;
 use super::symbolic::{Entry, Run, Shape, Symbolic};
@@ -49,6 +50,16 @@ impl<T: Real> Pool<T> {
         pop(&self.rest[class]).unwrap_or_else(|| Buffer::with_capacity(class_size(class)))
     }
 
+    /// `mine` if it has memory for `n` numbers, else another buffer for it.
+    fn exchange(&self, mine: &mut Buffer<T>, n: usize) -> Buffer<T> {
+        let mine = std::mem::take(mine);
+        if mine.capacity() >= n {
+            return mine;
+        }
+        self.give_back(mine);
+        self.lend(n)
+    }
+
     fn give_back(&self, v: Buffer<T>) {
         if v.capacity() > 0 {
             // Rounded down: the capacity may be larger than asked for.
@@ -72,47 +83,87 @@ pub(super) struct Numeric<'a, T> {
 }
 
 impl<T: Real> Numeric<'_, T> {
-    /// Factors the subtree that ends with front `f`; `fronts` are its fronts.
+    /// Factors the subtree that ends with front `f`.
     ///
     /// Subtrees run in any order on any thread; but every front adds its children in their order, so
     /// that all numbers are the same.
-    pub fn subtree(&self, f: usize, fronts: &mut [Front<T>]) {
+    pub fn subtree(&self, f: usize, mut part: Part<T>) {
         let shape = &self.symbolic.fronts[f];
         let start = shape.subtree.0;
         if shape.is_task {
             let mut scratch = pop(&self.pool.scratch).unwrap_or_default();
             for g in start..=f {
-                self.front(g, &mut fronts[..=g - start], &mut scratch);
+                self.front(g, part.up_to(self.symbolic, start, g), &mut scratch);
             }
             push(&self.pool.scratch, scratch);
         } else {
-            let below = fronts.len() - 1;
-            self.subtrees(&shape.children, &mut fronts[..below]);
+            if start < f {
+                self.subtrees(&shape.children, part.up_to(self.symbolic, start, f - 1));
+            }
             let mut scratch = pop(&self.pool.scratch).unwrap_or_default();
-            self.front(f, fronts, &mut scratch);
+            self.front(f, part, &mut scratch);
             push(&self.pool.scratch, scratch);
         }
     }
 
     /// Factors neighbouring subtrees, given by their last fronts.
-    pub fn subtrees(&self, ends: &[u32], fronts: &mut [Front<T>]) {
+    pub fn subtrees(&self, ends: &[u32], part: Part<T>) {
         match ends {
             [] => {}
-            [f] => self.subtree(*f as usize, fronts),
+            [f] => self.subtree(*f as usize, part),
             _ => {
                 let (left, right) = ends.split_at(ends.len() / 2);
-                let size = |f: &u32| *f as usize + 1 - self.symbolic.fronts[*f as usize].subtree.0;
-                let (fronts_left, fronts_right) = fronts.split_at_mut(left.iter().map(size).sum());
-                rayon::join(|| self.subtrees(left, fronts_left), || self.subtrees(right, fronts_right));
+                let first = self.symbolic.fronts[left[0] as usize].subtree.0;
+                let middle = self.symbolic.fronts[right[0] as usize].subtree.0;
+                let (part_left, part_right) = part.split(self.symbolic, first, middle);
+                rayon::join(|| self.subtrees(left, part_left), || self.subtrees(right, part_right));
             }
         }
     }
 
-    /// Assembles and eliminates front `f`, the last of `fronts`; the others include its children.
-    fn front(&self, f: usize, fronts: &mut [Front<T>], scratch: &mut Scratch<T>) {
-        if let Some((front, below)) = fronts.split_last_mut() {
-            self.arch.dispatch(FrontStep { numeric: self, f, front, below, scratch });
+    /// Assembles and eliminates front `f`, the last of `part`; the others include its children.
+    fn front(&self, f: usize, part: Part<T>, scratch: &mut Scratch<T>) {
+        let shape = &self.symbolic.fronts[f];
+        let sizes = Sizes::whole(shape.k, shape.rows.len());
+        let lower = part.lower.len() - sizes.lower();
+        if let Some((front, below)) = part.fronts.split_last_mut() {
+            let lower = &mut part.lower[lower..];
+            let upper = &mut part.upper[..sizes.upper()];
+            self.arch.dispatch(FrontStep { numeric: self, f, front, below, lower, upper, scratch });
         }
+    }
+}
+
+/// Neighbouring fronts and the memory of their factors.
+pub(super) struct Part<'a, T> {
+    pub fronts: &'a mut [Front<T>],
+    pub lower: &'a mut [T],
+    pub upper: &'a mut [T],
+}
+
+impl<T> Part<'_, T> {
+    /// The fronts from `first`, the first of all, to `last`.
+    fn up_to(&mut self, symbolic: &Symbolic, first: usize, last: usize) -> Part<'_, T> {
+        let end = |f: usize| symbolic.fronts.get(f).map_or(symbolic.stored.0, |shape| shape.lower);
+        let top = first + self.fronts.len() - 1;
+        Part {
+            fronts: &mut self.fronts[..=last - first],
+            lower: &mut self.lower[..end(last + 1) - end(first)],
+            upper: &mut self.upper[symbolic.fronts[last].upper - symbolic.fronts[top].upper..],
+        }
+    }
+}
+
+impl<'a, T> Part<'a, T> {
+    /// The fronts from `first`, the first of all, and those from `middle`.
+    fn split(self, symbolic: &Symbolic, first: usize, middle: usize) -> (Self, Self) {
+        let last = first + self.fronts.len() - 1;
+        let at = |f: usize| (symbolic.fronts[f].lower, symbolic.fronts[f].upper);
+        let (fronts, right_fronts) = self.fronts.split_at_mut(middle - first);
+        let (lower, right_lower) = self.lower.split_at_mut(at(middle).0 - at(first).0);
+        let (right_upper, upper) = self.upper.split_at_mut(at(middle - 1).1 - at(last).1);
+        let right = Part { fronts: right_fronts, lower: right_lower, upper: right_upper };
+        (Part { fronts, lower, upper }, right)
     }
 }
 
@@ -121,6 +172,8 @@ struct FrontStep<'a, 'b, T> {
     f: usize,
     front: &'a mut Front<T>,
     below: &'a mut [Front<T>],
+    lower: &'a mut [T],
+    upper: &'a mut [T],
     scratch: &'a mut Scratch<T>,
 }
 
@@ -129,7 +182,7 @@ impl<T: Real> WithSimd for FrontStep<'_, '_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { numeric, f, front, below, scratch } = self;
+        let Self { numeric, f, front, below, lower, upper, scratch } = self;
         let Numeric { symbolic, a, scaling, pool, .. } = *numeric;
         let shape = &symbolic.fronts[f];
         let offset = f - below.len();
@@ -139,19 +192,28 @@ impl<T: Real> WithSimd for FrontStep<'_, '_, T> {
             child.delayed_to = shape.k + delayed;
             delayed += child.delayed();
         }
-        let r = shape.rows.len();
-        front.reset(shape.k + delayed, r, pool.lend(r * padded(r)));
+        let (k, r) = (shape.k + delayed, shape.rows.len());
+        let panel = pool.exchange(&mut scratch.panel, k * (k + padded(r)) + SLACK);
+        let right = pool.exchange(&mut scratch.upper, k * padded(r) + SLACK);
+        front.reset(k, r, panel, right, pool.lend(r * padded(r)));
         add_entries(shape, front, delayed, symbolic, a, scaling, scratch);
         for &c in &shape.children {
             let child = &below[c as usize - offset];
             add_to_pivots(shape, front, delayed, &symbolic.fronts[c as usize].runs, child);
         }
         front.eliminate(simd, scratch);
+        front.put_away(Sizes::whole(shape.k, r), lower, upper);
+        if front.delayed() == 0 {
+            scratch.panel = std::mem::take(&mut front.panel);
+            scratch.upper = std::mem::take(&mut front.upper);
+        }
         // The rest starts as the product of the factors; so it need not be zero before.
         for &c in &shape.children {
             let child = &mut below[c as usize - offset];
             add_to_rest(shape, front, &symbolic.fronts[c as usize].runs, child);
-            pool.give_back(std::mem::take(&mut child.rest));
+            for buffer in [&mut child.rest, &mut child.panel, &mut child.upper] {
+                pool.give_back(std::mem::take(buffer));
+            }
         }
     }
 }

@@ -5,6 +5,7 @@
 //! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
 use super::dense;
+use super::factors::Factors;
 use super::front::{Front, SLACK, padded};
 use super::kernels::flush;
 use super::prefetch::prefetch;
@@ -13,15 +14,16 @@ use super::symbolic::{Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 
 /// One pass over the tree.
-pub(super) struct Solve<'a> {
+pub(super) struct Solve<'a, T> {
     pub symbolic: &'a Symbolic,
+    pub factors: &'a Factors<T>,
     pub arch: Arch,
 }
 
-impl Solve<'_> {
+impl<T: Real> Solve<'_, T> {
     /// Forward substitution in the subtrees that end with the given fronts; `b` belongs to them, as do
     /// `fronts`. The result stays in the fronts.
-    pub fn forward<T: Real>(&self, ends: &[u32], fronts: &mut [Front<T>], b: &[T]) {
+    pub fn forward(&self, ends: &[u32], fronts: &mut [Front<T>], b: &[T]) {
         match ends {
             [] => {}
             [f] => {
@@ -32,7 +34,9 @@ impl Solve<'_> {
                     let below = fronts.len() - 1;
                     self.forward(&shape.children, &mut fronts[..below], &b[..b.len() - shape.k]);
                     if let Some(front) = collect(self.symbolic, *f as usize, fronts, b) {
-                        dense::forward_large(self.arch, front);
+                        let mut work = std::mem::take(&mut front.work);
+                        dense::forward_large(self.arch, self.factors.lower(shape, front), &mut work);
+                        front.work = work;
                     }
                 }
             }
@@ -51,7 +55,7 @@ impl Solve<'_> {
 
     /// Backward substitution, from the fronts to `x`; `parent` is what the parent of the subtrees knows,
     /// by its assembled columns.
-    pub fn backward<T: Real>(&self, ends: &[u32], fronts: &mut [Front<T>], x: &mut [T], parent: Parent<T>) {
+    pub fn backward(&self, ends: &[u32], fronts: &mut [Front<T>], x: &mut [T], parent: Parent<T>) {
         match ends {
             [] => {}
             [f] => {
@@ -61,7 +65,9 @@ impl Solve<'_> {
                 } else {
                     let Some((front, below)) = fronts.split_last_mut() else { return };
                     look_up(shape, front, parent);
-                    dense::backward_large(self.arch, front);
+                    let mut work = std::mem::take(&mut front.work);
+                    dense::backward_large(self.arch, self.factors.upper(shape, front), &mut work);
+                    front.work = work;
                     let n = x.len() - shape.k;
                     hand_out(shape, front, x);
                     let parent = Parent { known: &front.work, k: shape.k, shift: front.k - shape.k };
@@ -101,7 +107,7 @@ pub(super) struct Parent<'a, T> {
 }
 
 struct ForwardTask<'a, 'b, T> {
-    solve: &'a Solve<'b>,
+    solve: &'a Solve<'b, T>,
     f: usize,
     fronts: &'a mut [Front<T>],
     b: &'a [T],
@@ -112,23 +118,26 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let shape = &self.solve.symbolic.fronts[self.f];
-        let (start, first) = shape.subtree;
+        let Solve { symbolic, factors, .. } = *self.solve;
+        let (start, first) = symbolic.fronts[self.f].subtree;
         for g in start..=self.f {
-            let end = self.solve.symbolic.fronts[g].first + self.solve.symbolic.fronts[g].k;
+            let shape = &symbolic.fronts[g];
+            let end = shape.first + shape.k;
             if let Some(next) = self.fronts[..=self.f - start].get(g - start + 1) {
-                prefetch(&next.panel);
+                prefetch(factors.lower(&symbolic.fronts[g + 1], next).all());
             }
             let fronts = &mut self.fronts[..=g - start];
-            if let Some(front) = collect(self.solve.symbolic, g, fronts, &self.b[..end - first]) {
-                dense::forward(simd, front);
+            if let Some(front) = collect(symbolic, g, fronts, &self.b[..end - first]) {
+                let mut work = std::mem::take(&mut front.work);
+                dense::forward(simd, factors.lower(shape, front), &mut work);
+                front.work = work;
             }
         }
     }
 }
 
 struct BackwardTask<'a, 'b, T> {
-    solve: &'a Solve<'b>,
+    solve: &'a Solve<'b, T>,
     f: usize,
     fronts: &'a mut [Front<T>],
     x: &'a mut [T],
@@ -140,13 +149,13 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let symbolic = self.solve.symbolic;
+        let Solve { symbolic, factors, .. } = *self.solve;
         let (start, first) = symbolic.fronts[self.f].subtree;
         let last = self.f - start;
         for g in (0..=last).rev() {
             let shape = &symbolic.fronts[start + g];
             if g > 0 {
-                prefetch(&self.fronts[g - 1].upper);
+                prefetch(factors.upper(&symbolic.fronts[start + g - 1], &self.fronts[g - 1]).all());
             }
             let (now, later) = self.fronts.split_at_mut(g + 1);
             if g == last {
@@ -156,7 +165,9 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
                 let (front, k) = (&later[p - start - g - 1], symbolic.fronts[p].k);
                 look_up(shape, &mut now[g], Parent { known: &front.work, k, shift: front.k - k });
             }
-            dense::backward(simd, &mut now[g]);
+            let mut work = std::mem::take(&mut now[g].work);
+            dense::backward(simd, factors.upper(shape, &now[g]), &mut work);
+            now[g].work = work;
             hand_out(shape, &mut now[g], &mut self.x[..shape.first + shape.k - first]);
         }
     }

@@ -1,6 +1,7 @@
 //! What every factorisation of a pattern has in common: fronts, their rows, where entries go.
 
 use super::super::{Kind, Pattern, SolverError, Unknown};
+use super::factors::Sizes;
 use super::graph::{Graph, Members, lump};
 use super::ordering::nested_dissection;
 use super::tree::{Group, NONE, Price, flops, grow};
@@ -55,6 +56,10 @@ pub(super) struct Shape {
     pub left: Vec<Entry>,
     /// Entries of the matrix right of the pivots.
     pub right: Vec<Entry>,
+    /// Where its factors begin, L and U; that of the next front in one piece of memory for L, of the one before for U.
+    pub lower: usize,
+    /// The same for U.
+    pub upper: usize,
     /// First front and first pivot of the subtree that ends here.
     pub subtree: (usize, usize),
     /// Front that this one contributes to; [`NONE`] for a root.
@@ -74,6 +79,8 @@ pub(super) struct Symbolic {
     pub roots: Vec<u32>,
     /// Old number of each new unknown.
     pub old: Vec<u32>,
+    /// Numbers to store L and U, if no pivot is delayed.
+    pub stored: (usize, usize),
     /// Entries of the factors, if no pivot is delayed.
     pub fill: usize,
     /// Operations of a factorisation, if no pivot is delayed.
@@ -94,6 +101,7 @@ impl Symbolic {
         symbolic.find_runs();
         symbolic.find_entries(pattern)?;
         symbolic.find_tasks();
+        symbolic.place_factors();
         Ok(symbolic)
     }
 
@@ -231,6 +239,20 @@ impl Symbolic {
             self.fronts[f].is_task = work[f] <= TASK * self.flops;
             self.fronts[f].is_solve_task = fill[f] <= SOLVE_TASK;
         }
+    }
+
+    /// L from the first front to the last, U from the last to the first: as they are read.
+    fn place_factors(&mut self) {
+        let (mut lower, mut upper) = (0, 0);
+        for shape in &mut self.fronts {
+            let sizes = Sizes::whole(shape.k, shape.rows.len());
+            shape.lower = lower;
+            lower += sizes.lower();
+            upper += sizes.upper();
+            shape.upper = upper;
+        }
+        self.fronts.iter_mut().for_each(|shape| shape.upper = upper - shape.upper);
+        self.stored = (lower, upper);
     }
 }
 

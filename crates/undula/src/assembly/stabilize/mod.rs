@@ -4,6 +4,7 @@
 //! patches; without projection, or with one on cells, a patch is one cell. Pairs that need no stabilisation have
 //! no such loop.
 
+mod patches;
 pub mod tables;
 mod tasks;
 
@@ -15,9 +16,10 @@ use super::simd::Width;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};
 use crate::space::FsiSpace;
+use patches::axes;
+pub use patches::patches;
 use rayon::prelude::*;
-pub use tables::patches;
-use tables::{Tables, axes};
+use tables::Tables;
 use tasks::{MatrixTask, ResidualTask, Scratch};
 
 /// Which columns a matrix has.

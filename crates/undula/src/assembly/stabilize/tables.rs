@@ -1,11 +1,12 @@
 //! Bases of the stabilisation at the quadrature points of cells or patches, fixed for the run.
 
+use super::patches::{fluid_cells, patches};
 use crate::assembly::chunks::chunks;
 use crate::element::hessian::{hessians, mapped};
-use crate::element::{BasisTable, Fluctuation, Quadrature, Shape};
+use crate::element::{BasisTable, Fluctuation, Quadrature};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
-use crate::space::{FsiSpace, PressureKind, Region};
+use crate::space::{FsiSpace, PressureKind};
 use std::ops::Range;
 
 /// Basis functions of one field on cells or patches, derivatives with respect to x.
@@ -61,31 +62,6 @@ pub struct Tables<const D: usize, const L: usize> {
     pub jacobian: Vec<Tensor<Lanes<L>, D>>,
     /// Position of the points \[m\]; where the force is needed.
     pub positions: Vec<Vector<Lanes<L>, D>>,
-}
-
-/// The cells of the fluid by patches: children of a refined cell, in lexicographic order.
-///
-/// `None` if the mesh does not consist of such cells.
-pub fn patches<const D: usize>(space: &FsiSpace<D>) -> Option<Vec<Vec<usize>>> {
-    let rule = Quadrature::cell(space.mesh.shape, 1);
-    let numbers = Fluctuation::on_patch(space.mesh.shape, space.nodes.degree, &rule);
-    let cells = fluid_cells(space);
-    let list: Vec<Vec<usize>> = cells.chunks(1 << D).map(<[usize]>::to_vec).collect();
-    let fits = |patch: &Vec<usize>| {
-        let mut nodes = vec![u32::MAX; numbers.n_basis];
-        let same = |(&cell, places): (&usize, &Vec<usize>)| {
-            space.nodes.cell(cell).iter().zip(places).all(|(&node, &place)| {
-                let known = std::mem::replace(&mut nodes[place], node);
-                known == u32::MAX || known == node
-            })
-        };
-        patch.len() == 1 << D && patch.iter().zip(&numbers.children).all(same)
-    };
-    list.iter().all(fits).then_some(list)
-}
-
-fn fluid_cells<const D: usize>(space: &FsiSpace<D>) -> Vec<usize> {
-    (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid).collect()
 }
 
 /// Reference tables from which those of the cells are made.
@@ -379,11 +355,4 @@ fn set_tensor<const D: usize, const L: usize>(
             entry.0[i][j].0[l] = value.0[i][j];
         }
     }
-}
-
-/// Axes of the reference cell with their weights, such that Σ weight (axis · ∇)² is |∇|² on a regular cell of
-/// size 1.
-pub fn axes(shape: Shape) -> Vec<([f64; 3], f64)> {
-    let unit = |d: usize| (std::array::from_fn(|e| if d == e { 1.0 } else { 0.0 }), 1.0);
-    (0..shape.dim()).map(unit).collect()
 }

@@ -135,9 +135,9 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         let (t, mut f) = (&self.tables, FineFields::zero());
         let (index, velocity, pressure) = (batch * t.points() + q, &t.velocity, &t.pressure);
         for a in 0..velocity.n {
-            self.add_velocity(&mut f, q, index, a, &s.v[end][a]);
+            self.add(Trial::V(0), &mut f, q, index, a, &s.v[end][a]);
             if self.deforms {
-                self.add_deformation(&mut f, q, index, a, &s.u[end][a]);
+                self.add(Trial::U(0), &mut f, q, index, a, &s.u[end][a]);
             }
         }
         for a in 0..pressure.n {
@@ -149,9 +149,11 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         f
     }
 
+    /// c φ_a to v or u with their derivatives.
     #[inline(always)]
-    fn add_velocity(
+    fn add(
         &self,
+        trial: Trial,
         f: &mut FineFields<Lanes<L>, D>,
         q: usize,
         index: usize,
@@ -159,34 +161,23 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         c: &Vector<Lanes<L>, D>,
     ) {
         let basis = &self.tables.velocity;
-        add(&mut f.at.v, &mut f.at.grad_v, basis.at(&basis.value, q)[a], &basis.at(&basis.grad, index)[a], c);
-        if !basis.fine.is_empty() {
+        let phi = basis.at(&basis.value, q)[a];
+        let (value, grad, hessians) = match trial {
+            Trial::U(_) => (&mut f.at.u, &mut f.at.grad_u, &mut f.hess_u),
+            _ => (&mut f.at.v, &mut f.at.grad_v, &mut f.hess_v),
+        };
+        for i in 0..D {
+            value.0[i].add_product(phi, c.0[i]);
+        }
+        add_gradient(grad, &basis.at(&basis.grad, index)[a], c);
+        if !basis.hess.is_empty() {
+            let hess = basis.at(&basis.hess, index)[a];
+            for i in 0..D {
+                hessians[i] += hess * c.0[i];
+            }
+        }
+        if !basis.fine.is_empty() && matches!(trial, Trial::V(_)) {
             add_gradient(&mut f.fine_v, &basis.at(&basis.fine, index)[a], c);
-        }
-        if !basis.hess.is_empty() {
-            let hess = basis.at(&basis.hess, index)[a];
-            for i in 0..D {
-                f.hess_v[i] += hess * c.0[i];
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn add_deformation(
-        &self,
-        f: &mut FineFields<Lanes<L>, D>,
-        q: usize,
-        index: usize,
-        a: usize,
-        c: &Vector<Lanes<L>, D>,
-    ) {
-        let basis = &self.tables.velocity;
-        add(&mut f.at.u, &mut f.at.grad_u, basis.at(&basis.value, q)[a], &basis.at(&basis.grad, index)[a], c);
-        if !basis.hess.is_empty() {
-            let hess = basis.at(&basis.hess, index)[a];
-            for i in 0..D {
-                f.hess_u[i] += hess * c.0[i];
-            }
         }
     }
 
@@ -211,20 +202,6 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         };
         Parameters { alpha: cell.alpha, delta: cell.delta, axes, force }
     }
-}
-
-#[inline(always)]
-fn add<const D: usize, const L: usize>(
-    value: &mut Vector<Lanes<L>, D>,
-    grad: &mut Tensor<Lanes<L>, D>,
-    basis: f64,
-    slope: &Vector<Lanes<L>, D>,
-    c: &Vector<Lanes<L>, D>,
-) {
-    for i in 0..D {
-        value.0[i].add_product(basis, c.0[i]);
-    }
-    add_gradient(grad, slope, c);
 }
 
 #[inline(always)]
@@ -336,8 +313,7 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         let pressure = &self.tables.pressure;
         unit.0[j] = Lanes::constant(1.0);
         match trial {
-            Trial::V(_) => self.add_velocity(&mut f, q, index, b, &unit),
-            Trial::U(_) => self.add_deformation(&mut f, q, index, b, &unit),
+            Trial::V(_) | Trial::U(_) => self.add(trial, &mut f, q, index, b, &unit),
             Trial::P => {
                 f.grad_p = pressure.at(&pressure.grad, index)[b];
                 if !pressure.fine.is_empty() {

@@ -1,0 +1,247 @@
+//! Factors as substitution reads them: from the first number to the last, once up and once down the tree.
+//!
+//! Fronts are eliminated in memory that stays in the cache and packed afterwards, so that factors lie side
+//! by side in the order of the fronts, U in the opposite one. With `P = padded(k + r)`, blocks of up to [`BLOCK`] pivots
+//! ```text
+//!     L: block by block   triangle, leading dimension BLOCK | rows below, P − (pivots up to here)
+//!     U: U12ᵀ, e columns of padded(r) | pivots × delayed, padded(e) | from the last block: triangle | rows above
+//! ```
+//! A front with delayed pivots has other sizes than the analysis has foreseen, and memory of its own.
+
+use super::buffer::Buffer;
+use super::front::{Front, SLACK, padded};
+use super::real::Real;
+use super::symbolic::Shape;
+
+/// Pivots applied at a time: as many columns of the factors are read side by side.
+pub(super) const BLOCK: usize = 8;
+
+/// What determines the places of all numbers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Sizes {
+    /// Pivots tried.
+    pub k: usize,
+    /// Pivots eliminated.
+    pub e: usize,
+    /// Rows behind the pivots tried.
+    pub r: usize,
+}
+
+impl Sizes {
+    /// Of a front in which no pivot is delayed.
+    pub fn whole(k: usize, r: usize) -> Self {
+        Self { k, e: k, r }
+    }
+
+    /// Numbers of L.
+    pub fn lower(self) -> usize {
+        let j = self.e / BLOCK * BLOCK;
+        let width = self.e - j;
+        self.lower_at(j) + width * (BLOCK + self.below(j + width))
+    }
+
+    /// Numbers of U.
+    pub fn upper(self) -> usize {
+        self.triangle() + self.above(self.e)
+    }
+
+    /// Where the block of L that starts with pivot `j` begins.
+    fn lower_at(self, j: usize) -> usize {
+        let b = j / BLOCK;
+        // Σ BLOCK (BLOCK + P − BLOCK (i + 1)) over the blocks i before.
+        j * (BLOCK + padded(self.k + self.r)) - BLOCK * BLOCK * b * (b + 1) / 2
+    }
+
+    /// Leading dimension of the rows below the first `j` pivots.
+    fn below(self, j: usize) -> usize {
+        padded(self.k + self.r - j)
+    }
+
+    /// Where the triangle of U begins.
+    fn triangle(self) -> usize {
+        self.e * padded(self.r) + (self.k - self.e) * padded(self.e)
+    }
+
+    /// Numbers of the triangle of U in the first `j` pivots.
+    fn above(self, j: usize) -> usize {
+        let b = j / BLOCK;
+        let width = j - b * BLOCK;
+        BLOCK * BLOCK * b * (b + 1) / 2 + width * (b + 1) * BLOCK
+    }
+}
+
+/// The factors of all fronts.
+#[derive(Debug, Default)]
+pub(super) struct Factors<T> {
+    pub lower: Buffer<T>,
+    pub upper: Buffer<T>,
+}
+
+impl<T: Real> Factors<T> {
+    /// Memory for `lower` and `upper` numbers.
+    pub fn new(lower: usize, upper: usize) -> Self {
+        let zeros = |n: usize| {
+            let mut buffer = Buffer::with_capacity(n + SLACK);
+            buffer.resize(n + SLACK);
+            buffer
+        };
+        Self { lower: zeros(lower), upper: zeros(upper) }
+    }
+
+    /// L of a front.
+    #[inline(always)]
+    pub fn lower<'a>(&'a self, shape: &Shape, front: &'a Front<T>) -> Lower<'a, T> {
+        let sizes = front.sizes();
+        let data = if front.spill.is_empty() { &self.lower[shape.lower..] } else { &front.spill };
+        Lower { data, sizes }
+    }
+
+    /// U of a front.
+    #[inline(always)]
+    pub fn upper<'a>(&'a self, shape: &Shape, front: &'a Front<T>) -> Upper<'a, T> {
+        let sizes = front.sizes();
+        let spill = &front.spill[..];
+        let data = if spill.is_empty() { &self.upper[shape.upper..] } else { &spill[sizes.lower()..] };
+        Upper { data, sizes }
+    }
+}
+
+/// L of one front.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Lower<'a, T> {
+    data: &'a [T],
+    pub sizes: Sizes,
+}
+
+impl<'a, T: Real> Lower<'a, T> {
+    /// The `width` pivots from `j` on: their triangle, the rows below, and the leading dimension of those.
+    #[inline(always)]
+    pub fn block(self, j: usize, width: usize) -> (&'a [T], &'a [T], usize) {
+        let (triangle, rows) = self.data[self.sizes.lower_at(j)..].split_at(width * BLOCK);
+        (triangle, rows, self.sizes.below(j + width))
+    }
+
+    /// All numbers, to be asked for ahead.
+    pub fn all(self) -> &'a [T] {
+        &self.data[..self.sizes.lower()]
+    }
+}
+
+/// U of one front.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Upper<'a, T> {
+    data: &'a [T],
+    pub sizes: Sizes,
+}
+
+impl<'a, T: Real> Upper<'a, T> {
+    /// U12ᵀ by columns, and their leading dimension.
+    #[inline(always)]
+    pub fn right(self) -> (&'a [T], usize) {
+        (self.data, padded(self.sizes.r))
+    }
+
+    /// The columns of delayed pivots, and their leading dimension.
+    #[inline(always)]
+    pub fn delayed(self) -> (&'a [T], usize) {
+        (&self.data[self.sizes.e * padded(self.sizes.r)..], padded(self.sizes.e))
+    }
+
+    /// The `width` pivots from `j` on: their triangle, and the rows above with leading dimension `j`.
+    #[inline(always)]
+    pub fn block(self, j: usize, width: usize) -> (&'a [T], &'a [T]) {
+        let end = self.sizes.upper();
+        self.data[end - self.sizes.above(j + width)..].split_at(width * BLOCK)
+    }
+
+    /// All numbers, to be asked for ahead.
+    pub fn all(self) -> &'a [T] {
+        &self.data[..self.sizes.upper()]
+    }
+}
+
+/// Packs the factors of a front that has been eliminated.
+#[inline(always)]
+pub(super) fn pack<T: Real>(front: &Front<T>, lower: &mut [T], upper: &mut [T]) {
+    let sizes = front.sizes();
+    let Sizes { k, e, r } = sizes;
+    let (panel, ld, ldu) = (&front.panel[..], front.ld(), padded(r));
+    let mut to = 0;
+    for j in (0..e).step_by(BLOCK) {
+        let width = (e - j).min(BLOCK);
+        for p in j..j + width {
+            lower[to..][..width].copy_from_slice(&panel[p * ld + j..][..width]);
+            to += BLOCK;
+        }
+        let below = sizes.below(j + width);
+        let known = (k + ldu - j - width).min(below);
+        for p in j..j + width {
+            lower[to..][..known].copy_from_slice(&panel[p * ld + j + width..][..known]);
+            lower[to + known..to + below].fill(T::ZERO);
+            to += below;
+        }
+    }
+    upper[..e * ldu].copy_from_slice(&front.upper[..e * ldu]);
+    let mut to = e * ldu;
+    for column in panel.chunks_exact(ld.max(1)).take(k).skip(e) {
+        upper[to..][..e].copy_from_slice(&column[..e]);
+        upper[to + e..to + padded(e)].fill(T::ZERO);
+        to += padded(e);
+    }
+    for j in (0..e).step_by(BLOCK).rev() {
+        let width = (e - j).min(BLOCK);
+        for p in j..j + width {
+            upper[to..][..width].copy_from_slice(&panel[p * ld + j..][..width]);
+            to += BLOCK;
+        }
+        for p in j..j + width {
+            upper[to..][..j].copy_from_slice(&panel[p * ld..][..j]);
+            to += j;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every number is where the views say, and nothing else is.
+    #[test]
+    fn factors_are_found_where_they_were_packed() {
+        for (k, e, r) in [(1, 1, 0), (7, 7, 3), (8, 8, 8), (16, 15, 21), (37, 30, 0), (40, 40, 13)] {
+            let mut front = Front::<f64>::default();
+            front.reset(k, r, Buffer::default(), Buffer::default(), Buffer::default());
+            front.e = e;
+            let (ld, ldu) = (front.ld(), padded(r));
+            front.panel.iter_mut().enumerate().for_each(|(i, v)| *v = 1.0 + i as f64);
+            front.upper.iter_mut().enumerate().for_each(|(i, v)| *v = -1.0 - i as f64);
+            let sizes = front.sizes();
+            front.spill.resize(sizes.lower() + sizes.upper());
+            let (mut lower, mut upper) = (vec![0.0; sizes.lower()], vec![0.0; sizes.upper()]);
+            pack(&front, &mut lower, &mut upper);
+            let (lower, upper) = (Lower { data: &lower, sizes }, Upper { data: &upper, sizes });
+            for p in 0..e {
+                let j = p / BLOCK * BLOCK;
+                let width = (e - j).min(BLOCK);
+                let ((low, rows, below), (up, above)) = (lower.block(j, width), upper.block(j, width));
+                for i in 0..k + r {
+                    let wanted = front.panel[p * ld + i];
+                    if i < j {
+                        assert_eq!(above[(p - j) * j + i], wanted);
+                    } else if i < j + width {
+                        assert_eq!([low, up].map(|t| t[(p - j) * BLOCK + i - j]), [wanted; 2]);
+                    } else {
+                        assert_eq!(rows[(p - j) * below + i - j - width], wanted);
+                    }
+                }
+                for i in 0..r {
+                    assert_eq!(upper.right().0[p * ldu + i], front.upper[p * ldu + i]);
+                }
+                for d in e..k {
+                    let (columns, ld_delayed) = upper.delayed();
+                    assert_eq!(columns[(d - e) * ld_delayed + p], front.panel[d * ld + p]);
+                }
+            }
+        }
+    }
+}
