@@ -93,9 +93,9 @@ struct Metadata {
     /// Steps to go with the whole Jacobian.
     #[serde(default)]
     detour: u32,
-    /// Next step, largest velocity, rejected steps and times of the past of step-size control.
+    /// Next step, largest v and u, rejected steps and times of the past of step-size control.
     #[serde(default)]
-    adaptive: Option<(f64, f64, u64, Vec<f64>)>,
+    adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
     counters: [u64; 3],
     seconds: [f64; 4],
     wall_seconds: f64,
@@ -229,7 +229,7 @@ impl Run {
             adaptive: self.simulation.adaptive.as_ref().map(|a| {
                 let memory = &a.memory;
                 let times = memory.past.iter().map(|(t, _)| *t).collect();
-                (memory.next, memory.scale, memory.rejected, times)
+                (memory.next, memory.scales, memory.rejected, times)
             }),
             counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
             seconds: [seconds.assembly, seconds.factorization, seconds.solve, self.output_seconds],
@@ -247,8 +247,10 @@ impl Run {
                 checkpoint.arrays.insert(format!("{name}_{field}"), Array::F64(values.clone()));
             }
         }
-        for (n, (_, v)) in self.simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
-            checkpoint.arrays.insert(format!("past{n}_v"), Array::F64(v.clone()));
+        for (n, (_, fields)) in self.simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
+            for (name, values) in ["v", "u"].into_iter().zip(fields) {
+                checkpoint.arrays.insert(format!("past{n}_{name}"), Array::F64(values.clone()));
+            }
         }
         checkpoint.save(self.directory.checkpoints(), step)?;
         self.last_checkpoint = Some(step);
@@ -407,19 +409,22 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
     };
     let (new, old) = (state("new")?, state("old")?);
     simulation.stepper.linear.set_detour(metadata.detour);
-    let n_v = new.v.len();
+    let sizes = [new.v.len(), new.u.len()];
     simulation.restore(clock, new, old, point, metadata.step)?;
-    if let (Some(adaptive), Some((next, scale, rejected, times))) =
+    if let (Some(adaptive), Some((next, scales, rejected, times))) =
         (&mut simulation.adaptive, &metadata.adaptive)
     {
         let mut past = vec![];
         for (n, t) in times.iter().enumerate() {
-            let key = format!("past{n}_v");
-            let v = checkpoint.f64s(&key).filter(|a| a.len() == n_v);
-            let v = v.ok_or_else(|| Error::Resume(format!("array {key} should have {} numbers", n_v)))?;
-            past.push((*t, v.to_vec()));
+            let field = |name: &str, size: usize| {
+                let key = format!("past{n}_{name}");
+                let values = checkpoint.f64s(&key).filter(|a| a.len() == size);
+                let values = values.map(|a| a.to_vec());
+                values.ok_or_else(|| Error::Resume(format!("array {key} should have {size} numbers")))
+            };
+            past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
         }
-        adaptive.memory = Memory { next: *next, scale: *scale, rejected: *rejected, past };
+        adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
     }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);

@@ -19,6 +19,8 @@ pub trait NonlinearSystem {
     /// # Errors
     /// If it cannot be applied.
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError>;
+    /// Whether what [`NonlinearSystem::renew`] makes is the derivative, or leaves out a part of it.
+    fn is_exact(&self) -> bool;
     /// What a new Jacobian costs, in iterations.
     fn price(&self) -> f64;
     /// `x ← x + ω δ`.
@@ -31,10 +33,14 @@ pub trait NonlinearSystem {
 /// square: insisting on descent at once cost 1.9 times as many Jacobians in fsi3 on the coarsest mesh.
 pub const GROWTH: f64 = 10.0;
 
-/// A residual below this part of the reference that a new Jacobian cannot halve any more is rounding:
+/// A residual below this part of the reference that a new exact Jacobian cannot halve any more is rounding:
 /// there Newton's method would converge with the square. Stresses of a stiff solid cancel to their last
 /// digits, so that the wanted reduction may lie below it.
 const ROUNDING: f64 = 1e-5;
+
+/// The same for a Jacobian that leaves something out: slow convergence is no sign of rounding there, only a
+/// residual is that stays what it is.
+const STAGNATION: f64 = 1e-9;
 
 /// Rate at which a new Jacobian of the condensed system converges in developed motion.
 const FRESH_RATE: f64 = 0.03;
@@ -105,6 +111,11 @@ pub enum NewtonError {
     /// The linear system could not be solved.
     #[error(transparent)]
     Linear(#[from] SolverError),
+}
+
+/// Whether a new Jacobian that reduced a residual by `rate` from the part `size` of the reference met rounding.
+fn is_rounding(rate: f64, size: f64, exact: bool) -> bool {
+    if exact { rate > 0.5 && size < ROUNDING } else { rate > 0.9 && size < STAGNATION }
 }
 
 fn list(norms: &[f64]) -> String {
@@ -238,8 +249,8 @@ impl Newton {
             let limit = if fresh || report.norms.len() == 1 { GROWTH * report.norms[0] } else { norm };
             match self.advance(system, limit, fresh) {
                 Some(next) => {
-                    let rounding = fresh && next > 0.5 * norm && norm < ROUNDING * reference;
                     let rate = next / norm;
+                    let rounding = fresh && is_rounding(rate, norm / reference, system.is_exact());
                     self.keep = match self.settings.rate_max {
                         Some(rate_max) => rate <= rate_max,
                         // Iterations to go at this rate, against a new Jacobian and those it needs.

@@ -13,7 +13,7 @@ use crate::space::State;
 /// Bounds of step-size control.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AdaptiveSettings {
-    /// Largest local error of the velocity in a step, relative to the largest velocity so far.
+    /// Largest local error of a step: of v relative to the largest v so far, and of u relative to the largest u.
     pub tolerance: f64,
     /// Steps of this length are taken whatever their error \[s\].
     pub min_step: f64,
@@ -35,12 +35,12 @@ const WORTHWHILE: f64 = 1.25;
 pub struct Memory {
     /// Length of the next step \[s\].
     pub next: f64,
-    /// Largest component of the velocity so far \[m/s\].
-    pub scale: f64,
+    /// Largest components of v \[m/s\] and u \[m\] so far.
+    pub scales: [f64; 2],
     /// Steps that were rejected.
     pub rejected: u64,
-    /// The last solutions, latest first: time \[s\] and velocities.
-    pub past: Vec<(f64, Vec<f64>)>,
+    /// The last solutions, latest first: time \[s\], v and u.
+    pub past: Vec<(f64, [Vec<f64>; 2])>,
 }
 
 /// Step-size control.
@@ -118,28 +118,36 @@ impl Adaptive {
 
     /// By how much a step of length `k` that was just done could be longer; `None` without enough past.
     fn factor<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
-        let [(t1, v1), (t2, v2), (t3, v3)] = &self.memory.past[..] else { return None };
+        let [(t1, first), (t2, second), (t3, third)] = &self.memory.past[..] else { return None };
         let c = coefficients(stepper.settings.scheme, k, [stepper.time, *t1, *t2, *t3]);
-        let new = &stepper.new.v;
-        let (mut error, mut scale) = (0.0f64, self.memory.scale);
-        for i in 0..new.len() {
-            error = error.max((c[0] * new[i] + c[1] * v1[i] + c[2] * v2[i] + c[3] * v3[i]).abs());
-            scale = scale.max(new[i].abs());
+        let mut worst = 0.0f64;
+        for (field, new) in [&stepper.new.v, &stepper.new.u].into_iter().enumerate() {
+            let (mut error, mut scale) = (0.0f64, self.memory.scales[field]);
+            let past = first[field].iter().zip(&second[field]).zip(&third[field]);
+            for (new, ((a, b), c3)) in new.iter().zip(past) {
+                error = error.max((c[0] * new + c[1] * a + c[2] * b + c[3] * c3).abs());
+                scale = scale.max(new.abs());
+            }
+            if error > f64::MIN_POSITIVE {
+                worst = worst.max(error / scale);
+            }
         }
-        if error <= f64::MIN_POSITIVE {
+        if worst == 0.0 {
             return Some(GROWTH);
         }
-        let ratio = self.settings.tolerance * scale / error;
+        let ratio = self.settings.tolerance / worst;
         Some(self.settings.safety * ratio.powf(1.0 / f64::from(stepper.settings.scheme.order() + 1)))
     }
 
     fn remember<const D: usize>(&mut self, stepper: &Stepper<D>) {
-        let Memory { past, scale, .. } = &mut self.memory;
-        let mut v = if past.len() == 3 { past.pop().map(|(_, v)| v).unwrap_or_default() } else { vec![] };
-        v.clear();
-        v.extend_from_slice(&stepper.new.v);
-        *scale = v.iter().fold(*scale, |scale, v| scale.max(v.abs()));
-        past.insert(0, (stepper.time, v));
+        let Memory { past, scales, .. } = &mut self.memory;
+        let mut fields =
+            if past.len() == 3 { past.pop().map(|(_, f)| f).unwrap_or_default() } else { Default::default() };
+        for ((field, new), scale) in fields.iter_mut().zip([&stepper.new.v, &stepper.new.u]).zip(scales) {
+            field.clone_from(new);
+            *scale = field.iter().fold(*scale, |scale, x| scale.max(x.abs()));
+        }
+        past.insert(0, (stepper.time, fields));
     }
 
     fn save<const D: usize>(&mut self, stepper: &Stepper<D>) -> Clock {

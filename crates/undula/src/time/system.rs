@@ -8,7 +8,7 @@ use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, PsiOwner, State};
-use crate::tangent::Tangent;
+use crate::tangent::{Linearization, Tangent};
 
 /// Weights that give the residuals of all equations the unit of a velocity.
 ///
@@ -133,6 +133,10 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
         self.linear.correct(self.assembler, &view, r, delta)
+    }
+
+    fn is_exact(&self) -> bool {
+        self.linear.active == Linearization::Newton
     }
 
     fn price(&self) -> f64 {
