@@ -102,8 +102,9 @@ mkdir -p "$out"
 # The rotor
 
 Section 5.3.5: a free bar in (−1, 1)², turned by the flow; J(t) = (1/|S|) ∫_S x × u dx, (5.36). Values of \`validation/rotor.sh\`,
-$(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc) cores. The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc,
+$(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc --all) cores. The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc,
 pseudo-elastic extension with E_e = (0.03 + d)^−2 and ν_e = 0 at fixed walls unless said otherwise. \`refine\` halves all cells, 1 is ⅛ m at the solid.
+J ≤ 0 counts at quadrature points and at nodes, those of the corners of the body among them.
 
 ## The curve
 
@@ -114,7 +115,7 @@ TEXT
 ## When the mesh folds
 
 k = 0.1 s, halved up to five times; end at 20 s. In the chapter the mesh, E_e(x) and the ν_e of the plain elastic extension are not given; the exponent
-0.6 is chosen so that its times come out. The first five lines are those of Table 5.2. J ≤ 0 counts at quadrature points and at nodes.
+0.6 is chosen so that its times come out. The first five lines are those of Table 5.2.
 
 TEXT
     breakdowns
