@@ -424,6 +424,11 @@ fn senseless_motions_are_refused() {
             &["motion.model=biharmonic", "space.velocity=Q1", "space.pressure=P0"],
             "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity",
         ),
+        (
+            "fsi3",
+            &["motion.model=biharmonic", "space.velocity=P1"],
+            "--set motion.model=biharmonic: the mixed form does not converge with elements of degree 1; take `P2` or higher",
+        ),
     ] {
         let message = wrong_builtin(name, overrides);
         assert!(message.contains(expected), "{message}");
