@@ -89,7 +89,8 @@ fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, thread
 fn random_state(space: &FsiSpace<2>, random: &mut Random, u: f64) -> State {
     let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
     state.v.iter_mut().chain(&mut state.p).for_each(|x| *x = random.next());
-    state.u.iter_mut().for_each(|x| *x = u * random.next());
+    // The deformation has no bubbles.
+    state.u.iter_mut().take(2 * space.nodes.n_lagrange).for_each(|x| *x = u * random.next());
     state
 }
 
