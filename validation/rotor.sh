@@ -15,23 +15,45 @@ run() {
     [ "$code" = 0 ] || [ "$code" = 3 ]
 }
 
+# refine, step, extension. The default one folds at the corners of the body before the end on the finest cells.
+curves='
+0 | 0.1   | default
+1 | 0.1   | default
+1 | 0.05  | default
+1 | 0.025 | default
+2 | 0.05  | default
+2 | 0.025 | default
+2 | 0.05  | jacobian-stiffened, implicit | motion.model=jacobian-stiffened motion.jacobian=implicit
+2 | 0.05  | biharmonic, clamped | motion.model=biharmonic
+3 | 0.025 | default
+3 | 0.025 | jacobian-stiffened, implicit | motion.model=jacobian-stiffened motion.jacobian=implicit
+3 | 0.025 | biharmonic, clamped | motion.model=biharmonic
+'
+
 curve() {
-    echo "| refine | step (s) | unknowns | J(8.6) | J(9.0) | J(11.6) | J(14.0) | J(14.9) | deviations (%) |"
-    echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"
-    for levels in "0 0.1" "1 0.1" "1 0.05" "1 0.025" "2 0.05" "2 0.025" "3 0.025"; do
-        read -r refine step <<< "$levels"
-        run "curve-$refine-$step" mesh.refine="$refine" time.step="$step"
-        python3 - "$out/curve-$refine-$step" "$refine" "$step" <<'P'
+    echo "| refine | step (s) | extension | unknowns | J(8.6) | J(9.0) | J(11.6) | J(14.0) | J(14.9) | deviations (%) |"
+    echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
+    while IFS='|' read -r refine step name settings; do
+        read -r refine <<< "$refine"
+        [ -n "$refine" ] || continue
+        read -r step <<< "$step"
+        read -r name <<< "$name"
+        dir=curve-$refine-$step$(sed 's/^default$//; s/[^a-z]\+/-/g; s/^\(.\)/-\1/' <<< "$name")
+        # shellcheck disable=SC2086
+        run "$dir" mesh.refine="$refine" time.step="$step" $settings
+        python3 - "$out/$dir" "$refine" "$step" "$name" <<'P'
 import csv, json, sys
 converged = {8.6: 0.03493, 9.0: 0.03783, 11.6: 0.05521, 14.0: 0.06793, 14.9: 0.07168}
 rows = {round(float(r["time"]), 6): float(r["rotation"]) for r in csv.DictReader(open(sys.argv[1] + "/history.csv"))}
-unknowns = json.load(open(sys.argv[1] + "/summary.json"))["unknowns"]["total"]
-values = " | ".join("%.5f" % rows[t] for t in converged)
-deviations = ", ".join("%+.2f" % (100 * (rows[t] / v - 1)) for t, v in converged.items())
-print("| %s | %s | %d | %s | %s |" % (sys.argv[2], sys.argv[3], unknowns, values, deviations))
+summary = json.load(open(sys.argv[1] + "/summary.json"))
+values = " | ".join("%.5f" % rows[t] if t in rows else "" for t in converged)
+deviations = ", ".join("%+.2f" % (100 * (rows[t] / v - 1)) for t, v in converged.items() if t in rows)
+broken = summary.get("breakdown")
+name = sys.argv[4] + (", folds at %.2f s" % broken["time"] if broken else "")
+print("| %s | %s | %s | %d | %s | %s |" % (*sys.argv[2:4], name, summary["unknowns"]["total"], values, deviations))
 P
-    done
-    echo "| converged | | | 0.03493 | 0.03783 | 0.05521 | 0.06793 | 0.07168 | |"
+    done <<< "$curves"
+    echo "| converged | | | | 0.03493 | 0.03783 | 0.05521 | 0.06793 | 0.07168 | |"
 }
 
 models='

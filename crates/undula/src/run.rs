@@ -90,6 +90,9 @@ struct Metadata {
     /// Its age.
     #[serde(default)]
     age: [u32; 3],
+    /// Bits of what Newton's method has learnt about kept Jacobians; 0: nothing.
+    #[serde(default)]
+    worsening: u32,
     /// Steps to go with the whole Jacobian.
     #[serde(default)]
     detour: u32,
@@ -225,6 +228,7 @@ impl Run {
             damping: (clock.damping.interval, clock.damping.left),
             jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
             age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
+            worsening: stepper.newton.worsening.to_bits(),
             detour: stepper.linear.detour,
             adaptive: self.simulation.adaptive.as_ref().map(|a| {
                 let memory = &a.memory;
@@ -407,6 +411,8 @@ fn restore(simulation: &mut Simulation, checkpoint: &Checkpoint, metadata: &Meta
     };
     let (new, old) = (state("new")?, state("old")?);
     simulation.stepper.linear.set_detour(metadata.detour);
+    let worsening = f32::from_bits(metadata.worsening);
+    simulation.stepper.newton.worsening = if worsening.is_finite() { worsening.max(1.0) } else { 1.0 };
     let n_v = new.v.len();
     simulation.restore(clock, new, old, point, metadata.step)?;
     if let (Some(adaptive), Some((next, scale, rejected, times))) =

@@ -64,7 +64,7 @@ fn right_hand_side(problem: &Manufactured, assembler: &Assembler<2>) -> Vec<f64>
 fn correction(assembler: &mut Assembler<2>, kind: Linearization, view: &StepView<'_>, r: &[f64]) -> Vec<f64> {
     let (mut linear, mut delta) = (linear(kind), vec![0.0; r.len()]);
     linear.renew(assembler, view, Tangent::Analytic, &mut Seconds::default()).unwrap();
-    linear.correct(assembler, view, r, &mut delta).unwrap();
+    linear.correct(assembler, view, false, r, &mut delta).unwrap();
     delta
 }
 
@@ -135,6 +135,33 @@ fn the_correction_solves_the_condensed_system() {
     }
 }
 
+/// What is left out where the extension has settled is its residual, and nothing else.
+#[test]
+fn a_settled_extension_follows_the_interface() {
+    let problem = coupled(FSI, Pdc(1));
+    let mut assembler = problem.assembler(&options());
+    let (new, old) = (random(&problem, 81, [0.0; 3]), random(&problem, 82, [0.0; 3]));
+    let view = StepView { rule: RULE, new: &new, old: &old };
+    let mut linear = linear(Linearization::Condensed);
+    linear.renew(&mut assembler, &view, Tangent::Analytic, &mut Seconds::default()).unwrap();
+    let r = right_hand_side(&problem, &assembler);
+    let mut without = r.clone();
+    let n_v = assembler.space.n_v();
+    for (node, owner) in assembler.space.owner.iter().enumerate() {
+        if *owner == PsiOwner::Extension {
+            without[n_v + 2 * node..][..2].fill(0.0);
+        }
+    }
+    let mut correct = |settled, r: &[f64]| {
+        let mut delta = vec![0.0; r.len()];
+        linear.correct(&mut assembler, &view, settled, r, &mut delta).unwrap();
+        delta
+    };
+    let settled = correct(true, &r);
+    assert_eq!(settled, correct(false, &without));
+    assert_ne!(settled, correct(false, &r));
+}
+
 /// δu follows δv with the coefficient of each scheme; corrections of parts with other lengths are scaled.
 #[test]
 fn every_scheme_has_the_same_solution_condensed() {
@@ -164,7 +191,7 @@ fn fractional_steps_share_one_jacobian() {
         linear.renew(&mut assembler, &view(first), Tangent::Analytic, &mut Seconds::default()).unwrap();
         let r = right_hand_side(problem, &assembler);
         let mut delta = vec![0.0; r.len()];
-        linear.correct(&mut assembler, &view(second), &r, &mut delta).unwrap();
+        linear.correct(&mut assembler, &view(second), false, &r, &mut delta).unwrap();
         let own = correction(&mut assembler, Linearization::Condensed, &view(second), &r);
         delta.iter().zip(&own).fold(0.0f64, |gap, (a, b)| gap.max((a - b).abs())) / largest(&own)
     };

@@ -30,12 +30,22 @@ fn dot_chunk(x: &[f64], y: &[f64]) -> f64 {
 
 /// max |`x[i]`|, or NaN where an entry is not finite; 0 for an empty vector.
 pub fn norm_inf(x: &[f64]) -> f64 {
-    let (mut max, mut poison) = (0.0_f64, 0.0);
-    for &v in x {
-        max = max.max(v.abs());
-        poison += 0.0 * v;
+    let mut max = [0.0_f64; LANES];
+    let mut poison = [0.0; LANES];
+    let chunks = x.chunks_exact(LANES);
+    for (l, v) in chunks.remainder().iter().enumerate() {
+        max[l] = v.abs();
+        poison[l] = 0.0 * v;
     }
-    max + poison
+    for chunk in chunks {
+        for l in 0..LANES {
+            let size = chunk[l].abs();
+            max[l] = if size > max[l] { size } else { max[l] };
+            poison[l] += 0.0 * chunk[l];
+        }
+    }
+    // A maximum passes over NaN, a sum does not.
+    max.iter().fold(0.0, |m: f64, v| m.max(*v)) + poison.iter().sum::<f64>()
 }
 
 /// The `i`-th of a fixed sequence of signs that looks random, as ±1.
@@ -50,6 +60,19 @@ pub(crate) fn pseudo_random_sign(i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn norms_tell_of_numbers_that_are_not_finite() {
+        let x: Vec<f64> = (0..37).map(|i| 20.0 - f64::from(i)).collect();
+        assert_eq!((norm_inf(&x), norm_inf(&x[..3]), norm_inf(&[])), (20.0, 20.0, 0.0));
+        for at in 0..x.len() {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut y = x.clone();
+                y[at] = bad;
+                assert!(norm_inf(&y).is_nan(), "{bad} at {at}");
+            }
+        }
+    }
 
     #[test]
     fn dot_of_known_vectors() {

@@ -95,10 +95,12 @@ impl ExtensionSystem {
         });
     }
 
-    /// `b ← r_F − A_I δu_I` with the residual `r` and the update `delta`, both `[v, u, p]`.
-    pub fn right_hand_side(&self, r: &[f64], delta: &[f64], b: &mut [f64]) {
-        for (b, &place) in b.iter_mut().zip(&self.places) {
-            *b = r[place as usize];
+    /// `b ← r_F − A_I δu_I` with the residual `r` and the update `delta`, both `[v, u, p]`; without `r` it is zero
+    /// but for the neighbours of the interface.
+    pub fn right_hand_side(&self, r: Option<&[f64]>, delta: &[f64], b: &mut [f64]) {
+        match r {
+            Some(r) => b.iter_mut().zip(&self.places).for_each(|(b, &place)| *b = r[place as usize]),
+            None => b.fill(0.0),
         }
         let mut start = 0;
         for &(row, end) in &self.rows {

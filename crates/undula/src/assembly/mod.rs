@@ -301,11 +301,16 @@ impl<const D: usize> Assembler<D> {
     /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
     /// anything to take, the operator not being constant.
     pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
-        let changes = self.physics.fluid.is_some_and(|f| !f.extension.is_constant());
+        let changes = !self.extension_is_constant();
         if changes {
             system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
         }
         changes
+    }
+
+    /// Whether the operator of the extension is the same at all states.
+    pub fn extension_is_constant(&self) -> bool {
+        self.physics.fluid.is_none_or(|f| f.extension.is_constant())
     }
 
     /// What the linear solver may know of each unknown.

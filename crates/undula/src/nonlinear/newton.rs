@@ -126,6 +126,9 @@ pub struct Newton {
     keep: bool,
     secants: Secants,
     age: Age,
+    /// Rate of the second iteration with the Jacobian of an earlier step over that of the first, as last seen; in
+    /// single precision, for checkpoints.
+    pub worsening: f32,
 }
 
 /// How a kept Jacobian has done since it was made.
@@ -158,6 +161,7 @@ impl Newton {
             keep: false,
             secants: Secants::new(settings.secants, measured),
             age: Age::default(),
+            worsening: 1.0,
         }
     }
 
@@ -240,13 +244,16 @@ impl Newton {
                 Some(next) => {
                     let rounding = fresh && next > 0.5 * norm && norm < ROUNDING * reference;
                     let rate = next / norm;
+                    let expected = self.expected(&report, rate);
                     self.keep = match self.settings.rate_max {
                         Some(rate_max) => rate <= rate_max,
                         // Iterations to go at this rate, against a new Jacobian and those it needs.
                         None => {
                             let left = (target / next).ln();
                             let renewed = system.price() + left / FRESH_RATE.ln();
-                            !(due && report.norms.len() == 1) && rate < 1.0 && left / rate.ln() < renewed
+                            !(due && report.norms.len() == 1)
+                                && expected < 1.0
+                                && left / expected.ln() < renewed
                         }
                     };
                     norm = next;
@@ -270,6 +277,22 @@ impl Newton {
             self.age.iterations += report.steps as u32;
         }
         Ok(report)
+    }
+
+    /// The rate of iterations to come, after one of `rate`. The first one with the Jacobian of an earlier step
+    /// does better than those that follow: by how much, the last steps tell.
+    fn expected(&mut self, report: &NewtonReport, rate: f64) -> f64 {
+        if report.jacobians > 0 {
+            return rate;
+        }
+        match report.norms[..] {
+            [_] => rate * f64::from(self.worsening),
+            [start, first] => {
+                self.worsening = ((rate * start / first) as f32).max(1.0);
+                rate
+            }
+            _ => rate,
+        }
     }
 
     fn renew(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {

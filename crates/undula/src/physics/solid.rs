@@ -79,10 +79,11 @@ impl<const D: usize> WeakForm<D> for Solid {
     ///
     /// With J = 1 alone the velocity of the new time is bound only together with that of the old:
     /// J F⁻ᵀ : ∇v would take the factor −(1 − θ)/θ from step to step, and p be of first order with
-    /// oscillations. The part of u that the next step takes from v is bound, too, so that the factor is 0.
+    /// oscillations. The part of u that the next step takes from v is bound, too, so that the factor is 0; for the
+    /// parts of fractional-step θ see [`StepRule::volume`].
     ///
-    /// With a finite bulk modulus (J − 1 + p/κ', ξ)/k, J − 1 weighed by θ and 1 − θ because p belongs to
-    /// t⁻ + θk.
+    /// With a finite bulk modulus (J − 1 + p/κ', ξ)/(θ²k), J − 1 weighed by θ and 1 − θ because p belongs to
+    /// t⁻ + θk; its derivative along v is J F⁻ᵀ : ∇v, too.
     #[inline(always)]
     fn volume<T: Scalar>(
         &self,
@@ -96,11 +97,12 @@ impl<const D: usize> WeakForm<D> for Solid {
         let change = volume_change(&new.grad_u, &lag.grad_u);
         if compliance == 0.0 {
             let flux = cofactor(&lag.grad_u).ddot(new.grad_v);
-            r.xi += change * rule.rate() + flux * (1.0 - rule.theta);
+            let (rate, share) = rule.volume();
+            r.xi += change * rate + flux * share;
         } else {
             let before = T::lift(volume_change(&old.grad_u, &old.grad_u));
             let mean = change * rule.theta + before * (1.0 - rule.theta);
-            r.xi += (mean + new.p * compliance) * rule.rate();
+            r.xi += (mean + new.p * compliance) * rule.compression();
         }
     }
 }

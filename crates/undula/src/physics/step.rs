@@ -150,6 +150,29 @@ impl StepRule {
         if self.per_k > 0.0 { self.per_k } else { 1.0 }
     }
 
+    /// Factors of J − 1 and of J F⁻ᵀ : ∇v in the volume of an incompressible solid: 1/k \[1/s\] and 1 − θ.
+    ///
+    /// θ below ½ is the middle part of fractional-step θ. There J differs from 1 by k²(½ − θ) times a derivative of
+    /// J, as u does from the solution, and v would take up 1/k times that. With (J − 1)/k + (1 − θ/2) J F⁻ᵀ : ∇v in
+    /// the middle what the three parts leave in v cancels, to second order; divided by 1 + θ/2, so that all
+    /// parts have one matrix still.
+    #[inline(always)]
+    pub fn volume(&self) -> (f64, f64) {
+        if self.theta >= 0.5 {
+            return (self.rate(), 1.0 - self.theta);
+        }
+        let flux = 1.0 - 0.5 * self.theta;
+        let sum = self.theta + flux;
+        (self.rate() / sum, flux / sum)
+    }
+
+    /// Factor 1/(θ² k) \[1/s\] of the volume of a nearly incompressible solid: parts of fractional-step θ have one
+    /// matrix with it.
+    #[inline(always)]
+    pub fn compression(&self) -> f64 {
+        self.rate() / (self.theta * self.theta)
+    }
+
     /// Transport integrated over the step; returns the factors of ∂_t and J F⁻ᵀ integrated alike.
     #[inline(always)]
     fn integrated<T: Scalar, F: WeakForm<D>, const D: usize>(

@@ -164,9 +164,10 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     r.xi = if compliance == 0.0 {
         let dcofactor = (F_inv_t * tr - F_inv_t * W.grad_u.t() * F_inv_t) * J;
         let flux = F_inv_t.ddot(W.grad_v) * J + dcofactor.ddot(new.grad_v);
-        J * tr * rule.rate() + flux * (1.0 - rule.theta)
+        let (rate, share) = rule.volume();
+        J * tr * rate + flux * share
     } else {
-        (J * tr * rule.theta + W.p * compliance) * rule.rate()
+        (J * tr * rule.theta + W.p * compliance) * rule.compression()
     };
     r
 }

@@ -27,7 +27,8 @@ impl Start<'_> {
     fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
         if let Some((older, ratio)) = self.older {
             system.new.extrapolate(older, self.old, ratio);
-            self.complete(system, false);
+            let follow = system.assembler.extension_is_constant();
+            self.complete(system, follow);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
             if norm.is_some() {
                 return norm;

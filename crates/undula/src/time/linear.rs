@@ -158,7 +158,8 @@ impl Linear {
         Ok(())
     }
 
-    /// δ from the residual `r` \[v, u, p\] by the factors at hand.
+    /// δ from the residual `r` \[v, u, p\] by the factors at hand; with `settled` the condensed system takes the
+    /// residual of the extension for zero, which is cheaper.
     ///
     /// # Errors
     /// If the solution is inaccurate or there are no factors.
@@ -166,12 +167,13 @@ impl Linear {
         &mut self,
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
+        settled: bool,
         r: &[f64],
         delta: &mut [f64],
     ) -> Result<(), SolverError> {
         match (self.active, &mut self.full, &mut self.condensed) {
             (Linearization::Condensed, _, Some(condensed)) => {
-                condensed.correct(assembler, view, r, delta);
+                condensed.correct(assembler, view, settled, r, delta);
                 Ok(())
             }
             (Linearization::Condensed, ..) | (_, None, _) => Err(SolverError::NotFactored),
@@ -198,8 +200,9 @@ impl Linear {
     }
 
     /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes
-    /// it for granted; with `follow` the extension goes along: a solid that moves by more than the size of a
-    /// cell would fold its neighbours otherwise.
+    /// it for granted; with `follow` the extension goes along: the fluid then sees at once what a step behind the
+    /// solid would cost half an iteration later, and a solid that moves by more than the size of a cell
+    /// does not fold its neighbours.
     pub fn start<const D: usize>(
         &mut self,
         assembler: &mut Assembler<D>,
@@ -351,6 +354,7 @@ impl Condensed {
         &mut self,
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
+        settled: bool,
         r: &[f64],
         delta: &mut [f64],
     ) {
@@ -383,7 +387,7 @@ impl Condensed {
             }
         }
         if let Some(extension) = &mut self.extension {
-            extension.system.right_hand_side(r, delta, &mut extension.b);
+            extension.system.right_hand_side((!settled).then_some(r), delta, &mut extension.b);
             extension.solver.apply(&extension.b, &mut extension.x);
             for (x, &place) in extension.x.iter().zip(&extension.system.places) {
                 delta[place as usize] = *x;
@@ -394,7 +398,7 @@ impl Condensed {
     /// Subtract from `u` the extension of the update of the solid in `work`, whose other entries are zero.
     fn follow(&mut self, u: &mut [f64], n_v: usize) {
         let Some(extension) = &mut self.extension else { return };
-        extension.system.right_hand_side(&self.work, &self.work, &mut extension.b);
+        extension.system.right_hand_side(Some(&self.work), &self.work, &mut extension.b);
         extension.solver.apply(&extension.b, &mut extension.x);
         for (x, &place) in extension.x.iter().zip(&extension.system.places) {
             u[place as usize - n_v] -= x;

@@ -2,7 +2,7 @@
 
 use super::linear::Linear;
 use super::restart::JacobianPoint;
-use crate::algebra::SolverError;
+use crate::algebra::{self, SolverError};
 use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
@@ -54,12 +54,14 @@ impl Scales {
             divergence: norm_inf(&r[n_v + n_u..])? / self.size.powi(D as i32 - 1),
             ..BlockNorms::default()
         };
-        for (node, r) in r[n_v..n_v + n_u].chunks_exact(D).enumerate() {
-            let size = norm_inf(r)?;
-            match space.owner[node] {
-                PsiOwner::Extension => n.extension = n.extension.max(size),
-                PsiOwner::Relation => n.relation = n.relation.max(size),
-            }
+        norm_inf(&r[n_v..n_v + n_u])?;
+        for (r, owner) in r[n_v..n_v + n_u].chunks_exact(D).zip(&space.owner) {
+            let size = r.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            let max = match owner {
+                PsiOwner::Extension => &mut n.extension,
+                PsiOwner::Relation => &mut n.relation,
+            };
+            *max = max.max(size);
         }
         n.extension /= self.stiffness * k * self.size.powi(D as i32 - 2);
         n.relation /= self.size.powi(D as i32);
@@ -69,10 +71,13 @@ impl Scales {
 
 /// Largest absolute value; `None` if one is not finite.
 fn norm_inf(r: &[f64]) -> Option<f64> {
-    // A sum of absolute values is finite only if each is; the maximum alone would swallow NaN.
-    let (max, sum) = r.iter().fold((0.0f64, 0.0f64), |(m, s), x| (m.max(x.abs()), s + x.abs()));
-    sum.is_finite().then_some(max)
+    Some(algebra::norm_inf(r)).filter(|norm| norm.is_finite())
 }
+
+/// Share of the largest residual below which that of the extension is left for a later iteration. It is linear
+/// and solved to the last digits of the factors every time; without it substitution begins at the interface,
+/// and passes over all fronts that are not behind it.
+const SETTLED: f64 = 1e-5;
 
 /// One step between two states.
 pub struct StepSystem<'a, const D: usize> {
@@ -132,7 +137,8 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
 
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
-        self.linear.correct(self.assembler, &view, r, delta)
+        let settled = self.norms.extension < SETTLED * self.norms.max();
+        self.linear.correct(self.assembler, &view, settled, r, delta)
     }
 
     fn price(&self) -> f64 {
