@@ -162,7 +162,7 @@ fn extension_error(extension: Extension, pair: Pair, n: usize, exact: impl Fn([f
     solver.analyse(&system.matrix.pattern, &unknowns).unwrap();
     solver.factor(&system.matrix).unwrap();
     let (mut b, mut x) = (vec![0.0; unknowns.len()], vec![0.0; unknowns.len()]);
-    system.right_hand_side(&r, &vec![0.0; space.n_unknowns()], &mut b);
+    system.right_hand_side(Some(&r), &vec![0.0; space.n_unknowns()], &mut b);
     solver.solve(&system.matrix, &b, &mut x).unwrap();
     let error = |(&place, x): (&u32, &f64)| {
         let at = place as usize - space.n_v();
