@@ -424,6 +424,11 @@ fn senseless_motions_are_refused() {
             &["motion.model=biharmonic", "space.velocity=Q1", "space.pressure=P0"],
             "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity",
         ),
+        (
+            "fsi3",
+            &["motion.model=biharmonic", "space.velocity=P1"],
+            "--set motion.model=biharmonic: the mixed form does not converge with elements of degree 1; take `P2` or higher",
+        ),
     ] {
         let message = wrong_builtin(name, overrides);
         assert!(message.contains(expected), "{message}");
@@ -457,13 +462,14 @@ fn senseless_stabilisation_is_refused_with_the_reason() {
         (&["space.pressure=Q2", "stabilization.alpha=0"], "expected a number above 0"),
         (&["stabilization.transport=gls"], "expected one of `off`, `lps`, `supg`"),
         (
-            &["space.velocity=P2-bubble", "stabilization.transport=supg"],
-            "--set stabilization.transport=supg: not yet available with P2-bubble; expected `off`, or `P2` or `P3` as \
-             space.velocity",
+            &["space.velocity=P2-bubble", "stabilization.pressure=pspg"],
+            "--set stabilization.pressure=pspg: works on continuous pressures only, and the pair P2-bubble/P1dc needs \
+             none; expected `off`",
         ),
         (
-            &["space.velocity=P2-bubble", "space.pressure=P1", "stabilization.pressure=pspg"],
-            "--set stabilization.pressure=pspg: not yet available with P2-bubble; expected `off`",
+            &["space.velocity=P2-bubble", "space.pressure=P1", "stabilization.pressure=lps"],
+            "--set stabilization.pressure=lps: the pair P2-bubble/P1 is stable, and would only lose accuracy; expected \
+             `off` or `pspg`",
         ),
     ] {
         let said = wrong_builtin("fsi1", set);

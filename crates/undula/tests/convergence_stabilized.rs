@@ -80,7 +80,7 @@ impl Run {
         let quadrature = self.pair.degree + 3;
         let problem = self.problem(n, quadrature);
         let scheme = Scheme::Theta { theta: 0.51 };
-        let options = Options::serial(self.pair.degree + 1);
+        let options = Options::serial(self.pair.quadrature());
         let mut stepper = problem.stepper(scheme, 0.0, false, &options);
         stepper.assembler.stabilize(&self.how, &options);
         stepper.newton.settings.floor = 1e-8;
@@ -113,8 +113,10 @@ impl Run {
     fn name(&self) -> String {
         let (how, pair) = (&self.how, self.pair);
         let directional = if how.directional { " directional" } else { "" };
+        let bubble = if pair.bubble { "-bubble" } else { "" };
         let terms = format!("{:?} {:?} {:?}{directional}", how.pressure, how.transport, how.projection);
-        format!("{:?} {} {:?}, {terms}, {} steps:", pair.cells, pair.degree, self.cells, self.steps)
+        let element = format!("{:?} {}{bubble} {:?}", pair.cells, pair.degree, pair.pressure);
+        format!("{element} {:?}, {terms}, {} steps:", self.cells, self.steps)
     }
 
     /// The orders are at least `least`, with each of `list`.
@@ -231,6 +233,16 @@ fn p2_p2_on_triangles() {
 fn triangles_with_local_projection_on_patches() {
     Run { cells: Cells::Curved, ..P1_P1 }.check(&[LPS, LPS_LPS].map(patched), Q1, LINEAR_ON_EQUAL_CELLS);
     P2_P2.check(&[LPS, LPS_LPS].map(patched), Q2, QUADRATIC);
+}
+
+/// Stable pairs keep their orders with terms that they do not need.
+#[test]
+fn bubbles_with_transport_and_pspg() {
+    const TRANSPORT: [TransportTerm; 2] = [TransportTerm::LocalProjection, TransportTerm::Supg];
+    let [lps, supg] = TRANSPORT.map(|transport| of(PressureTerm::None, transport));
+    Run { pair: BUBBLE, ..P2_P2 }.check(&[lps, supg, patched(lps)], Q2, QUADRATIC);
+    let taylor_hood = Pair { pressure: Continuous(1), ..BUBBLE };
+    Run { pair: taylor_hood, ..P2_P2 }.check(&[PSPG_SUPG], Q2, QUADRATIC);
 }
 
 /// What Brezzi and Pitkäranta add is of second order for smooth pressures, and ∂_n p = 0 that comes with it costs

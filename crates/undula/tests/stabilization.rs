@@ -43,24 +43,29 @@ fn methods() -> Vec<Stabilization> {
     list
 }
 
-fn equal_order(mesh: Mesh<2>, degree: usize) -> Arc<FsiSpace<2>> {
-    let solid = mesh.region("solid");
-    let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
-    let regions = mesh.cell_region.iter().map(region).collect();
-    Arc::new(FsiSpace::new(mesh, regions, degree, Continuous(degree)))
-}
-
-/// Equal order on both kinds of cells.
-const KINDS: [(Shape, usize); 4] =
-    [(Shape::Quadrilateral, 1), (Shape::Quadrilateral, 2), (Shape::Triangle, 1), (Shape::Triangle, 2)];
+/// Equal order on both kinds of cells, and a stable pair with bubbles.
+const PAIRS: [Pair; 5] = [
+    quadrilaterals(1, Continuous(1)),
+    Q2,
+    triangles(1, Continuous(1)),
+    triangles(2, Continuous(2)),
+    Pair { pressure: Continuous(1), ..BUBBLE },
+];
+const Q2: Pair = quadrilaterals(2, Continuous(2));
 
 /// The unit square with a solid lower half, bent, refined so that there are patches.
-fn halves(n: usize, shape: Shape) -> Mesh<2> {
-    in_cells(square(n, Cells::Trapezia, Body::Half), shape).refined(1, &[])
+fn halves(n: usize, pair: Pair) -> Arc<FsiSpace<2>> {
+    pair.space(&in_cells(square(n, Cells::Trapezia, Body::Half), pair).refined(1, &[]), &FSI)
 }
 
-fn in_cells(mesh: Mesh<2>, shape: Shape) -> Mesh<2> {
-    if shape == Shape::Triangle { mesh.triangulated() } else { mesh }
+fn in_cells(mesh: Mesh<2>, pair: Pair) -> Mesh<2> {
+    if pair.cells == Shape::Triangle { mesh.triangulated() } else { mesh }
+}
+
+/// `f` at the nodes; bubbles stand beside them.
+fn nodal(space: &FsiSpace<2>, f: impl Fn(&[f64; 2]) -> [f64; 2]) -> Vec<f64> {
+    let of = |(node, x): (usize, &[f64; 2])| if node < space.nodes.n_lagrange { f(x) } else { [0.0; 2] };
+    space.nodes.points.iter().enumerate().flat_map(of).collect()
 }
 
 fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, threads: usize) -> Assembler<2> {
@@ -71,7 +76,8 @@ fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, thread
         _ => BoundaryCondition::Fixed,
     };
     let conditions: Vec<_> = space.mesh.boundaries.iter().map(condition).collect();
-    let options = Options { lanes, threads, quadrature: space.nodes.degree + 1 };
+    let bubbles = space.nodes.n_lagrange < space.nodes.len();
+    let options = Options { lanes, threads, quadrature: space.nodes.degree + 1 + usize::from(bubbles) };
     let physics = if coupled { FSI } else { FLOW };
     let mut assembler = Assembler::new(space.clone(), physics, &conditions, &|_| 1.0, &options);
     assembler.stabilize(how, &options);
@@ -83,7 +89,8 @@ fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, thread
 fn random_state(space: &FsiSpace<2>, random: &mut Random, u: f64) -> State {
     let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
     state.v.iter_mut().chain(&mut state.p).for_each(|x| *x = random.next());
-    state.u.iter_mut().for_each(|x| *x = u * random.next());
+    // The deformation has no bubbles.
+    state.u.iter_mut().take(2 * space.nodes.n_lagrange).for_each(|x| *x = u * random.next());
     state
 }
 
@@ -115,9 +122,9 @@ fn added(space: &Arc<FsiSpace<2>>, how: &Stabilization, step: &StepView<'_>, for
 #[test]
 fn derivatives_are_limits_of_differences() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
-    for (shape, degree) in KINDS {
-        let space = equal_order(halves(4, shape), degree);
-        let h = 1.0 / (8 * degree) as f64;
+    for pair in PAIRS {
+        let space = halves(4, pair);
+        let h = 1.0 / (8 * pair.degree) as f64;
         for how in methods() {
             let mut assembler = assembler(&space, &how, 1, 1);
             let (new, old) =
@@ -155,9 +162,9 @@ fn derivatives_are_limits_of_differences() {
 #[test]
 fn condensed_matrix_of_a_flow_is_its_jacobian() {
     let mut random = Random(3);
-    for (shape, degree) in KINDS {
-        let mesh = in_cells(rectangle([0.0; 2], [1.0; 2], [3, 2], 0).unwrap(), shape).refined(1, &[]);
-        let space = equal_order(mesh, degree);
+    for pair in PAIRS {
+        let mesh = in_cells(rectangle([0.0; 2], [1.0; 2], [3, 2], 0).unwrap(), pair).refined(1, &[]);
+        let space = pair.space(&mesh, &FLOW);
         for how in methods() {
             let mut assembler = assembler(&space, &how, 1, 1);
             let (new, old) = (random_state(&space, &mut random, 0.0), random_state(&space, &mut random, 0.0));
@@ -185,17 +192,15 @@ fn condensed_matrix_of_a_flow_is_its_jacobian() {
 fn terms_are_those_of_the_moved_mesh() {
     let A = Tensor([[0.5, 0.3], [-0.2, 0.1]]);
     let mut random = Random(17);
-    for (shape, degree) in KINDS {
-        let space = equal_order(halves(4, shape), degree);
+    for pair in PAIRS {
+        let space = halves(4, pair);
         let mut moved_mesh = space.mesh.clone();
         for x in &mut moved_mesh.nodes {
             *x = (Vector(*x) + A * Vector(*x)).0;
         }
-        let moved_space = equal_order(moved_mesh, degree);
+        let moved_space = pair.space(&moved_mesh, &FSI);
         let mut state = random_state(&space, &mut random, 0.0);
-        for (node, x) in space.nodes.points.iter().enumerate() {
-            state.u[2 * node..2 * node + 2].copy_from_slice(&(A * Vector(*x)).0);
-        }
+        state.u = nodal(&space, |x| (A * Vector(*x)).0);
         let mut there = state.clone();
         there.u.fill(0.0);
         for how in methods() {
@@ -233,16 +238,17 @@ fn parameters_are_those_of_the_moved_cell() {
 #[test]
 fn projections_leave_the_smaller_space_alone() {
     let mut random = Random(5);
-    let kinds = [(Projection::Cell, 2), (Projection::Patch, 1), (Projection::Patch, 2)];
-    let triangles = kinds.map(|(projection, degree)| (Shape::Triangle, projection, degree));
-    let quadrilaterals = kinds.map(|(projection, degree)| (Shape::Quadrilateral, projection, degree));
-    for (shape, projection, degree) in triangles.into_iter().chain(quadrilaterals) {
-        let space = equal_order(halves(4, shape), degree);
+    for (pair, projection) in
+        PAIRS.into_iter().flat_map(|pair| [(pair, Projection::Cell), (pair, Projection::Patch)])
+    {
+        // Projected to constants degree 1 leaves linear fields.
+        if pair.pressure == Continuous(1) && projection == Projection::Cell {
+            continue;
+        }
+        let space = halves(4, pair);
         let mut state = random_state(&space, &mut random, 0.01);
         let linear = |x: &[f64; 2]| [1.0 + x[0] - 2.0 * x[1], 0.5 * x[0] + x[1]];
-        for (node, x) in space.nodes.points.iter().enumerate() {
-            state.v[2 * node..2 * node + 2].copy_from_slice(&linear(x));
-        }
+        state.v = nodal(&space, linear);
         for (p, x) in state.p.iter_mut().zip(&space.pressure.points) {
             *p = linear(x)[0];
         }
@@ -263,7 +269,7 @@ fn projections_leave_the_smaller_space_alone() {
         let plain = Stabilization { pressure: BrezziPitkaranta, ..Stabilization::NONE };
         let plain = largest(&added(&space, &plain, &step, [0.0; 2]));
         println!(
-            "{projection:?} {shape:?} {degree}: {left:e}, of a random state {size:e}; Brezzi-Pitkäranta {plain:e}"
+            "{projection:?} {pair:?}: {left:e}, of a random state {size:e}; Brezzi-Pitkäranta {plain:e}"
         );
         assert!(left < 1e-12 * size && plain > 1e-3 * size);
     }
@@ -277,12 +283,12 @@ fn residual_methods_vanish_for_exact_solutions() {
     let A = Tensor([[a, b], [b, -a]]);
     let s = a * a + b * b;
     let force = [0.8, -1.1];
-    for (bent, mesh) in [
-        (false, square(4, Cells::Square, Body::Half)),
-        (true, square(4, Cells::Trapezia, Body::Half)),
-        (true, square(4, Cells::Trapezia, Body::Half).triangulated()),
+    for (bent, cells, pair) in [
+        (false, Cells::Square, Q2),
+        (true, Cells::Trapezia, Q2),
+        (true, Cells::Trapezia, triangles(2, Continuous(2))),
     ] {
-        let space = equal_order(mesh, 2);
+        let space = pair.space(&square(4, cells, Body::Half), &FSI);
         // On bent cells and triangles only an affine motion keeps p in the space.
         let u = |x: &[f64; 2], t: f64| {
             let c = if bent { 0.0 } else { 0.2 * t };
@@ -322,7 +328,7 @@ fn residual_methods_vanish_for_exact_solutions() {
 #[test]
 fn lanes_and_threads_change_nothing() {
     let mut random = Random(23);
-    let space = equal_order(halves(8, Shape::Quadrilateral), 2);
+    let space = halves(8, Q2);
     let (new, old) = (random_state(&space, &mut random, 0.005), random_state(&space, &mut random, 0.005));
     let step = StepView { rule: StepRule::theta(0.1, 0.6), new: &new, old: &old };
     for how in methods().into_iter().filter(|how| how.directional) {

@@ -6,14 +6,17 @@
 //! they vanish. With (w, ψ²) by the nodal rule the unknown w is eliminated node by node, and what is left is one
 //! constant sparse operator on u,
 //! ```text
-//!     A = K M⁻¹ (K − B),   K_ij = (∇φ_j, ∇φ_i)_F,   M_ii = (1, φ_i)_F,   B_ij = ⟨n·∇φ_j, φ_i⟩_I by the cells of S,
+//!     A = Kᵀ M⁻¹ (K − B),   K_ij = (∇φ_j, ∇χ_i)_F,   M_ii = (1, χ_i)_F,   B_ij = ⟨n·∇φ_j, χ_i⟩_I by the cells of S,
 //! ```
-//! which couples a node to the cells around its neighbours. Quadratic polynomials are reproduced on cells that are
-//! parallelograms, affine ones on all.
+//! which couples a node to the cells around its neighbours. φ is the basis of u, χ that of w and ψ²: the same, but on
+//! quadratic triangles, where the integrals at the vertices vanish, with the cubic bubble (Cohen, Joly, Roberts and
+//! Tordjman 2001): the nodes of u and the centre have the weights 1/20, 2/15 and 9/20 of the area. Quadratic polynomials
+//! are reproduced on parallelograms and straight triangles, affine ones on all cells.
 
 use super::facets::facet_points;
 use super::points::for_each_point;
 use super::scatter::DROP;
+use crate::element::Shape;
 use crate::math::Vector;
 use crate::mesh::{INTERFACE, Side};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
@@ -41,8 +44,11 @@ impl Biharmonic {
         hinged: bool,
         n: usize,
     ) -> Biharmonic {
-        let (stiffness, mass) = forms(space, n);
-        let mut source = stiffness.clone();
+        let (mut source, mass) = forms(space, n);
+        let mut tested: Vec<Row> = vec![vec![]; space.nodes.len()];
+        for (w, row) in source.iter().enumerate() {
+            row.iter().for_each(|&(node, k)| tested[node as usize].push((w as u32, k)));
+        }
         subtract_traces(space, n, &mut source);
         for (row, mass) in source.iter_mut().zip(&mass).filter(|(_, mass)| **mass > 0.0) {
             merge(row);
@@ -53,9 +59,11 @@ impl Biharmonic {
         for node in (0..space.nodes.len()).filter(|&node| space.owner[node] == PsiOwner::Extension) {
             for i in (0..D).filter(|&i| !constraints.u[node][i]) {
                 let mut row = Row::new();
-                for &(j, k) in &stiffness[node] {
-                    if !(hinged && constraints.u[j as usize][i]) {
-                        row.extend(source[j as usize].iter().map(|&(a, value)| (a, k * value)));
+                for &(w, k) in &tested[node] {
+                    // There is no node of u in the centre.
+                    let given = constraints.u.get(w as usize).is_some_and(|u| u[i]);
+                    if !(hinged && given) {
+                        row.extend(source[w as usize].iter().map(|&(a, value)| (a, k * value)));
                     }
                 }
                 merge(&mut row);
@@ -107,48 +115,95 @@ impl Biharmonic {
     }
 }
 
-/// K and M on the fluid.
-///
-/// M has the integrals of the basis, the nodal rule of the element; where one is not positive, as at the vertices
-/// of quadratic triangles, the diagonal of the mass matrix scaled to the same volume.
-fn forms<const D: usize>(space: &FsiSpace<D>, n: usize) -> (Vec<Row>, Vec<f64>) {
-    let (n_nodes, per_cell) = (space.nodes.len(), space.nodes.per_cell);
-    let mut blocks = vec![0.0; space.mesh.n_cells() * per_cell * per_cell];
-    let mut integral = vec![0.0; space.mesh.n_cells() * per_cell];
-    let mut square = integral.clone();
-    let zero = State::zero(space.n_v(), space.n_u(), space.n_p());
-    for_each_point(space, &zero, n, |point| {
-        for a in 0..per_cell {
-            let at = point.cell * per_cell + a;
-            integral[at] += point.weight * point.value[a];
-            square[at] += point.weight * point.value[a] * point.value[a];
-            let grad = Vector(point.grad[a]) * point.weight;
-            for (entry, other) in blocks[at * per_cell..].iter_mut().zip(point.grad) {
-                *entry += grad.dot(Vector(*other));
-            }
-        }
+/// Vertices of a quadratic triangle, each with the nodes on the two edges there.
+const VERTICES: [(usize, [usize; 2]); 3] = [(0, [1, 3]), (2, [1, 4]), (5, [3, 4])];
+
+/// From the basis of a quadratic triangle to χ: the cubic bubble b that is 1 in the centre, behind φ_a − φ_a(centre) b.
+fn enrich<const D: usize>(value: &mut Vec<f64>, grad: &mut Vec<Vector<f64, D>>) {
+    let lambda = VERTICES.map(|(v, [a, b])| value[v] + 0.5 * (value[a] + value[b]));
+    let slopes = VERTICES.map(|(v, [a, b])| grad[v] + 0.5 * (grad[a] + grad[b]));
+    let bubble = 27.0 * lambda.iter().product::<f64>();
+    let slope = (0..3).fold(Vector::zero(), |sum, i| {
+        let others = lambda[(i + 1) % 3] * lambda[(i + 2) % 3];
+        sum + slopes[i] * (27.0 * others)
     });
-    let fluid = |c: &usize| space.regions[*c] == Region::Fluid;
-    let mut stiffness: Vec<Row> = vec![vec![]; n_nodes];
-    for cell in (0..space.mesh.n_cells()).filter(fluid) {
-        let nodes = space.nodes.cell(cell);
-        for (a, &row) in nodes.iter().enumerate() {
-            let entries = &blocks[(cell * per_cell + a) * per_cell..][..per_cell];
-            stiffness[row as usize].extend(nodes.iter().copied().zip(entries.iter().copied()));
-        }
+    for a in 0..value.len() {
+        let at_centre = if VERTICES.iter().any(|(v, _)| *v == a) { -1.0 / 9.0 } else { 4.0 / 9.0 };
+        value[a] -= at_centre * bubble;
+        grad[a] -= slope * at_centre;
     }
-    stiffness.iter_mut().for_each(merge);
-    let mut mass = vec![0.0; n_nodes];
-    for cell in (0..space.mesh.n_cells()).filter(fluid) {
-        let here = cell * per_cell..(cell + 1) * per_cell;
-        let (integral, square) = (&integral[here.clone()], &square[here]);
+    value.push(bubble);
+    grad.push(slope);
+}
+
+/// What the cells add to K and M, `[cell][function of w]`.
+struct Blocks {
+    n_u: usize,
+    n_w: usize,
+    /// (∇φ_j, ∇χ_i), `[cell][i][j]`.
+    stiffness: Vec<f64>,
+    /// (1, χ_i).
+    integral: Vec<f64>,
+    /// (χ_i, χ_i).
+    square: Vec<f64>,
+}
+
+impl Blocks {
+    fn new<const D: usize>(space: &FsiSpace<D>, n: usize) -> Blocks {
+        let (shape, degree, n_cells) = (space.mesh.shape, space.nodes.degree, space.mesh.n_cells());
+        let enriched = shape == Shape::Triangle && degree == 2;
+        let n_u = shape.n_nodes(degree);
+        let n_w = n_u + usize::from(enriched);
+        let mut stiffness = vec![0.0; n_cells * n_w * n_u];
+        let (mut integral, mut square) = (vec![0.0; n_cells * n_w], vec![0.0; n_cells * n_w]);
+        let zero = State::zero(space.n_v(), space.n_u(), space.n_p());
+        for_each_point(space, &zero, n, |point| {
+            // Bubbles of the velocity are no functions of u.
+            let mut value = point.value[..n_u].to_vec();
+            let mut grad: Vec<_> = point.grad[..n_u].iter().map(|g| Vector(*g)).collect();
+            if enriched {
+                enrich(&mut value, &mut grad);
+            }
+            for (a, (value, grad)) in value.iter().zip(&grad).enumerate() {
+                let at = point.cell * n_w + a;
+                integral[at] += point.weight * value;
+                square[at] += point.weight * value * value;
+                for (entry, other) in stiffness[at * n_u..].iter_mut().zip(&point.grad[..n_u]) {
+                    *entry += point.weight * grad.dot(Vector(*other));
+                }
+            }
+        });
+        Blocks { n_u, n_w, stiffness, integral, square }
+    }
+
+    /// The nodal rule of a cell, its integrals; where one is not positive, as it may be in a cell that is bent too much,
+    /// the diagonal of its mass matrix scaled to the same volume.
+    fn mass(&self, cell: usize) -> Vec<f64> {
+        let here = cell * self.n_w..(cell + 1) * self.n_w;
+        let (integral, square) = (&self.integral[here.clone()], &self.square[here]);
         let volume: f64 = integral.iter().sum();
         let scale = volume / square.iter().sum::<f64>();
         let positive = integral.iter().all(|&x| x > 1e-6 * volume);
-        for (a, &node) in space.nodes.cell(cell).iter().enumerate() {
-            mass[node as usize] += if positive { integral[a] } else { scale * square[a] };
+        if positive { integral.to_vec() } else { square.iter().map(|x| scale * x).collect() }
+    }
+}
+
+/// K, by rows of w, and M on the fluid: the nodes of u, and behind them the centres of the cells.
+fn forms<const D: usize>(space: &FsiSpace<D>, n: usize) -> (Vec<Row>, Vec<f64>) {
+    let blocks = Blocks::new(space, n);
+    let (n_u, n_w, n_nodes) = (blocks.n_u, blocks.n_w, space.nodes.len());
+    let mut stiffness: Vec<Row> = vec![vec![]; n_nodes + space.mesh.n_cells()];
+    let mut mass = vec![0.0; stiffness.len()];
+    for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid) {
+        let nodes = &space.nodes.cell(cell)[..n_u];
+        for (a, of_cell) in blocks.mass(cell).into_iter().enumerate() {
+            let row = nodes.get(a).map_or(n_nodes + cell, |&node| node as usize);
+            let entries = &blocks.stiffness[(cell * n_w + a) * n_u..][..n_u];
+            stiffness[row].extend(nodes.iter().copied().zip(entries.iter().copied()));
+            mass[row] += of_cell;
         }
     }
+    stiffness.iter_mut().for_each(merge);
     (stiffness, mass)
 }
 

@@ -9,66 +9,91 @@ pub struct Fluctuation {
     pub grad: Vec<f64>,
     /// Functions: those of a cell, or of all cells of a patch.
     pub n_basis: usize,
-    /// Function of each node of each child, `[child][node]`.
+    /// Number of each function of each child, `[child][function]`.
     pub children: Vec<Vec<usize>>,
 }
 
-/// A child is the image of the reference cell under ξ ↦ `corner` + `scale` ξ.
-struct Place {
+/// The basis that is projected: that of the nodes of degree `degree`, and behind it perhaps the bubble of a triangle.
+#[derive(Copy, Clone, Debug)]
+pub struct Fine {
+    /// Shape of the cells.
+    pub shape: Shape,
+    /// Degree.
+    pub degree: usize,
+    /// Whether there is a bubble.
+    pub bubble: bool,
+}
+
+impl Fine {
+    fn n_basis(self) -> usize {
+        self.shape.n_nodes(self.degree) + usize::from(self.bubble)
+    }
+
+    /// Values and gradients at `xi`.
+    fn basis(self, xi: &[f64; 3]) -> (Vec<f64>, Vec<[f64; 3]>) {
+        let (mut value, mut grad) = lagrange::basis(self.shape, self.degree, xi);
+        if self.bubble {
+            let (bubble, [x, y]) = lagrange::bubble([xi[0], xi[1]]);
+            value.push(bubble);
+            grad.push([x, y, 0.0]);
+        }
+        (value, grad)
+    }
+}
+
+/// Functions of a child by their numbers in the patch, and the image of the reference cell: ξ ↦ `corner` + `scale` ξ.
+struct Child {
+    functions: Vec<usize>,
     corner: [f64; 3],
     scale: f64,
 }
 
-impl Place {
-    fn of(&self, xi: &[f64; 3]) -> [f64; 3] {
+impl Child {
+    fn place(&self, xi: &[f64; 3]) -> [f64; 3] {
         std::array::from_fn(|d| self.corner[d] + self.scale * xi[d])
     }
 }
 
 impl Fluctuation {
-    /// π is the L² projection on one cell from degree `k` to `k − 1`.
-    pub fn on_cell(shape: Shape, k: usize, rule: &Quadrature) -> Fluctuation {
-        let nodes = (0..shape.n_nodes(k)).collect();
-        Self::new(shape, k, k - 1, rule, vec![nodes], vec![Place { corner: [0.0; 3], scale: 1.0 }])
+    /// π is the L² projection on one cell from degree k, that of `of`, to k − 1.
+    pub fn on_cell(of: Fine, rule: &Quadrature) -> Fluctuation {
+        let child = Child { functions: (0..of.n_basis()).collect(), corner: [0.0; 3], scale: 1.0 };
+        Self::new(of, of.degree - 1, rule, vec![child])
     }
 
-    /// π is the L² projection to the same degree `k` on the coarser mesh; the children of a patch are those of
-    /// a refined cell in the order of [`Shape::in_parent`]. Functions are numbered like the nodes of degree `2 k`.
-    pub fn on_patch(shape: Shape, k: usize, rule: &Quadrature) -> Fluctuation {
-        let node =
-            |child: usize, a: usize| shape.number(2 * k, shape.in_parent(k, child, shape.lattice(k, a)));
-        let children = 0..1_usize << shape.dim();
-        let nodes = children.clone().map(|c| (0..shape.n_nodes(k)).map(|a| node(c, a)).collect()).collect();
-        let place = |child: usize| {
-            let scale = if shape.is_turned(child) { -0.5 } else { 0.5 };
-            Place { corner: std::array::from_fn(|d| 0.5 * (child >> d & 1) as f64), scale }
+    /// π is the L² projection to the same degree k on the coarser mesh; the children of a patch are those of a refined
+    /// cell in the order of [`Shape::in_parent`]. Functions are numbered like the nodes of degree 2 k, bubbles behind.
+    pub fn on_patch(of: Fine, rule: &Quadrature) -> Fluctuation {
+        let (shape, k) = (of.shape, of.degree);
+        let child = |child: usize| {
+            let node = |a: usize| shape.number(2 * k, shape.in_parent(k, child, shape.lattice(k, a)));
+            let bubble = of.bubble.then(|| shape.n_nodes(2 * k) + child);
+            Child {
+                functions: (0..shape.n_nodes(k)).map(node).chain(bubble).collect(),
+                corner: std::array::from_fn(|d| 0.5 * (child >> d & 1) as f64),
+                scale: if shape.is_turned(child) { -0.5 } else { 0.5 },
+            }
         };
-        Self::new(shape, k, k, rule, nodes, children.map(place).collect())
+        Self::new(of, k, rule, (0..1 << shape.dim()).map(child).collect())
     }
 
-    /// Child c is at `places[c]`.
-    fn new(
-        shape: Shape,
-        fine: usize,
-        coarse: usize,
-        rule: &Quadrature,
-        children: Vec<Vec<usize>>,
-        places: Vec<Place>,
-    ) -> Fluctuation {
+    /// π is the L² projection to degree `coarse` on the cell that `children` make up.
+    fn new(of: Fine, coarse: usize, rule: &Quadrature, children: Vec<Child>) -> Fluctuation {
+        let shape = of.shape;
         let (dim, n_coarse) = (shape.dim(), shape.n_nodes(coarse));
-        let n_basis = 1 + children.iter().flatten().max().copied().unwrap_or(0);
-        // Products of degree 2 fine are integrated exactly, whatever `rule` is.
-        let exact = Quadrature::cell(shape, fine + 1);
+        let n_basis = 1 + children.iter().flat_map(|c| &c.functions).max().copied().unwrap_or(0);
+        // Products are integrated exactly, whatever `rule` is.
+        let exact = Quadrature::cell(shape, of.degree + 1 + usize::from(of.bubble));
         let (mut mass, mut mixed) = (vec![0.0; n_coarse * n_coarse], vec![0.0; n_coarse * n_basis]);
-        for (nodes, place) in children.iter().zip(&places) {
+        for child in &children {
             for (xi, weight) in exact.points.iter().zip(&exact.weights) {
-                let value = lagrange::basis(shape, fine, xi).0;
-                let tested = lagrange::basis(shape, coarse, &place.of(xi)).0;
+                let value = of.basis(xi).0;
+                let tested = lagrange::basis(shape, coarse, &child.place(xi)).0;
                 for i in 0..n_coarse {
                     for j in 0..n_coarse {
                         mass[i * n_coarse + j] += weight * tested[i] * tested[j];
                     }
-                    for (value, &a) in value.iter().zip(nodes) {
+                    for (value, &a) in value.iter().zip(&child.functions) {
                         mixed[i * n_basis + a] += weight * tested[i] * value;
                     }
                 }
@@ -76,22 +101,22 @@ impl Fluctuation {
         }
         let projected = solve(mass, mixed, n_coarse, n_basis);
         let mut grad = vec![];
-        for (nodes, place) in children.iter().zip(&places) {
+        for child in &children {
             for xi in &rule.points {
                 let first = grad.len();
-                let slope = lagrange::basis(shape, coarse, &place.of(xi)).1;
+                let slope = lagrange::basis(shape, coarse, &child.place(xi)).1;
                 for a in 0..n_basis {
                     let sum = |d: usize| {
                         (0..n_coarse).map(|i| projected[i * n_basis + a] * slope[i][d]).sum::<f64>()
                     };
-                    grad.extend((0..dim).map(|d| -place.scale * sum(d)));
+                    grad.extend((0..dim).map(|d| -child.scale * sum(d)));
                 }
-                for (slope, &a) in lagrange::basis(shape, fine, xi).1.iter().zip(nodes) {
+                for (slope, &a) in of.basis(xi).1.iter().zip(&child.functions) {
                     (0..dim).for_each(|d| grad[first + a * dim + d] += slope[d]);
                 }
             }
         }
-        Fluctuation { grad, n_basis, children }
+        Fluctuation { grad, n_basis, children: children.into_iter().map(|c| c.functions).collect() }
     }
 }
 
@@ -129,25 +154,36 @@ mod tests {
     #[test]
     fn nothing_is_left_of_the_smaller_space() {
         for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
-            for k in 1..4 {
-                let rule = Quadrature::cell(shape, k + 1);
-                let power = |x: f64, n: usize| x.powi(n as i32);
-                // The other exponent of a monomial of degree n.
-                let other = |n: usize| if shape == Shape::Triangle { 0 } else { n };
-                let cell = Fluctuation::on_cell(shape, k, &rule);
-                let on_cell = |a: usize| lagrange::node(shape, k, a);
-                let small = |a: usize| power(on_cell(a)[0], other(k - 1)) * power(on_cell(a)[1], k - 1) + 3.0;
-                assert!(left(&cell, shape.dim(), small) < 1e-12, "{shape:?} {k}");
-                assert!(left(&cell, shape.dim(), |a| power(on_cell(a)[1], k)) > 0.1);
-                if shape == Shape::Hexahedron && k > 2 {
-                    continue;
+            for (degree, bubble) in [(1, false), (2, false), (3, false), (2, true)] {
+                if !bubble || shape == Shape::Triangle {
+                    nothing_is_left_of(Fine { shape, degree, bubble });
                 }
-                let patch = Fluctuation::on_patch(shape, k, &rule);
-                let on_patch = |a: usize| shape.lattice(2 * k, a).map(|i| i as f64 / (2 * k) as f64);
-                let small = |a: usize| power(on_patch(a)[0], other(k)) * power(on_patch(a)[1], k) - 2.0;
-                assert!(left(&patch, shape.dim(), small) < 1e-11, "{shape:?} {k}");
-                assert!(left(&patch, shape.dim(), |a| power(on_patch(a)[1], k + 1)) > 0.01);
             }
         }
+    }
+
+    fn nothing_is_left_of(of: Fine) {
+        let (shape, k) = (of.shape, of.degree);
+        let rule = Quadrature::cell(shape, 2);
+        let power = |x: f64, n: usize| x.powi(n as i32);
+        // The other exponent of a monomial of degree n.
+        let other = |n: usize| if shape == Shape::Triangle { 0 } else { n };
+        let cell = Fluctuation::on_cell(of, &rule);
+        let on_cell = |a: usize| lagrange::node(shape, k, a);
+        let small = |a: usize| power(on_cell(a)[0], other(k - 1)) * power(on_cell(a)[1], k - 1) + 3.0;
+        // Bubbles stand beside the nodal basis.
+        let in_cell = |f: &dyn Fn(usize) -> f64| {
+            left(&cell, shape.dim(), |a| if a < shape.n_nodes(k) { f(a) } else { 0.0 })
+        };
+        assert!(in_cell(&small) < 1e-12, "{of:?}");
+        assert!(in_cell(&|a| power(on_cell(a)[1], k)) > 0.1);
+        let patch = Fluctuation::on_patch(of, &rule);
+        let on_patch = |a: usize| shape.lattice(2 * k, a).map(|i| i as f64 / (2 * k) as f64);
+        let small = |a: usize| power(on_patch(a)[0], other(k)) * power(on_patch(a)[1], k) - 2.0;
+        let in_patch = |f: &dyn Fn(usize) -> f64| {
+            left(&patch, shape.dim(), |a| if a < shape.n_nodes(2 * k) { f(a) } else { 0.0 })
+        };
+        assert!(in_patch(&small) < 1e-11, "{of:?}");
+        assert!(in_patch(&|a| power(on_patch(a)[1], k + 1)) > 0.01);
     }
 }

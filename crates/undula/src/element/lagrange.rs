@@ -72,6 +72,12 @@ pub fn bubble([x, y]: [f64; 2]) -> (f64, [f64; 2]) {
     (27.0 * x * y * z, [27.0 * y * (z - x), 27.0 * x * (z - y)])
 }
 
+/// Second derivatives of the bubble.
+pub fn bubble_hessian([x, y]: [f64; 2]) -> [[f64; 3]; 3] {
+    let mixed = 27.0 * (1.0 - 2.0 * x - 2.0 * y);
+    [[-54.0 * y, mixed, 0.0], [mixed, -54.0 * x, 0.0], [0.0; 3]]
+}
+
 /// Reference coordinates of node `a` of degree `k`.
 pub fn node(shape: Shape, k: usize, a: usize) -> [f64; 3] {
     if k == 0 {
@@ -97,6 +103,14 @@ mod tests {
         let along_y = (bubble([at[0], at[1] + h]).0 - bubble([at[0], at[1] - h]).0) / (2.0 * h);
         let [x, y] = bubble(at).1;
         assert!((x - along_x).abs() < 1e-8 && (y - along_y).abs() < 1e-8);
+        for e in 0..2 {
+            let slope = |s: f64| bubble(std::array::from_fn(|d| at[d] + if d == e { s } else { 0.0 })).1;
+            let (plus, minus) = (slope(h), slope(-h));
+            for d in 0..2 {
+                let difference = (plus[d] - minus[d]) / (2.0 * h);
+                assert!((bubble_hessian(at)[d][e] - difference).abs() < 1e-8);
+            }
+        }
     }
 
     #[test]

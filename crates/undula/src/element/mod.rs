@@ -7,7 +7,7 @@ pub mod quadrature;
 pub mod shape;
 pub mod table;
 
-pub use fluctuation::Fluctuation;
+pub use fluctuation::{Fine, Fluctuation};
 pub use quadrature::Quadrature;
 pub use shape::Shape;
 pub use table::BasisTable;

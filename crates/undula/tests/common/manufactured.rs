@@ -102,7 +102,7 @@ pub fn bend(mesh: &mut Mesh<2>, n: usize, cells: Cells) {
 }
 
 /// Velocity and pressure.
-#[derive(Copy, Clone, Debug)]
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Pair {
     pub cells: Shape,
     pub degree: usize,

@@ -1,6 +1,6 @@
 //! Which cells make a patch, and the axes of a cell.
 
-use crate::element::{Fluctuation, Quadrature, Shape};
+use crate::element::{Fine, Fluctuation, Quadrature, Shape};
 use crate::space::{FsiSpace, Region};
 
 /// The cells of the fluid by patches: children of a refined cell, in the order of refinement.
@@ -8,7 +8,8 @@ use crate::space::{FsiSpace, Region};
 /// `None` if the mesh does not consist of such cells.
 pub fn patches<const D: usize>(space: &FsiSpace<D>) -> Option<Vec<Vec<usize>>> {
     let rule = Quadrature::cell(space.mesh.shape, 1);
-    let numbers = Fluctuation::on_patch(space.mesh.shape, space.nodes.degree, &rule);
+    let nodal = Fine { shape: space.mesh.shape, degree: space.nodes.degree, bubble: false };
+    let numbers = Fluctuation::on_patch(nodal, &rule);
     let cells = fluid_cells(space);
     let list: Vec<Vec<usize>> = cells.chunks(1 << D).map(<[usize]>::to_vec).collect();
     let fits = |patch: &Vec<usize>| {

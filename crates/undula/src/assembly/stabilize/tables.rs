@@ -3,7 +3,8 @@
 use super::patches::{fluid_cells, patches};
 use crate::assembly::chunks::chunks;
 use crate::element::hessian::{hessians, mapped};
-use crate::element::{BasisTable, Fluctuation, Quadrature};
+use crate::element::lagrange::bubble_hessian;
+use crate::element::{BasisTable, Fine, Fluctuation, Quadrature};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
 use crate::space::{FsiSpace, PressureKind};
@@ -85,16 +86,22 @@ impl Reference {
             PressureKind::Continuous(k) => k,
             _ => 1,
         };
-        let fluctuation = |k: usize| match patched {
-            true => Fluctuation::on_patch(shape, k, &rule),
-            false => Fluctuation::on_cell(shape, k, &rule),
+        let fluctuation = |degree: usize, bubble: bool| {
+            let of = Fine { shape, degree, bubble };
+            if patched { Fluctuation::on_patch(of, &rule) } else { Fluctuation::on_cell(of, &rule) }
+        };
+        let bubble = space.nodes.n_lagrange < space.nodes.len();
+        let second = |xi: &[f64; 3]| {
+            let mut list = hessians(shape, k, xi);
+            list.extend(bubble.then(|| bubble_hessian([xi[0], xi[1]])));
+            list
         };
         let needed = if how.has_residual() { &rule.points[..] } else { &[] };
         Reference {
-            velocity: fluctuation(k),
-            pressure: fluctuation(of_pressure),
-            plain: [k, of_pressure].map(|k| BasisTable::lagrange(shape, k, &rule)),
-            hessians: needed.iter().map(|xi| hessians(shape, k, xi)).collect(),
+            velocity: fluctuation(k, bubble),
+            pressure: fluctuation(of_pressure, false),
+            plain: [space.nodes.table(shape, &rule), BasisTable::lagrange(shape, of_pressure, &rule)],
+            hessians: needed.iter().map(second).collect(),
             rule,
             patched,
         }

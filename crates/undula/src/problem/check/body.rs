@@ -1,6 +1,7 @@
 //! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
 
 use super::{is_name, resolve};
+use crate::element::Shape;
 use crate::problem::case::{
     FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, SolidLaw, SolidSpec, SpaceSpec, VelocityElement,
 };
@@ -292,7 +293,11 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElem
     ];
     let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
     if model == MotionModel::Biharmonic && velocity.degree() == 1 {
-        s.wrong("model", "the mixed form does not converge with elements of degree 1; take `Q2` or higher as space.velocity");
+        let other = if velocity.shape() == Shape::Triangle { "P2" } else { "Q2" };
+        let message = format!(
+            "the mixed form does not converge with elements of degree 1; take `{other}` or higher as space.velocity"
+        );
+        s.wrong("model", message);
     }
     let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
     if jacobian == Some(true) && !moves {

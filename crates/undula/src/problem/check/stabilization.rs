@@ -2,7 +2,7 @@
 
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
 use crate::problem::case::SpaceSpec;
-use crate::problem::element::{PressureElement, Stability, VelocityElement};
+use crate::problem::element::{PressureElement, Stability};
 use crate::problem::read::{POSITIVE, Section};
 
 /// Names of the terms in the divergence equation.
@@ -35,7 +35,6 @@ pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bo
     };
     if fluid {
         refuse_pressure(&s, &how, space, equal);
-        refuse_with_bubbles(&s, &how, space);
         refuse_without_effect(&s, &how);
     }
     s.finish();
@@ -65,19 +64,6 @@ fn refuse_pressure(s: &Section<'_, '_>, how: &Stabilization, space: &SpaceSpec, 
             "pressure",
             format!("the pair {v}/{p} is stable, and would only lose accuracy; expected `off` or `pspg`"),
         );
-    }
-}
-
-/// The tables of the terms have no bubbles.
-fn refuse_with_bubbles(s: &Section<'_, '_>, how: &Stabilization, space: &SpaceSpec) {
-    let (v, p) = (space.velocity, space.pressure);
-    let message = "not yet available with P2-bubble; expected `off`, or `P2` or `P3` as space.velocity";
-    // Discontinuous pressures are refused whatever the velocity.
-    let pressure = how.pressure != PressureTerm::None && !matches!(p, PressureElement::Pdc(_));
-    for (key, acts) in [("pressure", pressure), ("transport", how.transport != TransportTerm::None)] {
-        if acts && v == VelocityElement::P2Bubble {
-            s.wrong(key, message);
-        }
     }
 }
 
