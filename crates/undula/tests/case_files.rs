@@ -56,7 +56,7 @@ fn fsi3_is_the_published_problem() {
     assert!((vx.eval(&[0.0, 0.205, 0.0], 1.0) - 1.5).abs() < 1e-14);
     assert_eq!(vy, &Expression::constant(0.0));
     let time = case.time.clone().unwrap();
-    assert_eq!(time.scheme, TimeScheme::ShiftedCrankNicolson { shift: 1.0 });
+    assert_eq!(time.scheme, TimeScheme::ShiftedCrankNicolson { shift: 2.0 });
     assert_eq!((time.step, time.end), (Expression::constant(0.005), 10.0));
     assert!((case.theta().unwrap() - 0.505).abs() < 1e-15);
     let names: Vec<&str> = case.functional.iter().map(|(n, _)| n.as_str()).collect();
