@@ -60,6 +60,38 @@ fn rotation_follows_the_converged_curve() {
     assert!(expected.is_empty());
 }
 
+/// Time at which the mesh folds, on cells of ¼ m at the solid with k = 0.2 s; `None`: not before 20 s.
+fn folds(motion: &[&str]) -> Option<f64> {
+    let common = ["mesh.refine=0", "time.step=0.2", "time.end=20"];
+    let mut simulation = rotor(&[&common[..], motion].concat());
+    while !simulation.finished() {
+        match simulation.step() {
+            Ok(_) => {}
+            Err(Error::Breakdown(failure)) => return Some(failure.time),
+            Err(other) => panic!("{other}"),
+        }
+    }
+    None
+}
+
+/// Harmonic, and with sliding walls harmonic, stiffened, pseudo-elastic, auxetic: printed 8.6, 9.0, 11.6, 14.0, 14.9 s,
+/// on a mesh that is not given. The biharmonic extension, hinged outside, does not fold.
+#[test]
+fn meshes_fold_in_the_order_of_table_5_2() {
+    let elastic = ["motion.exponent=0.6", "motion.walls=sliding"];
+    let times = [
+        folds(&["motion.model=harmonic"]),
+        folds(&["motion.model=harmonic", "motion.walls=sliding"]),
+        folds(&["motion.model=stiffened-harmonic", "motion.walls=sliding"]),
+        folds(&[&elastic[..], &["motion.poisson=0.2"]].concat()),
+        folds(&[&elastic[..], &["motion.poisson=-0.2"]].concat()),
+    ]
+    .map(|time| time.expect("it folds"));
+    println!("{times:.2?}");
+    assert!(times.is_sorted() && times[0] > 7.5 && times[4] < 15.0, "{times:?}");
+    assert_eq!(folds(&["motion.model=biharmonic", "motion.outer=hinged"]), None);
+}
+
 /// The step at which the mesh folds is tried in smaller parts; then all is as it was before, with the cells named.
 #[test]
 fn breakdown_leaves_the_last_solution() {
