@@ -7,7 +7,7 @@ use crate::functional::{Functional, Snapshot};
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::Case;
-use crate::space::{Region, State};
+use crate::space::State;
 use crate::time::{Adaptive, Clock, JacobianPoint, StepReport, Stepper};
 use std::collections::BTreeMap;
 
@@ -71,9 +71,10 @@ impl Simulation {
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
-        let stepper = case.build_stepper(threads)?;
+        let mut stepper = case.build_stepper(threads)?;
         let functionals = case.build_functionals(&stepper.assembler.space)?;
-        let needs_residual = functionals.iter().any(|(_, f)| f.needs_fluid_residual());
+        let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
+        stepper.assembler.watch(&nodes);
         let fluid_residual = vec![0.0; stepper.assembler.space.n_unknowns()];
         let adaptive = case.time.as_ref().and_then(|time| {
             let first = time.step.eval(&[0.0; 3], time.start);
@@ -88,7 +89,7 @@ impl Simulation {
             report: StepReport::default(),
             functionals,
             fluid_residual,
-            needs_residual,
+            needs_residual: !nodes.is_empty(),
             threads,
             pool,
         })
@@ -186,7 +187,7 @@ impl Simulation {
         for part in 0..n_parts {
             let (weight, view, assembler) = self.stepper.part(part);
             if self.needs_residual {
-                assembler.region_residual(&view, Region::Fluid, &mut self.fluid_residual);
+                assembler.watched_residual(&view, &mut self.fluid_residual);
             }
             let StepView { rule, new, old } = view;
             let snapshot = Snapshot {

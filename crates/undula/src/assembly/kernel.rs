@@ -86,6 +86,10 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) min_j: Vec<f64>,
     /// Geometry at the nodes, once asked for.
     pub(super) corners: Option<Corners<D, L>>,
+    /// Batches with watched nodes.
+    watched: Vec<bool>,
+    /// Leave out all others.
+    pub(super) only_watched: bool,
     threads: usize,
 }
 
@@ -163,6 +167,8 @@ where
             scratch,
             min_j,
             corners: None,
+            watched: vec![],
+            only_watched: false,
             threads,
         }
     }
@@ -230,8 +236,20 @@ where
         self.slots = slots;
     }
 
+    /// Note which batches have one of the watched `nodes`.
+    pub(super) fn watch(&mut self, nodes: &[bool]) {
+        let n = self.batches.n_basis;
+        let has = |lanes: &[u32; L]| lanes.iter().any(|&node| nodes[node as usize]);
+        self.watched = self.batches.nodes.chunks_exact(n).map(|batch| batch.iter().any(has)).collect();
+    }
+
     /// Run `work` on every batch, the batches of a chunk in their order on one thread.
     pub(super) fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
+        let work = |batch: usize| {
+            if !self.only_watched || self.watched[batch] {
+                work(batch);
+            }
+        };
         let chunks = &self.batches.chunks;
         if self.threads == 1 {
             chunks.iter().for_each(|chunk| chunk.clone().for_each(&work));

@@ -381,6 +381,21 @@ impl<const D: usize> Assembler<D> {
         min_j
     }
 
+    /// Choose the nodes at which [`Assembler::watched_residual`] is complete.
+    pub fn watch(&mut self, nodes: &[u32]) {
+        let mut watched = vec![false; self.space.nodes.len()];
+        nodes.iter().for_each(|&node| watched[node as usize] = true);
+        self.kernels.watch(&watched);
+    }
+
+    /// [`Assembler::region_residual`] of the fluid, from the cells at the nodes of [`Assembler::watch`] and their
+    /// neighbours only.
+    pub fn watched_residual(&mut self, step: &StepView<'_>, out: &mut [f64]) {
+        self.kernels.only_watched(true);
+        self.region_residual(step, Region::Fluid, out);
+        self.kernels.only_watched(false);
+    }
+
     /// The residual of one region alone with its explicit part, given rows not zeroed: its φ rows are the
     /// forces that the region exerts on the nodes, per unit time of the step.
     pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {

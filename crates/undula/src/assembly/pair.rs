@@ -28,6 +28,8 @@ pub(super) trait Kernels<const D: usize>: Send + Sync {
         tangent: Tangent,
         out: &mut [f64],
     );
+    fn watch(&mut self, nodes: &[bool]);
+    fn only_watched(&mut self, only: bool);
     fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64;
     fn worst(&self) -> Worst;
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
@@ -174,6 +176,18 @@ where
             }
         }
         if min_j == f64::INFINITY { 1.0 } else { min_j }
+    }
+
+    fn watch(&mut self, nodes: &[bool]) {
+        if let Some(k) = &mut self.fluid {
+            k.watch(nodes);
+        }
+    }
+
+    fn only_watched(&mut self, only: bool) {
+        if let Some(k) = &mut self.fluid {
+            k.only_watched = only;
+        }
     }
 
     fn jacobian(

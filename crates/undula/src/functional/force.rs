@@ -45,8 +45,8 @@ impl<const D: usize> Functional<D> for ForceByResidual {
         true
     }
 
-    fn needs_fluid_residual(&self) -> bool {
-        true
+    fn residual_nodes(&self) -> &[u32] {
+        &self.nodes
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {

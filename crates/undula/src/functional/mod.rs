@@ -21,7 +21,8 @@ pub struct Snapshot<'a, const D: usize> {
     pub new: &'a State,
     /// Solution at the old time.
     pub old: &'a State,
-    /// Residual of the fluid alone in the last step, `[v, u, p]` \[N/m\]: what the fluid exerts on each node.
+    /// Residual of the fluid alone in the last step, `[v, u, p]` \[N/m\]: what the fluid exerts on each node that a
+    /// functional has asked for.
     pub fluid_residual: &'a [f64],
 }
 
@@ -33,9 +34,9 @@ pub trait Functional<const D: usize>: Send {
     fn at_force_time(&self) -> bool {
         false
     }
-    /// Whether it reads [`Snapshot::fluid_residual`].
-    fn needs_fluid_residual(&self) -> bool {
-        false
+    /// Nodes whose velocity rows of [`Snapshot::fluid_residual`] it reads.
+    fn residual_nodes(&self) -> &[u32] {
+        &[]
     }
     /// The value.
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64;

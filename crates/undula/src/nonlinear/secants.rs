@@ -7,9 +7,16 @@
 //! of fsi3 (Degroote, Bathe and Vierendeels, Comput. Struct. 87, 2009; Walker and Ni, SIAM J. Numer. Anal. 49, 2011).
 
 use crate::algebra::dot;
+use rayon::prelude::*;
 
 /// Share of a Δz that must be new against the others for it to be used.
 const INDEPENDENT: f64 = 1e-4;
+
+/// Entries that are in the cache while all pairs are added to them.
+const CHUNK: usize = 1024;
+
+/// Chunks that are worth a thread's while.
+const MANY: usize = 32;
 
 /// Pairs of differences under one P. Their memory is taken once.
 #[derive(Clone, Debug, Default)]
@@ -57,20 +64,24 @@ impl Secants {
         if self.complete {
             self.add(z);
         }
-        self.last.z.clear();
-        self.last.z.extend_from_slice(z);
-        if !self.pairs.is_empty() {
-            let of = |pair: &Pair| -dot(&pair.z[..self.measured], &z[..self.measured]);
-            let right: Vec<f64> = self.pairs.iter().map(of).collect();
-            let beta = least_squares(&self.gram, &right);
-            for (pair, beta) in self.pairs.iter().zip(beta).filter(|(_, beta)| *beta != 0.0) {
-                for (z, update) in z.iter_mut().zip(&pair.update) {
+        let of = |pair: &Pair| -dot(&pair.z[..self.measured], &z[..self.measured]);
+        let right: Vec<f64> = self.pairs.iter().map(of).collect();
+        let beta = least_squares(&self.gram, &right);
+        let used = || self.pairs.iter().zip(&beta).filter(|(_, beta)| **beta != 0.0);
+        let Pair { z: before, update } = &mut self.last;
+        before.resize(z.len(), 0.0);
+        update.resize(z.len(), 0.0);
+        let chunks =
+            z.par_chunks_mut(CHUNK).zip(before.par_chunks_mut(CHUNK)).zip(update.par_chunks_mut(CHUNK));
+        chunks.with_min_len(MANY).enumerate().for_each(|(c, ((z, before), update))| {
+            before.copy_from_slice(z);
+            for (pair, beta) in used() {
+                for (z, update) in z.iter_mut().zip(&pair.update[c * CHUNK..]) {
                     *z += beta * update;
                 }
             }
-        }
-        self.last.update.clear();
-        self.last.update.extend_from_slice(z);
+            update.copy_from_slice(z);
+        });
         self.complete = true;
     }
 
@@ -84,10 +95,14 @@ impl Secants {
             }
         }
         let mut pair = std::mem::replace(&mut self.last, self.spare.pop().unwrap_or_default());
-        for ((before, update), z) in pair.z.iter_mut().zip(&mut pair.update).zip(z) {
-            *before = z - *before;
-            *update += *before;
-        }
+        let chunks =
+            pair.z.par_chunks_mut(CHUNK).zip(pair.update.par_chunks_mut(CHUNK)).zip(z.par_chunks(CHUNK));
+        chunks.with_min_len(MANY).for_each(|((before, update), z)| {
+            for ((before, update), z) in before.iter_mut().zip(update).zip(z) {
+                *before = z - *before;
+                *update += *before;
+            }
+        });
         let product = |other: &Pair| dot(&other.z[..self.measured], &pair.z[..self.measured]);
         let mut row: Vec<f64> = self.pairs.iter().map(product).collect();
         row.push(product(&pair));
