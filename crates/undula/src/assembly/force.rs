@@ -1,8 +1,8 @@
 //! A body force that is taken at the current position x + u, so that it moves with the iterate.
 
 use super::End;
-use super::kernel::{Kernel, StepView};
-use super::simd::Width;
+use super::kernel::{Kernel, Scratch, StepView};
+use super::simd::{Task, Width};
 use crate::math::{Lanes, Tensor, Vector};
 use crate::tangent::{ByHand, Difference, Tangent};
 use std::array::from_fn;
@@ -75,27 +75,54 @@ where
         let mut slopes = std::mem::take(&mut self.force_slope);
         values.resize(n, Vector::zero());
         slopes.resize(n, Tensor::zero());
-        for batch in 0..self.batches.len() {
-            self.scratch.with(|s| {
-                self.load(step, batch, s);
-                for q in 0..self.batches.n_points {
-                    let index = batch * self.batches.n_points + q;
-                    let (new, old) = self.fields(batch, q, s);
-                    let u = if end == End::Old { old.u } else { new.u };
-                    let x = self.batches.positions[index] + u;
-                    for l in 0..L {
-                        let (f, slope) = force.at(end, &from_fn(|d| x.0[d].0[l]), by);
-                        for i in 0..D {
-                            values[index].0[i].0[l] = f[i];
-                            for (to, from) in slopes[index].0[i].iter_mut().zip(slope[i]) {
-                                to.0[l] = from;
-                            }
-                        }
-                    }
-                }
+        let points = self.batches.n_points;
+        let all = values.chunks_exact_mut(points).zip(slopes.chunks_exact_mut(points));
+        for (batch, (values, slopes)) in all.enumerate() {
+            self.scratch.with(|scratch| {
+                let kernel = &*self;
+                let task = ForceTask { kernel, step, batch, scratch, force, end, by, values, slopes };
+                Lanes::<L>::dispatch(task);
             });
         }
         *(if end == End::Old { &mut self.force_old } else { &mut self.force }) = values;
         self.force_slope = slopes;
+    }
+}
+
+/// The force at the points of a batch.
+struct ForceTask<'a, F, const D: usize, const L: usize> {
+    kernel: &'a Kernel<F, D, L>,
+    step: &'a StepView<'a>,
+    batch: usize,
+    scratch: &'a mut Scratch<D, L>,
+    force: &'a CurrentForce<D>,
+    end: End,
+    by: Option<&'a Difference>,
+    values: &'a mut [Vector<Lanes<L>, D>],
+    slopes: &'a mut [Tensor<Lanes<L>, D>],
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ForceTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let Self { kernel, step, batch, scratch, force, end, by, values, slopes } = self;
+        kernel.load(step, batch, scratch);
+        for (q, (value, all)) in values.iter_mut().zip(slopes).enumerate() {
+            let (new, old) = kernel.fields(batch, q, scratch);
+            let u = if end == End::Old { old.u } else { new.u };
+            let x = kernel.batches.positions[batch * kernel.batches.n_points + q] + u;
+            for l in 0..L {
+                let (f, slope) = force.at(end, &from_fn(|d| x.0[d].0[l]), by);
+                for i in 0..D {
+                    value.0[i].0[l] = f[i];
+                    for (to, from) in all.0[i].iter_mut().zip(slope[i]) {
+                        to.0[l] = from;
+                    }
+                }
+            }
+        }
     }
 }
