@@ -21,6 +21,10 @@ pub trait NonlinearSystem {
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError>;
     /// Whether what [`NonlinearSystem::renew`] makes is the derivative, or leaves out a part of it.
     fn is_exact(&self) -> bool;
+    /// Whether an update is so small that it only moves the iterate within its rounding.
+    fn is_negligible(&self, _delta: &[f64]) -> bool {
+        false
+    }
     /// What a new Jacobian costs, in iterations.
     fn price(&self) -> f64;
     /// `x ← x + ω δ`.
@@ -254,7 +258,10 @@ impl Newton {
             match self.advance(system, limit, fresh) {
                 Some(next) => {
                     let rate = next / norm;
-                    let rounding = fresh && is_rounding(rate, norm / reference, system.is_exact());
+                    let size = norm / reference;
+                    let rounding = fresh
+                        && rate > 0.5
+                        && (is_rounding(rate, size, system.is_exact()) || system.is_negligible(&self.delta));
                     let expected = self.expected(&report, rate);
                     self.keep = match self.settings.rate_max {
                         Some(rate_max) => rate <= rate_max,

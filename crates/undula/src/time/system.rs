@@ -79,6 +79,9 @@ fn norm_inf(r: &[f64]) -> Option<f64> {
 /// and passes over all fronts that are not behind it.
 const SETTLED: f64 = 1e-5;
 
+/// Part of v and u below which an update that does not reduce the residual is rounding.
+const NEGLIGIBLE: f64 = 1e-12;
+
 /// One step between two states.
 pub struct StepSystem<'a, const D: usize> {
     /// Assembly.
@@ -143,6 +146,15 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
 
     fn is_exact(&self) -> bool {
         self.linear.active == Linearization::Newton
+    }
+
+    /// Near a state of rest the reference goes to 0, and with it the residual that is asked for: what remains is the
+    /// rounding of stresses, which moves v and u by that of u.
+    fn is_negligible(&self, delta: &[f64]) -> bool {
+        let (n_v, n_u) = (self.new.v.len(), self.new.u.len());
+        let (v, u) = (algebra::norm_inf(&self.new.v), algebra::norm_inf(&self.new.u));
+        algebra::norm_inf(&delta[..n_v]) <= NEGLIGIBLE * v.max(u * self.rule.per_k)
+            && algebra::norm_inf(&delta[n_v..n_v + n_u]) <= NEGLIGIBLE * u
     }
 
     fn price(&self) -> f64 {
