@@ -160,7 +160,8 @@ impl<'a, T: Real> Upper<'a, T> {
     }
 }
 
-/// Packs the factors of a front that has been eliminated.
+/// Packs the factors of a front that has been eliminated. What lies behind the last row of a column is copied
+/// along: nothing reads it but whole vectors, whose last lanes are not used.
 #[inline(always)]
 pub(super) fn pack<T: Real>(front: &Front<T>, lower: &mut [T], upper: &mut [T]) {
     let sizes = front.sizes();
@@ -169,17 +170,13 @@ pub(super) fn pack<T: Real>(front: &Front<T>, lower: &mut [T], upper: &mut [T]) 
     let mut to = 0;
     for j in (0..e).step_by(BLOCK) {
         let width = (e - j).min(BLOCK);
-        for p in j..j + width {
-            lower[to..][..width].copy_from_slice(&panel[p * ld + j..][..width]);
-            to += BLOCK;
-        }
         let below = sizes.below(j + width);
-        let known = (k + ldu - j - width).min(below);
-        for p in j..j + width {
-            lower[to..][..known].copy_from_slice(&panel[p * ld + j + width..][..known]);
-            lower[to + known..to + below].fill(T::ZERO);
-            to += below;
+        let (triangle, rows) = lower[to..].split_at_mut(width * BLOCK);
+        copy_triangle(&panel[j * ld + j..], ld, width, triangle);
+        for (p, column) in rows.chunks_exact_mut(below.max(1)).take(width).enumerate() {
+            copy_whole(&panel[(j + p) * ld + j + width..], column);
         }
+        to += width * (BLOCK + below);
     }
     upper[..e * ldu].copy_from_slice(&front.upper[..e * ldu]);
     let mut to = e * ldu;
@@ -190,14 +187,28 @@ pub(super) fn pack<T: Real>(front: &Front<T>, lower: &mut [T], upper: &mut [T]) 
     }
     for j in (0..e).step_by(BLOCK).rev() {
         let width = (e - j).min(BLOCK);
-        for p in j..j + width {
-            upper[to..][..width].copy_from_slice(&panel[p * ld + j..][..width]);
-            to += BLOCK;
+        let (triangle, rows) = upper[to..].split_at_mut(width * BLOCK);
+        copy_triangle(&panel[j * ld + j..], ld, width, triangle);
+        for (p, column) in rows.chunks_exact_mut(j.max(1)).take(width).enumerate() {
+            copy_whole(&panel[(j + p) * ld..], column);
         }
-        for p in j..j + width {
-            upper[to..][..j].copy_from_slice(&panel[p * ld..][..j]);
-            to += j;
-        }
+        to += width * (BLOCK + j);
+    }
+}
+
+/// `width` columns of [`BLOCK`] rows.
+#[inline(always)]
+fn copy_triangle<T: Copy>(panel: &[T], ld: usize, width: usize, to: &mut [T]) {
+    for (p, column) in to.chunks_exact_mut(BLOCK).take(width).enumerate() {
+        column.copy_from_slice(&panel[p * ld..][..BLOCK]);
+    }
+}
+
+/// Whole blocks; calls would cost more than copying such short columns.
+#[inline(always)]
+fn copy_whole<T: Copy>(from: &[T], to: &mut [T]) {
+    for (to, from) in to.chunks_exact_mut(BLOCK).zip(from.chunks_exact(BLOCK)) {
+        to.copy_from_slice(from);
     }
 }
 
