@@ -95,7 +95,7 @@ solid     density 1000 kg/m³, st-venant-kirchhoff
           mu 2.0000e6 Pa, lambda 8.0000e6 Pa (Young 5.6000e6 Pa, Poisson 0.4000)
           waves 44.7214 m/s (shear), 109.5445 m/s (pressure)
           density ratio solid/fluid 1.000
-time      0 to 10 s, step 0.005 s, 2000 steps, theta 0.505
+time      0 to 10 s, step 0.005 s, 2000 steps, theta 0.51
 output    drag, lift, ux_A, uy_A
 ";
     assert_eq!(told, expected, "\n{told}");

@@ -93,7 +93,11 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
 
     #[inline(always)]
     fn with_slope(value: S, slope: &[S], x: &[Self]) -> Self {
-        Dual { re: value, eps: slope.iter().zip(x).fold(S::zero(), |sum, (s, x)| sum + *s * x.eps) }
+        let mut eps = S::zero();
+        for (s, x) in slope.iter().zip(x) {
+            eps += *s * x.eps;
+        }
+        Dual { re: value, eps }
     }
 
     #[inline(always)]

@@ -60,7 +60,12 @@ impl<S: Scalar, const D: usize> Place<S, D> {
     /// f and its derivative ∇f w, w the direction of the deformation `u`.
     #[inline(always)]
     pub fn force_at<T: Scalar<Value = S>>(&self, u: &Vector<T, D>) -> Vector<T, D> {
-        Vector(std::array::from_fn(|i| T::with_slope(self.force.0[i], &self.force_slope.0[i], &u.0)))
+        // A loop: std::array::from_fn is not always inlined.
+        let mut f = Vector::zero();
+        for i in 0..D {
+            f.0[i] = T::with_slope(self.force.0[i], &self.force_slope.0[i], &u.0);
+        }
+        f
     }
 
     /// No force, unit stiffness.
