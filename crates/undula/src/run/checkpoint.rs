@@ -1,0 +1,188 @@
+//! The state of a run in a checkpoint, and back.
+
+use crate::error::Error;
+use crate::nonlinear::{Age, Counters, Seconds};
+use crate::output::{Array, Checkpoint, RunDirectory};
+use crate::problem::case::{Case, OutputSpec};
+use crate::simulation::Simulation;
+use crate::space::State;
+use crate::time::adaptive::Memory;
+use crate::time::{Clock, Damping, JacobianPoint};
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// What a checkpoint says besides its arrays.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Metadata {
+    pub(super) step: u64,
+    pub(super) clock: [f64; 2],
+    /// Intervals begun and damping steps to come in Rannacher's scheme.
+    #[serde(default)]
+    damping: (u64, u32),
+    /// 1/k, θ and time of the kept Jacobian.
+    jacobian: Option<[f64; 3]>,
+    /// Its age.
+    #[serde(default)]
+    age: [u32; 3],
+    /// Bits of what Newton's method has learnt about kept Jacobians; 0: nothing.
+    #[serde(default)]
+    worsening: u32,
+    /// Steps to go with the whole Jacobian.
+    #[serde(default)]
+    detour: u32,
+    /// Next step, largest v and u, rejected steps and times of the past of step-size control.
+    #[serde(default)]
+    adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
+    counters: [u64; 3],
+    pub(super) seconds: [f64; 4],
+    pub(super) wall_seconds: f64,
+    pub(super) case: String,
+}
+
+/// A checkpoint of `simulation` as it is.
+pub(super) fn of(
+    simulation: &Simulation,
+    output_seconds: f64,
+    wall_seconds: f64,
+) -> Result<Checkpoint, Error> {
+    let stepper = &simulation.stepper;
+    let (clock, point) = (stepper.clock(), stepper.jacobian_point());
+    let (counters, seconds) = (stepper.newton.counters, stepper.newton.seconds);
+    let metadata = Metadata {
+        step: simulation.steps,
+        clock: [clock.time, clock.last_step],
+        damping: (clock.damping.interval, clock.damping.left),
+        jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
+        age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
+        worsening: stepper.newton.worsening.to_bits(),
+        detour: stepper.linear.detour,
+        adaptive: simulation.adaptive.as_ref().map(|a| {
+            let memory = &a.memory;
+            let times = memory.past.iter().map(|(t, _)| *t).collect();
+            (memory.next, memory.scales, memory.rejected, times)
+        }),
+        counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
+        seconds: [seconds.assembly, seconds.factorization, seconds.solve, output_seconds],
+        wall_seconds,
+        case: identity(&simulation.case),
+    };
+    let text = serde_json::to_string(&metadata).map_err(|e| Error::Resume(e.to_string()))?;
+    let mut checkpoint = Checkpoint { metadata: text, ..Checkpoint::default() };
+    let mut states = vec![("new", &stepper.new), ("old", &stepper.old)];
+    if let Some(point) = point {
+        states.extend([("jacobian_new", &point.new), ("jacobian_old", &point.old)]);
+    }
+    for (name, state) in states {
+        for (field, values) in [("v", &state.v), ("u", &state.u), ("p", &state.p)] {
+            checkpoint.arrays.insert(format!("{name}_{field}"), Array::F64(values.clone()));
+        }
+    }
+    for (n, (_, fields)) in simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
+        for (name, values) in ["v", "u"].into_iter().zip(fields) {
+            checkpoint.arrays.insert(format!("past{n}_{name}"), Array::F64(values.clone()));
+        }
+    }
+    Ok(checkpoint)
+}
+
+/// The case without what may change when a run goes on: its end and its output.
+pub(super) fn identity(case: &Case) -> String {
+    let mut case = case.clone();
+    if let Some(time) = &mut case.time {
+        time.end = 0.0;
+    }
+    // How the equations are solved may change: a run that broke down can go on with a smaller rate.
+    (case.newton, case.linear) = Default::default();
+    case.output = OutputSpec {
+        fields_every: 0,
+        fields_interval: case.output.fields_interval,
+        deformed: true,
+        checkpoint_every: 0,
+        leading: None,
+    };
+    case.to_toml()
+}
+
+/// Take `simulation` to the newest checkpoint of the run in `directory`; its case may differ from that of the
+/// run in all but its unknowns.
+///
+/// # Errors
+/// If there is no run or no checkpoint, or if it has other unknowns.
+pub fn restore_latest(simulation: &mut Simulation, directory: impl AsRef<Path>) -> Result<(), Error> {
+    let directory = RunDirectory::open(directory).map_err(Error::Directory)?;
+    let (checkpoint, metadata) = latest(&directory, "expected a run that has written one")?;
+    restore(simulation, &checkpoint, &metadata)
+}
+
+/// The newest sound checkpoint of a run; `advice` is for where there is none.
+pub(super) fn latest(directory: &RunDirectory, advice: &str) -> Result<(Checkpoint, Metadata), Error> {
+    let found = Checkpoint::load_latest(directory.checkpoints())?;
+    let none = || Error::Resume(format!("{} holds none; {advice}", directory.path().display()));
+    let checkpoint = found.ok_or_else(none)?.checkpoint;
+    let metadata = serde_json::from_str(&checkpoint.metadata).map_err(|e| Error::Resume(e.to_string()))?;
+    Ok((checkpoint, metadata))
+}
+
+/// Take `simulation` to a checkpoint.
+pub(super) fn restore(
+    simulation: &mut Simulation,
+    checkpoint: &Checkpoint,
+    metadata: &Metadata,
+) -> Result<(), Error> {
+    let space = &simulation.stepper.assembler.space;
+    let sizes = [("v", space.n_v()), ("u", space.n_u()), ("p", space.n_p())];
+    let state = |name: &str| -> Result<State, Error> {
+        let mut parts = vec![];
+        for (field, n) in sizes {
+            let key = format!("{name}_{field}");
+            let array = checkpoint.f64s(&key).filter(|a| a.len() == n);
+            parts.push(
+                array.ok_or_else(|| Error::Resume(format!("array {key} should have {n} numbers")))?.to_vec(),
+            );
+        }
+        let p = parts.pop().unwrap_or_default();
+        let u = parts.pop().unwrap_or_default();
+        Ok(State { v: parts.pop().unwrap_or_default(), u, p })
+    };
+    let (interval, left) = metadata.damping;
+    let damping = Damping { interval, left };
+    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1], damping };
+    let [solves, iterations, last] = metadata.age;
+    let point = match metadata.jacobian {
+        Some([per_k, theta, time]) => Some(JacobianPoint {
+            rule: simulation.stepper.settings.rule_of(per_k, theta),
+            time,
+            new: state("jacobian_new")?,
+            old: state("jacobian_old")?,
+            age: Age { solves, iterations, last },
+        }),
+        None => None,
+    };
+    let (new, old) = (state("new")?, state("old")?);
+    simulation.stepper.linear.set_detour(metadata.detour);
+    let worsening = f32::from_bits(metadata.worsening);
+    simulation.stepper.newton.worsening = if worsening.is_finite() { worsening.max(1.0) } else { 1.0 };
+    let sizes = [new.v.len(), new.u.len()];
+    simulation.restore(clock, new, old, point, metadata.step)?;
+    if let (Some(adaptive), Some((next, scales, rejected, times))) =
+        (&mut simulation.adaptive, &metadata.adaptive)
+    {
+        let mut past = vec![];
+        for (n, t) in times.iter().enumerate() {
+            let field = |name: &str, size: usize| {
+                let key = format!("past{n}_{name}");
+                let values = checkpoint.f64s(&key).filter(|a| a.len() == size);
+                let values = values.map(|a| a.to_vec());
+                values.ok_or_else(|| Error::Resume(format!("array {key} should have {size} numbers")))
+            };
+            past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
+        }
+        adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
+    }
+    let newton = &mut simulation.stepper.newton;
+    let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
+    newton.counters = Counters { newton_steps, jacobians, factorizations };
+    let [assembly, factorization, solve, _] = metadata.seconds;
+    newton.seconds = Seconds { assembly, factorization, solve };
+    Ok(())
+}
