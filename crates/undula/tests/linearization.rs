@@ -252,3 +252,20 @@ fn settings_survive_being_written() {
         assert_eq!(case, again, "{}", case.to_toml());
     }
 }
+
+/// Without being told how many iterations they may take.
+#[test]
+fn stationary_cases_are_solved_by_every_linearization() {
+    let drag = |linearization: &str| {
+        let case = builtin("fsi1", &["mesh.refine=0", linearization]);
+        let mut simulation = Simulation::new(case, 1).unwrap();
+        simulation.step().unwrap();
+        assert_eq!(simulation.stepper.linear.detour, 0, "{linearization}: the whole Jacobian was taken");
+        simulation.history[0].values[0]
+    };
+    let exact = drag("newton.linearization=newton");
+    for other in ["newton.linearization=reduced", "newton.linearization=fixed-point"] {
+        let gap = (drag(other) / exact - 1.0).abs();
+        assert!(gap < 1e-6, "{other}: {gap:e}");
+    }
+}

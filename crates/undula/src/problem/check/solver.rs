@@ -258,6 +258,9 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     let jacobian = jacobian(&mut s, linearization);
     let defaults = NewtonSpec::default();
     let is_newton = linearization != Linearization::Condensed;
+    // From rest to a stationary state at rates of 0.6 to 0.8: no smaller steps help there.
+    let is_slow = !condensed && matches!(linearization, Linearization::Reduced | Linearization::FixedPoint);
+    let max_steps = if is_slow { 200 } else { defaults.max_steps };
     let rate_max = s.optional_number("rate-max", RATE);
     let spec = NewtonSpec {
         linearization,
@@ -266,7 +269,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         secants: s.integer("secants", if is_newton { 0 } else { defaults.secants }, 0..=50),
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
         floor: s.number("floor", defaults.floor, NOT_NEGATIVE),
-        max_steps: s.integer("max-steps", defaults.max_steps, 1..=1000),
+        max_steps: s.integer("max-steps", max_steps, 1..=1000),
         extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
         line_search: s.integer("line-search", defaults.line_search, 0..=30),
     };
