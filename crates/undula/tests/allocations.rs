@@ -6,7 +6,7 @@ mod common;
 use common::builtin;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use undula::algebra::Csr;
+use undula::algebra::{Csr, Gmres, Pattern};
 use undula::assembly::StepView;
 use undula::simulation::Simulation;
 use undula::tangent::Tangent;
@@ -75,9 +75,31 @@ fn second_assembly(threads: usize, stabilised: bool) -> usize {
     })
 }
 
+/// Allocations of GMRES for another matrix, after it has had one.
+fn second_gmres() -> usize {
+    const N: usize = 3000;
+    let row = |i: usize| [i, (i + 1) % N, (i + 7) % N].map(|j| j as u32);
+    let pattern = Pattern::from_rows(&(0..N).map(row).collect::<Vec<_>>());
+    let values = (0..pattern.nnz()).map(|at| (at as f64).sin()).collect();
+    let a = Csr { pattern: pattern.into(), values };
+    let (b, mut x, weights) = (vec![1.0; N], vec![0.0; N], vec![1.0; N]);
+    let mut gmres = Gmres::new(1e-12, 10);
+    let mut count = || {
+        let before = COUNT.load(Ordering::Relaxed);
+        gmres.clear();
+        let copy = |r: &mut [f64], z: &mut [f64]| z.copy_from_slice(r);
+        assert!(gmres.solve(&a, &weights, copy, &b, &mut x).is_err(), "too easy");
+        COUNT.load(Ordering::Relaxed) - before
+    };
+    count();
+    count()
+}
+
 /// One test alone in its process: the harness would be counted, too.
 #[test]
 fn second_assembly_allocates_nothing() {
+    let gmres = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(gmres.install(second_gmres), 0, "GMRES");
     for stabilised in [false, true] {
         assert_eq!(second_assembly(1, stabilised), 0, "stabilised: {stabilised}");
         assert_eq!(second_assembly(2, stabilised), 0, "on two threads, stabilised: {stabilised}");

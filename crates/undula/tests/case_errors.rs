@@ -112,7 +112,7 @@ own.toml:49:12: newton.rate-max = 1: expected a number from 0 to below 1
 own.toml:50:12: newton.jacobian = "numeric": expected one of `automatic`, `analytic`, `finite-difference`
 own.toml:51:13: newton.max-steps = 0: expected an integer from 1 to 1000
 own.toml:52:13: newton.tolerance = 2: expected a number above 0 and below 1
-own.toml:55:10: linear.solver = "gmres": not yet available; expected one of `multifrontal`, `faer`
+own.toml:55:10: linear.solver = "gmres": it is preconditioned by factors: expected one of `multifrontal`, `faer`, which make them, and linear.krylov = "gmres"
 own.toml:59:6: functional.drag.on = []: expected an array of names, such as ["cylinder", "interface"]
 own.toml:60:13: functional.drag.component = "z": expected one of `x`, `y`
 own.toml:62:13: functional.tip.component: missing: "x" or "y"
@@ -441,6 +441,21 @@ fn senseless_motions_are_refused() {
             "motion.outer has no effect with this motion.model"
         ]
     );
+}
+
+#[test]
+fn senseless_settings_of_gmres_are_refused() {
+    for (set, words) in [
+        ("linear.krylov=bicg", "expected one of `none`, `gmres`"),
+        ("linear.krylov-tolerance=1", "expected a number above 0 and below 1"),
+        ("linear.krylov-size=0", "expected an integer from 1 to 200"),
+        ("linear.solver=gmres", "linear.krylov = \"gmres\""),
+    ] {
+        let message = wrong_builtin("fsi3", &["linear.krylov=gmres", set]);
+        assert!(message.contains(words), "{message}");
+    }
+    let case = builtin("fsi3", &["linear.krylov-size=5"]);
+    assert_eq!(case.notes(), ["linear.krylov-size has no effect: linear.krylov is not `gmres`"]);
 }
 
 /// Terms that a pair does not need, keys without effect, and patches that are not there.

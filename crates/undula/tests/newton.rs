@@ -25,9 +25,9 @@ impl NonlinearSystem for Exponential {
         Ok(())
     }
 
-    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
         delta[0] = r[0] / self.slope;
-        Ok(())
+        Ok(1)
     }
 
     fn is_exact(&self) -> bool {
@@ -138,7 +138,7 @@ fn what_cannot_be_reduced_is_rounding() {
         fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
             self.0.renew(seconds)
         }
-        fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
+        fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
             self.0.correct(r, delta)
         }
         fn is_exact(&self) -> bool {

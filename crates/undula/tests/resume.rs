@@ -63,6 +63,18 @@ fn every_scheme_resumes_with_the_same_bits() {
     check("newton", &["time.scheme=bdf2", "newton.linearization=newton"], &[2]);
 }
 
+/// Factors that are older than the step, of the condensed matrix and of the whole one, and of another part of a step.
+#[test]
+fn gmres_resumes_with_the_same_bits() {
+    for (name, set) in [
+        ("gmres-condensed", "newton.linearization=condensed"),
+        ("gmres-newton", "newton.linearization=newton"),
+        ("gmres-parts", "time.scheme=fractional-step-theta"),
+    ] {
+        check(name, &[set, "linear.krylov=gmres", "time.step=0.005", "time.end=0.04"], &[5]);
+    }
+}
+
 /// Before, within and after the damping steps.
 #[test]
 fn rannacher_resumes_within_its_damping_steps() {

@@ -4,12 +4,13 @@
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
 //! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
-//! compare it with. Every result is the same, bit for bit, for any number
+//! compare it with. [`Gmres`] makes do with factors of an older matrix. Every result is the same, bit for bit, for any number
 //! of threads.
 
 mod csr;
 mod direct;
 mod faer;
+mod gmres;
 mod multifrontal;
 #[cfg(feature = "mumps")]
 mod mumps;
@@ -20,6 +21,7 @@ mod vector;
 pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
+pub use gmres::{Gmres, GmresReport};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu, SingleLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};

@@ -187,6 +187,18 @@ pub enum SolverError {
         /// Largest backward error accepted.
         allowed: f64,
     },
+    /// An iteration with the factors of another matrix does not reduce the residual enough.
+    #[error(
+        "the linear system was not solved: residual reduced by {reduction:.1e} in {iterations} iterations, allowed {allowed:.1e}"
+    )]
+    NotConverged {
+        /// Iterations done.
+        iterations: usize,
+        /// Residual reached, relative to the right-hand side.
+        reduction: f64,
+        /// The largest accepted.
+        allowed: f64,
+    },
     /// Memory is short, or an index does not fit.
     #[error("no memory for the factors: {0}")]
     Memory(String),

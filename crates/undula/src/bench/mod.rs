@@ -73,6 +73,8 @@ pub struct Report {
     pub precision: String,
     /// All settings of Newton's method, as in case files.
     pub newton: toml::Table,
+    /// All settings of the linear solver, as in case files.
+    pub linear: toml::Table,
     /// Steps; `None` if not asked for.
     pub steps: Option<Steps>,
     /// Kernels; `None` if not asked for.
@@ -139,6 +141,7 @@ fn describe(
         solver: word("linear", "solver"),
         precision: word("linear", "precision"),
         newton: table("newton"),
+        linear: table("linear"),
         steps,
         kernels,
         machine,

@@ -2,6 +2,7 @@
 
 use super::{median, quantile};
 use crate::error::Error;
+use crate::nonlinear::Counters;
 use crate::simulation::Simulation;
 use crate::space::State;
 use crate::time::{Clock, JacobianPoint, Linearization};
@@ -75,6 +76,10 @@ pub struct Steps {
     pub newton_steps: f64,
     /// Jacobians per step.
     pub jacobians: f64,
+    /// Factorisations per step.
+    pub factorizations: f64,
+    /// Residuals per step to which factors were applied.
+    pub linear_iterations: f64,
 }
 
 /// Where every repetition starts.
@@ -128,7 +133,7 @@ pub(super) fn measure(
     start.restore(simulation)?;
     simulation.step()?;
     let (mut walls, mut means) = (Vec::with_capacity(steps * repeat), vec![]);
-    let (mut newton_steps, mut jacobians) = (0, 0);
+    let mut all = Counters::default();
     for _ in 0..repeat {
         start.restore(simulation)?;
         let done = walls.len();
@@ -138,8 +143,10 @@ pub(super) fn measure(
             walls.push(begun.elapsed().as_secs_f64());
         }
         let newton = &simulation.stepper.newton;
-        newton_steps += newton.counters.newton_steps;
-        jacobians += newton.counters.jacobians;
+        all.newton_steps += newton.counters.newton_steps;
+        all.jacobians += newton.counters.jacobians;
+        all.factorizations += newton.counters.factorizations;
+        all.linear_iterations += newton.counters.linear_iterations;
         let wall: f64 = walls[done..].iter().sum();
         let s = newton.seconds;
         let rest = wall - s.assembly - s.factorization - s.solve;
@@ -149,7 +156,7 @@ pub(super) fn measure(
         median(&means.iter().map(|mean| mean[i]).collect::<Vec<_>>())
     }));
     let n = simulation.unknowns().total as f64;
-    let all = (steps * repeat) as f64;
+    let per_step = |count: usize| count as f64 / (steps * repeat) as f64;
     Ok(Steps {
         steps,
         repeat,
@@ -159,8 +166,10 @@ pub(super) fn measure(
         seconds: Spread { median: median(&walls), fast: quantile(&walls, 0.1), slow: quantile(&walls, 0.9) },
         phases,
         per_unknown: Parts::from_array(phases.to_array().map(|x| x / n)),
-        newton_steps: newton_steps as f64 / all,
-        jacobians: jacobians as f64 / all,
+        newton_steps: per_step(all.newton_steps),
+        jacobians: per_step(all.jacobians),
+        factorizations: per_step(all.factorizations),
+        linear_iterations: per_step(all.linear_iterations),
     })
 }
 

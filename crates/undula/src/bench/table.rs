@@ -45,6 +45,11 @@ fn write_steps(f: &mut Formatter<'_>, s: &Steps) -> Result {
         s.newton_steps,
         s.jacobians
     )?;
+    writeln!(
+        f,
+        "{:.2} applications of factors, {:.3} factorisations",
+        s.linear_iterations, s.factorizations
+    )?;
     writeln!(f, "\nmean step                     ms      part   ns/unknown")?;
     for ((name, seconds), (_, per_unknown)) in s.phases.named().into_iter().zip(s.per_unknown.named()) {
         let part = 100.0 * seconds / s.phases.wall;

@@ -2,5 +2,7 @@
 
 pub mod newton;
 pub mod secants;
+mod system;
 
-pub use newton::{Age, Counters, Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};
+pub use newton::{Age, Counters, Newton, NewtonError, NewtonReport, Settings};
+pub use system::{NonlinearSystem, Seconds};

@@ -1,35 +1,9 @@
 //! Newton's method with a kept Jacobian and line search.
 
 use super::secants::Secants;
+use super::system::{NonlinearSystem, Seconds};
 use crate::algebra::SolverError;
 use std::time::Instant;
-
-/// A system `r(x) = 0` that holds its own iterate.
-pub trait NonlinearSystem {
-    /// Residual at the iterate into `r`; returns its scaled norm, or `None` where the iterate is not
-    /// admissible (the domain map has folded, or a number is not finite).
-    fn residual(&mut self, r: &mut [f64]) -> Option<f64>;
-    /// Jacobian, or what stands for it, at the iterate, ready for corrections.
-    ///
-    /// # Errors
-    /// If it is singular.
-    fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError>;
-    /// δ ← J⁻¹ r with the Jacobian at hand.
-    ///
-    /// # Errors
-    /// If it cannot be applied.
-    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError>;
-    /// Whether what [`NonlinearSystem::renew`] makes is the derivative, or leaves out a part of it.
-    fn is_exact(&self) -> bool;
-    /// Whether an update is so small that it only moves the iterate within its rounding.
-    fn is_negligible(&self, _delta: &[f64]) -> bool {
-        false
-    }
-    /// What a new Jacobian costs, in iterations.
-    fn price(&self) -> f64;
-    /// `x ← x + ω δ`.
-    fn update(&mut self, omega: f64, delta: &[f64]);
-}
 
 /// How far a full step with a new Jacobian may raise the residual above its start value.
 ///
@@ -49,6 +23,9 @@ const STAGNATION: f64 = 1e-9;
 /// Rate at which a new Jacobian of the condensed system converges in developed motion.
 const FRESH_RATE: f64 = 0.03;
 
+/// γ_nt of matrices that need no new factors, where none is given.
+const MATRIX_RATE: f64 = 0.5;
+
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Settings {
@@ -67,17 +44,6 @@ pub struct Settings {
     pub line_search: usize,
 }
 
-/// Seconds spent by phase.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Seconds {
-    /// Residuals and Jacobians.
-    pub assembly: f64,
-    /// Factorisations.
-    pub factorization: f64,
-    /// Triangular solves.
-    pub solve: f64,
-}
-
 /// Work done so far.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Counters {
@@ -87,6 +53,8 @@ pub struct Counters {
     pub jacobians: usize,
     /// Factorisations.
     pub factorizations: usize,
+    /// Iterations of the linear solver: residuals to which factors were applied.
+    pub linear_iterations: usize,
 }
 
 /// How a solve went.
@@ -96,6 +64,8 @@ pub struct NewtonReport {
     pub steps: usize,
     /// Jacobians assembled in them.
     pub jacobians: usize,
+    /// Iterations of the linear solver.
+    pub linear_iterations: usize,
     /// Scaled residual at the start and after each iteration.
     pub norms: Vec<f64>,
 }
@@ -146,12 +116,31 @@ pub struct Newton {
     pub worsening: f32,
 }
 
+/// How far a solve has come.
+struct Progress {
+    /// No γ_nt is given.
+    economic: bool,
+    /// Factors may be older than the matrix.
+    iterative: bool,
+    /// The Jacobian at the start is to be replaced.
+    due: bool,
+    /// The matrix at hand is good enough.
+    usable: bool,
+    /// It was made at the iterate,
+    matrix: bool,
+    /// and the factors with it.
+    factors: bool,
+    /// Iterations of the linear solver up to the last factorisation.
+    spent: usize,
+}
+
 /// How a kept Jacobian has done since it was made.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Age {
     /// Solves with it.
     pub solves: u32,
-    /// Iterations in them.
+    /// Iterations in them: of the linear solver where the factors may be older than the Jacobian, else of Newton's
+    /// method.
     pub iterations: u32,
     /// Iterations in the last one.
     pub last: u32,
@@ -226,27 +215,15 @@ impl Newton {
     ) -> Result<NewtonReport, NewtonError> {
         let target = (self.settings.tolerance * reference).max(self.settings.floor);
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
-        let mut fresh = false;
         self.secants.clear();
-        let economic = self.settings.rate_max.is_none();
-        let due = economic && self.keep && self.age.is_due(system.price());
+        let mut state = self.begin(system);
         while norm > target {
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
             }
-            if !self.keep {
-                self.renew(system)?;
-                report.jacobians += 1;
-                fresh = true;
-            }
-            let start = Instant::now();
-            let solved = system.correct(&self.residual, &mut self.delta);
-            if solved.is_ok() {
-                self.secants.improve(&mut self.delta);
-            }
-            self.seconds.solve += start.elapsed().as_secs_f64();
-            if let Err(error) = solved {
-                if fresh {
+            self.prepare(system, &mut state, &mut report)?;
+            if let Err(error) = self.correct(system, &mut report) {
+                if state.factors {
                     return Err(error.into());
                 }
                 self.keep = false;
@@ -254,47 +231,118 @@ impl Newton {
             }
             report.steps += 1;
             self.counters.newton_steps += 1;
+            let fresh = state.matrix;
             let limit = if fresh || report.norms.len() == 1 { GROWTH * report.norms[0] } else { norm };
             match self.advance(system, limit, fresh) {
                 Some(next) => {
                     let rate = next / norm;
                     let size = norm / reference;
-                    let rounding = fresh
+                    let rounding = state.factors
                         && rate > 0.5
                         && (is_rounding(rate, size, system.is_exact()) || system.is_negligible(&self.delta));
-                    let expected = self.expected(&report, rate);
-                    self.keep = match self.settings.rate_max {
-                        Some(rate_max) => rate <= rate_max,
-                        // Iterations to go at this rate, against a new Jacobian and those it needs.
-                        None => {
-                            let left = (target / next).ln();
-                            let renewed = system.price() + left / FRESH_RATE.ln();
-                            !(due && report.norms.len() == 1)
-                                && expected < 1.0
-                                && left / expected.ln() < renewed
-                        }
-                    };
+                    let good = self.is_good(system.price(), &report, &state, rate, (target / next).ln());
+                    *if state.iterative { &mut state.usable } else { &mut self.keep } = good;
                     norm = next;
                     report.norms.push(norm);
-                    fresh = false;
+                    (state.matrix, state.factors) = (false, false);
                     if rounding {
                         break;
                     }
                 }
                 // An old Jacobian is to blame first.
-                None if !fresh => {
-                    self.keep = false;
+                None if !state.factors => {
+                    *if fresh || !state.iterative { &mut self.keep } else { &mut state.usable } = false;
                     norm = self.norm(system).ok_or(NewtonError::Inadmissible)?;
                 }
                 None => return Err(NewtonError::Stalled { norms: report.norms }),
             }
         }
-        if economic {
+        if state.economic || state.iterative {
+            let work = if state.iterative { report.linear_iterations } else { report.steps } as u32;
             self.age.solves += 1;
-            self.age.last = report.steps as u32;
-            self.age.iterations += report.steps as u32;
+            self.age.last = work;
+            self.age.iterations += work;
         }
         Ok(report)
+    }
+
+    /// What there is at the start of a solve.
+    fn begin(&mut self, system: &mut impl NonlinearSystem) -> Progress {
+        let (economic, iterative) = (self.settings.rate_max.is_none(), system.is_iterative());
+        let due = (economic || iterative) && self.keep && self.age.is_due(system.price());
+        if iterative && due {
+            self.keep = false;
+        }
+        Progress {
+            economic,
+            iterative,
+            due: due && !iterative,
+            // A matrix is of its step alone, factors may live longer.
+            usable: !iterative,
+            matrix: false,
+            factors: false,
+            spent: 0,
+        }
+    }
+
+    /// Make what the next correction needs: factors that are not kept, the matrix where it is not good enough.
+    fn prepare(
+        &mut self,
+        system: &mut impl NonlinearSystem,
+        state: &mut Progress,
+        report: &mut NewtonReport,
+    ) -> Result<(), NewtonError> {
+        let spent = report.linear_iterations - state.spent;
+        if self.keep && state.usable {
+            return Ok(());
+        }
+        if self.keep && spent as f64 <= system.price() {
+            self.counters.jacobians += 1;
+            self.secants.clear();
+            system.refresh(&mut self.seconds)?;
+        } else {
+            self.renew(system)?;
+            state.spent = report.linear_iterations;
+            state.factors = true;
+        }
+        report.jacobians += 1;
+        (state.matrix, state.usable) = (true, true);
+        Ok(())
+    }
+
+    fn correct(
+        &mut self,
+        system: &mut impl NonlinearSystem,
+        report: &mut NewtonReport,
+    ) -> Result<(), SolverError> {
+        let start = Instant::now();
+        let solved = system.correct(&self.residual, &mut self.delta);
+        let iterations = match solved {
+            Ok(iterations) => {
+                self.secants.improve(&mut self.delta);
+                iterations
+            }
+            Err(SolverError::NotConverged { iterations, .. }) => iterations,
+            Err(_) => 0,
+        };
+        report.linear_iterations += iterations;
+        self.counters.linear_iterations += iterations;
+        self.seconds.solve += start.elapsed().as_secs_f64();
+        solved.map(|_| ())
+    }
+
+    /// Whether the Jacobian is kept after an iteration of this rate, the residual being exp(−`left`) times the wanted.
+    fn is_good(&mut self, price: f64, report: &NewtonReport, state: &Progress, rate: f64, left: f64) -> bool {
+        let expected = self.expected(report, rate);
+        let iterative = state.iterative.then_some(MATRIX_RATE);
+        match self.settings.rate_max.or(iterative) {
+            Some(rate_max) => rate <= rate_max,
+            // Iterations to go at this rate, against a new Jacobian and those it needs.
+            None => {
+                let renewed = price + left / FRESH_RATE.ln();
+                !(state.due && report.norms.len() == 1) && expected < 1.0 && left / expected.ln() < renewed
+            }
+        }
     }
 
     /// The rate of iterations to come, after one of `rate`. The first one with the Jacobian of an earlier step

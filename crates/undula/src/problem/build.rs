@@ -2,8 +2,8 @@
 
 use super::case::Precision;
 use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, MeshSource, MotionModel,
-    PressureElement, VelocityElement,
+    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, KrylovSpec, LinearSolverKind, MeshSource,
+    MotionModel, PressureElement, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -23,7 +23,9 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
 use crate::tangent::{Difference, Tangent};
-use crate::time::{Force, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings};
+use crate::time::{
+    Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
+};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -212,7 +214,9 @@ impl Case {
                 _ => Box::new(MultifrontalLu::multifrontal(options)),
             }
         });
-        let linear = Linear::new(self.newton.linearization, make);
+        let scales = self.scales(&space, largest);
+        let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
+        let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
         let newton = self.build_newton(&space);
         let settings = StepperSettings {
             scheme: self.scheme(),
@@ -226,7 +230,7 @@ impl Case {
             },
             extrapolate: self.newton.extrapolate,
             max_halvings: self.time.as_ref().map_or(0, |t| t.max_halvings),
-            scales: self.scales(&space, largest),
+            scales,
         };
         let start = self.time.as_ref().map_or(self.at_time, |t| t.start);
         let mut initial = State::zero(space.n_v(), space.n_u(), space.n_p());

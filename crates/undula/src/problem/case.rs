@@ -388,7 +388,12 @@ impl Default for NewtonSpec {
 
 impl Default for LinearSpec {
     fn default() -> Self {
-        LinearSpec { solver: LinearSolverKind::Multifrontal, refinement: 2, precision: Precision::Single }
+        LinearSpec {
+            solver: LinearSolverKind::Multifrontal,
+            refinement: 2,
+            precision: Precision::Single,
+            krylov: None,
+        }
     }
 }
 
@@ -417,6 +422,23 @@ pub struct LinearSpec {
     pub refinement: usize,
     /// Precision of the factors that only make corrections.
     pub precision: Precision,
+    /// GMRES with the factors of an older matrix, `None`: corrections from factors alone.
+    pub krylov: Option<KrylovSpec>,
+}
+
+/// GMRES, preconditioned by kept factors.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct KrylovSpec {
+    /// Residual of the linear system relative to its right-hand side.
+    pub tolerance: f64,
+    /// Iterations at most, before the factors are renewed.
+    pub size: usize,
+}
+
+impl Default for KrylovSpec {
+    fn default() -> Self {
+        KrylovSpec { tolerance: 0.03, size: 20 }
+    }
 }
 
 /// Precision of factors.

@@ -232,6 +232,11 @@ impl<'c, 'd> Section<'c, 'd> {
         }
     }
 
+    /// Whether the value of `key` is this word.
+    pub fn is_word(&mut self, key: &str, word: &str) -> bool {
+        matches!(self.item(key).map(|item| &item.value), Some(Value::String(s)) if s == word)
+    }
+
     /// One of `available`; `later` are names that are known but have nothing behind them yet.
     pub fn choice<T: Copy>(&mut self, key: &str, available: &[(&str, T)], later: &[&str]) -> Option<T> {
         let item = self.item(key)?;

@@ -305,6 +305,11 @@ impl Case {
                 Precision::Double => "double",
             },
         );
+        out.word("krylov", if self.linear.krylov.is_some() { "gmres" } else { "none" });
+        if let Some(krylov) = &self.linear.krylov {
+            out.key("krylov-tolerance", number(krylov.tolerance), "relative to the right-hand side");
+            out.key("krylov-size", krylov.size.to_string(), "iterations at most, then factors are renewed");
+        }
         out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");
     }
 }

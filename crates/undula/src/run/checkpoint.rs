@@ -34,6 +34,8 @@ pub(super) struct Metadata {
     #[serde(default)]
     adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
     counters: [u64; 3],
+    #[serde(default)]
+    linear_iterations: u64,
     pub(super) seconds: [f64; 4],
     pub(super) wall_seconds: f64,
     pub(super) case: String,
@@ -62,6 +64,7 @@ pub(super) fn of(
             (memory.next, memory.scales, memory.rejected, times)
         }),
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
+        linear_iterations: counters.linear_iterations as u64,
         seconds: [seconds.assembly, seconds.factorization, seconds.solve, output_seconds],
         wall_seconds,
         case: identity(&simulation.case),
@@ -181,7 +184,8 @@ pub(super) fn restore(
     }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
-    newton.counters = Counters { newton_steps, jacobians, factorizations };
+    let linear_iterations = metadata.linear_iterations as usize;
+    newton.counters = Counters { newton_steps, jacobians, factorizations, linear_iterations };
     let [assembly, factorization, solve, _] = metadata.seconds;
     newton.seconds = Seconds { assembly, factorization, solve };
     Ok(())

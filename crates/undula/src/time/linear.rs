@@ -1,5 +1,6 @@
 //! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p).
 
+use super::krylov::{Krylov, KrylovSettings};
 use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
@@ -28,12 +29,17 @@ const DETOUR: u32 = 10;
 /// A new Jacobian in iterations where the solver does not tell what it does.
 const TYPICAL_PRICE: f64 = 5.0;
 
-/// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and the overhead of its fronts, and
-/// for the residual and vectors of an iteration; operations and bytes of the factors per nanosecond.
+/// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and the overhead of its fronts, for that
+/// alone, and for the residual and vectors of an iteration; operations and bytes of the factors per nanosecond.
 const JACOBIAN: f64 = 300.0;
+const FRONTS: f64 = 100.0;
 const ITERATION: f64 = 25.0;
 const OPERATIONS: f64 = 30.0;
 const BYTES: f64 = 5.0;
+
+/// Bytes of an entry of a matrix, and for a row those of the vectors of an iteration of GMRES.
+const ENTRY: f64 = 12.0;
+const ROW: f64 = 100.0;
 
 /// The whole matrix and the condensed one, each made when first needed.
 pub struct Linear {
@@ -44,31 +50,35 @@ pub struct Linear {
     /// Steps to go with the whole Jacobian after that has failed.
     pub detour: u32,
     make: MakeSolver,
-    full: Option<Full>,
-    condensed: Option<Condensed>,
+    /// GMRES, if factors may be older than the matrix.
+    pub(super) krylov: Option<KrylovSettings>,
+    pub(super) full: Option<Full>,
+    pub(super) condensed: Option<Condensed>,
 }
 
-struct Full {
-    matrix: Csr,
-    solver: Box<dyn LinearSolver>,
-    /// Rule of the step that the matrix is of.
-    rule: StepRule,
+pub(super) struct Full {
+    pub(super) matrix: Csr,
+    pub(super) solver: Box<dyn LinearSolver>,
+    /// Rule of the step that the factors are of.
+    pub(super) rule: StepRule,
+    pub(super) krylov: Option<Krylov>,
     /// A right-hand side that had to be scaled.
     work: Vec<f64>,
 }
 
-struct Condensed {
-    system: Arc<CondensedSystem>,
-    matrix: Csr,
-    solver: Box<dyn LinearSolver>,
-    /// Rule of the step that the matrix is of.
-    rule: StepRule,
+pub(super) struct Condensed {
+    pub(super) system: Arc<CondensedSystem>,
+    pub(super) matrix: Csr,
+    pub(super) solver: Box<dyn LinearSolver>,
+    /// Rule of the step that the factors are of.
+    pub(super) rule: StepRule,
+    pub(super) krylov: Option<Krylov>,
     extension: Option<Extension>,
     /// Nodes where δu = kθ δv.
     relation: Vec<u32>,
-    b: Vec<f64>,
-    x: Vec<f64>,
-    work: Vec<f64>,
+    pub(super) b: Vec<f64>,
+    pub(super) x: Vec<f64>,
+    pub(super) work: Vec<f64>,
 }
 
 struct Extension {
@@ -81,7 +91,14 @@ struct Extension {
 impl Linear {
     /// Nothing is prepared yet.
     pub fn new(chosen: Linearization, make: MakeSolver) -> Linear {
-        Linear { active: chosen, chosen, detour: 0, make, full: None, condensed: None }
+        Linear { active: chosen, chosen, detour: 0, make, krylov: None, full: None, condensed: None }
+    }
+
+    /// With GMRES: factors are kept longer than matrices.
+    #[must_use]
+    pub fn with_krylov(mut self, settings: Option<KrylovSettings>) -> Linear {
+        self.krylov = settings;
+        self
     }
 
     /// Take the whole Jacobian for some steps; `false` if it is in use already.
@@ -128,9 +145,10 @@ impl Linear {
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
                 let full = match &mut self.full {
                     Some(full) => full,
-                    none => none.insert(Full::new(assembler, (self.make)(Purpose::Exact))?),
+                    none => none.insert(Full::new(assembler, (self.make)(Purpose::Exact), self.krylov)?),
                 };
                 full.rule = view.rule;
+                full.krylov.iter_mut().for_each(|krylov| krylov.active = false);
                 assembler.matrix(view, self.active, tangent, &mut full.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
@@ -144,9 +162,10 @@ impl Linear {
                         condensed.renew_extension(assembler, view)?;
                         condensed
                     }
-                    none => none.insert(Condensed::new(assembler, view, &self.make)?),
+                    none => none.insert(Condensed::new(assembler, view, &self.make, self.krylov)?),
                 };
                 condensed.rule = view.rule;
+                condensed.krylov.iter_mut().for_each(|krylov| krylov.active = false);
                 assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
@@ -159,7 +178,7 @@ impl Linear {
     }
 
     /// δ from the residual `r` \[v, u, p\] by the factors at hand; with `settled` the condensed system takes the
-    /// residual of the extension for zero, which is cheaper.
+    /// residual of the extension for zero, which is cheaper. Returns how many times factors were applied.
     ///
     /// # Errors
     /// If the solution is inaccurate or there are no factors.
@@ -170,31 +189,36 @@ impl Linear {
         settled: bool,
         r: &[f64],
         delta: &mut [f64],
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
         match (self.active, &mut self.full, &mut self.condensed) {
             (Linearization::Condensed, _, Some(condensed)) => {
-                condensed.correct(assembler, view, settled, r, delta);
-                Ok(())
+                condensed.correct(assembler, view, settled, r, delta)
             }
             (Linearization::Condensed, ..) | (_, None, _) => Err(SolverError::NotFactored),
             (_, Some(full), _) => full.correct(assembler, view, r, delta),
         }
     }
 
-    /// What a new Jacobian costs, in iterations: estimated from numbers of unknowns, operations and bytes, so
-    /// that it is the same on every run.
+    /// What a new Jacobian costs, in iterations, or with GMRES its factors in those: estimated from numbers of
+    /// unknowns, operations and bytes, so that it is the same on every run.
     pub fn price(&self) -> f64 {
-        let (unknowns, factors, others) = match (self.active, &self.full, &self.condensed) {
+        let (unknowns, matrix, solver, others) = match (self.active, &self.full, &self.condensed) {
             (Linearization::Condensed, _, Some(condensed)) => {
                 let others = condensed.extension.as_ref().and_then(|e| e.solver.predicted());
-                (condensed.work.len(), condensed.solver.predicted(), others)
+                (condensed.work.len(), &condensed.matrix, &condensed.solver, others)
             }
             (Linearization::Condensed, ..) | (_, None, _) => return TYPICAL_PRICE,
-            (_, Some(full), _) => (full.matrix.pattern.n, full.solver.predicted(), None),
+            (_, Some(full), _) => (full.matrix.pattern.n, &full.matrix, &full.solver, None),
         };
-        let (Some(factors), unknowns) = (factors, unknowns as f64) else { return TYPICAL_PRICE };
+        let (Some(factors), unknowns) = (solver.predicted(), unknowns as f64) else { return TYPICAL_PRICE };
         let bytes = |cost: &Cost| cost.bytes.unwrap_or(0) as f64;
-        let renewal = JACOBIAN * unknowns + factors.flops.unwrap_or(0.0) / OPERATIONS;
+        let numeric = factors.flops.unwrap_or(0.0) / OPERATIONS;
+        if self.krylov.is_some() {
+            let (rows, entries) = (matrix.pattern.n as f64, matrix.pattern.nnz() as f64);
+            let iteration = (bytes(&factors) + ENTRY * entries + ROW * rows) / BYTES;
+            return (FRONTS * unknowns + numeric) / iteration;
+        }
+        let renewal = JACOBIAN * unknowns + numeric;
         let iteration = ITERATION * unknowns + (bytes(&factors) + others.as_ref().map_or(0.0, bytes)) / BYTES;
         renewal / iteration
     }
@@ -217,7 +241,7 @@ impl Linear {
         if follow && self.condensed.is_none() {
             // What goes wrong here goes wrong again, and is told, where the matrix is made.
             let view = StepView { rule, new, old };
-            self.condensed = Condensed::new(assembler, &view, &self.make).ok();
+            self.condensed = Condensed::new(assembler, &view, &self.make, self.krylov).ok();
         }
         let mut condensed = self.condensed.as_mut().filter(|_| follow);
         if let Some(condensed) = &mut condensed {
@@ -248,14 +272,14 @@ fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = us
 
 /// How many times the matrix of a step by `rule` is that of one by `of`, where this is all that differs: in k⁻¹M + θA
 /// with equal kθ, as in the parts of fractional-step θ. `None`: once, or more differs.
-fn ratio(of: &StepRule, rule: &StepRule) -> Option<f64> {
+pub(super) fn ratio(of: &StepRule, rule: &StepRule) -> Option<f64> {
     let coupling = |rule: &StepRule| rule.theta / rule.per_k;
     let equal = (coupling(of) - coupling(rule)).abs() <= 1e-9 * coupling(rule);
     (equal && of.per_k != rule.per_k).then_some(rule.per_k / of.per_k)
 }
 
 /// Scale the rows that have k⁻¹M + θA: momentum and velocity-deformation relation.
-fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, r: &mut [f64]) {
+pub(super) fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, r: &mut [f64]) {
     let space = &assembler.space;
     let (v, rest) = r.split_at_mut(space.n_v());
     v.iter_mut().for_each(|r| *r *= factor);
@@ -265,7 +289,7 @@ fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, r: &mut [f6
 }
 
 /// The pressure is not multiplied by θ: its correction makes up for the scaled rows.
-fn scale_pressure<const D: usize>(assembler: &Assembler<D>, factor: f64, delta: &mut [f64]) {
+pub(super) fn scale_pressure<const D: usize>(assembler: &Assembler<D>, factor: f64, delta: &mut [f64]) {
     let space = &assembler.space;
     delta[space.n_v() + space.n_u()..].iter_mut().for_each(|p| *p *= factor);
 }
@@ -274,10 +298,13 @@ impl Full {
     fn new<const D: usize>(
         assembler: &mut Assembler<D>,
         mut solver: Box<dyn LinearSolver>,
+        krylov: Option<KrylovSettings>,
     ) -> Result<Full, SolverError> {
         let pattern = assembler.pattern();
         solver.analyse(&pattern, &assembler.unknowns())?;
-        Ok(Full { matrix: Csr::zeros(&pattern), solver, rule: StepRule::STATIONARY, work: vec![] })
+        let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n));
+        let matrix = Csr::zeros(&pattern);
+        Ok(Full { matrix, solver, rule: StepRule::STATIONARY, krylov, work: vec![] })
     }
 
     fn correct<const D: usize>(
@@ -286,16 +313,19 @@ impl Full {
         view: &StepView<'_>,
         r: &[f64],
         delta: &mut [f64],
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
+        if self.krylov.as_ref().is_some_and(|krylov| krylov.active) {
+            return self.iterate(assembler, &view.rule, r, delta);
+        }
         let Some(ratio) = ratio(&self.rule, &view.rule) else {
-            return self.solver.solve(&self.matrix, r, delta).map(|_| ());
+            return Ok(1 + self.solver.solve(&self.matrix, r, delta)?.refinements);
         };
         self.work.clear();
         self.work.extend_from_slice(r);
         scale_rows(assembler, 1.0 / ratio, &mut self.work);
-        self.solver.solve(&self.matrix, &self.work, delta)?;
+        let report = self.solver.solve(&self.matrix, &self.work, delta)?;
         scale_pressure(assembler, ratio, delta);
-        Ok(())
+        Ok(1 + report.refinements)
     }
 }
 
@@ -304,6 +334,7 @@ impl Condensed {
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         make: &MakeSolver,
+        krylov: Option<KrylovSettings>,
     ) -> Result<Condensed, SolverError> {
         let system = assembler.condensed();
         let mut solver = make(Purpose::Correction);
@@ -328,6 +359,7 @@ impl Condensed {
             matrix: Csr::zeros(&system.pattern),
             solver,
             rule: StepRule::STATIONARY,
+            krylov: krylov.map(|settings| Krylov::new(settings, n)),
             extension,
             relation,
             b: vec![0.0; n],
@@ -357,9 +389,11 @@ impl Condensed {
         settled: bool,
         r: &[f64],
         delta: &mut [f64],
-    ) {
+    ) -> Result<usize, SolverError> {
         self.work.copy_from_slice(r);
-        let ratio = ratio(&self.rule, &view.rule);
+        let stale = self.krylov.as_ref().is_some_and(|krylov| krylov.active);
+        // The blocks of the cells are those of the matrix, not of the factors.
+        let ratio = ratio(&self.rule, &view.rule).filter(|_| !stale);
         if let Some(ratio) = ratio {
             scale_rows(assembler, 1.0 / ratio, &mut self.work);
         }
@@ -367,7 +401,12 @@ impl Condensed {
         for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
             *b = self.work[place as usize];
         }
-        self.solver.apply(&self.b, &mut self.x);
+        let iterations = if stale {
+            self.iterate(assembler, &view.rule)?
+        } else {
+            self.solver.apply(&self.b, &mut self.x);
+            1
+        };
         delta.fill(0.0);
         for (x, &place) in self.x.iter().zip(&self.system.places) {
             delta[place as usize] = *x;
@@ -393,6 +432,7 @@ impl Condensed {
                 delta[place as usize] = *x;
             }
         }
+        Ok(iterations)
     }
 
     /// Subtract from `u` the extension of the update of the solid in `work`, whose other entries are zero.

@@ -3,6 +3,7 @@
 pub mod adaptive;
 mod attempt;
 mod halves;
+mod krylov;
 pub mod linear;
 pub mod parts;
 pub mod report;
@@ -14,6 +15,7 @@ pub mod system;
 
 pub use crate::tangent::Linearization;
 pub use adaptive::{Adaptive, AdaptiveSettings};
+pub use krylov::KrylovSettings;
 pub use linear::{Linear, MakeSolver, Purpose};
 pub use report::{StepFailure, StepReport};
 pub use restart::{Clock, JacobianPoint};

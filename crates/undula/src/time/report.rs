@@ -38,7 +38,7 @@ pub struct StepFailure {
 impl StepReport {
     /// Of one step without division.
     pub(super) fn new(newton: NewtonReport, norms: BlockNorms, min_j: f64) -> StepReport {
-        let NewtonReport { steps, jacobians, norms: residuals } = newton;
+        let NewtonReport { steps, jacobians, norms: residuals, .. } = newton;
         StepReport { newton_steps: steps, jacobians, parts: 1, norms, min_j, residuals }
     }
 

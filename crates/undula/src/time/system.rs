@@ -45,6 +45,21 @@ impl BlockNorms {
 }
 
 impl Scales {
+    /// Factors `[v, u, p]` of the rows that give their residuals this unit, for a step with 1/k = `per_k`.
+    pub fn weights<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, out: &mut [f64]) {
+        let k = if per_k > 0.0 { 1.0 / per_k } else { 1.0 };
+        let (v, rest) = out.split_at_mut(space.n_v());
+        let (u, p) = rest.split_at_mut(space.n_u());
+        v.fill(k / self.mass);
+        p.fill(1.0 / self.size.powi(D as i32 - 1));
+        for (u, owner) in u.chunks_exact_mut(D).zip(&space.owner) {
+            u.fill(match owner {
+                PsiOwner::Extension => 1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2)),
+                PsiOwner::Relation => 1.0 / self.size.powi(D as i32),
+            });
+        }
+    }
+
     /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`; `None` if not finite.
     pub fn norms<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
         let k = if per_k > 0.0 { 1.0 / per_k } else { 1.0 };
@@ -138,14 +153,23 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         self.linear.renew(self.assembler, &view, self.tangent, seconds)
     }
 
-    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<(), SolverError> {
+    fn is_iterative(&self) -> bool {
+        self.linear.is_iterative()
+    }
+
+    fn refresh(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
+        let view = StepView { rule: self.rule, new: self.new, old: self.old };
+        self.linear.refresh(self.assembler, &view, self.tangent, seconds)
+    }
+
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
         let settled = self.norms.extension < SETTLED * self.norms.max();
         self.linear.correct(self.assembler, &view, settled, r, delta)
     }
 
     fn is_exact(&self) -> bool {
-        self.linear.active == Linearization::Newton
+        self.linear.active == Linearization::Newton && !self.linear.is_iterative()
     }
 
     /// Near a state of rest the reference goes to 0, and with it the residual that is asked for: what remains is the

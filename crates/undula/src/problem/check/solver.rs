@@ -1,7 +1,7 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
 use crate::problem::case::{
-    AdaptiveSettings, DomainMotion, FunctionalSpec, JacobianKind, LinearSolverKind, LinearSpec,
+    AdaptiveSettings, DomainMotion, FunctionalSpec, JacobianKind, KrylovSpec, LinearSolverKind, LinearSpec,
     Linearization, NewtonSpec, OutputSpec, Precision, TimeScheme, TimeSpec,
 };
 use crate::problem::error::suggestion;
@@ -279,12 +279,35 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
 
 pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
     let known = [("multifrontal", LinearSolverKind::Multifrontal), ("faer", LinearSolverKind::Faer)];
-    let solver = s.choice("solver", &known, &["gmres", "umfpack", "mumps"]);
+    let solver = if s.is_word("solver", "gmres") {
+        let message = "it is preconditioned by factors: expected one of `multifrontal`, `faer`, which make them, and \
+                       linear.krylov = \"gmres\"";
+        s.wrong("solver", message);
+        None
+    } else {
+        s.choice("solver", &known, &["umfpack", "mumps"])
+    };
     let refinement = s.integer("refinement", 2, 0..=20);
     let precisions = [("single", Precision::Single), ("double", Precision::Double)];
     let precision = s.choice("precision", &precisions, &[]).unwrap_or(Precision::Single);
+    let krylov = krylov(&mut s);
     s.finish();
-    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement, precision }
+    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement, precision, krylov }
+}
+
+/// GMRES on top of the factors: `krylov`, `krylov-tolerance`, `krylov-size`.
+fn krylov(s: &mut Section<'_, '_>) -> Option<KrylovSpec> {
+    let defaults = KrylovSpec::default();
+    let wanted = s.choice("krylov", &[("none", false), ("gmres", true)], &[]).unwrap_or(false);
+    let tolerance = s.number("krylov-tolerance", defaults.tolerance, REDUCTION);
+    let size = s.integer("krylov-size", defaults.size, 1..=200);
+    for key in ["krylov-tolerance", "krylov-size"] {
+        if s.has(key) && !wanted {
+            let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
+            s.checker.notes.borrow_mut().push(note);
+        }
+    }
+    wanted.then_some(KrylovSpec { tolerance, size })
 }
 
 /// `names` are all functionals of the file, `present` those that are evaluated.
