@@ -66,6 +66,8 @@ pub(super) struct Front<T> {
     pub row_from: Vec<u32>,
     /// The same for columns.
     pub col_from: Vec<u32>,
+    /// Whether rows, and columns, have changed places.
+    pub moved: (bool, bool),
     /// Place of the first delayed pivot among the pivots of the parent.
     pub delayed_to: usize,
     /// Vector of the triangular solves, one number per row.
@@ -109,6 +111,7 @@ impl<T: Real> Front<T> {
     /// Takes memory and sets all numbers to zero for `k` pivots and `r` rows, but not those of `rest`.
     pub fn reset(&mut self, k: usize, r: usize, panel: Buffer<T>, upper: Buffer<T>, rest: Buffer<T>) {
         (self.k, self.r, self.e) = (k, r, 0);
+        self.moved = (false, false);
         (self.panel, self.upper, self.rest) = (panel, upper, rest);
         let zeros = |v: &mut Buffer<T>, n: usize| {
             v.resize(n);
@@ -246,12 +249,14 @@ impl<T: Real> Front<T> {
         }
         swap_chunks(&mut self.upper, ldu, a, b);
         self.row_from.swap(a, b);
+        self.moved.0 = true;
     }
 
     fn swap_columns(&mut self, a: usize, b: usize) {
         let ld = self.ld();
         swap_chunks(&mut self.panel, ld, a, b);
         self.col_from.swap(a, b);
+        self.moved.1 |= a != b;
     }
 
     /// Applies the pivots from `start` on to the columns from the next one to `stop`.

@@ -134,7 +134,10 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
             let shape = &symbolic.fronts[g];
             let end = shape.first + shape.k;
             if let Some(next) = self.fronts[..=self.f - start].get(g - start + 1) {
-                prefetch(factors.lower(&symbolic.fronts[g + 1], next).all());
+                let shape = &symbolic.fronts[g + 1];
+                prefetch(factors.lower(shape, next).all());
+                prefetch(&next.work);
+                prefetch(&shape.runs);
             }
             let fronts = &mut self.fronts[..=g - start];
             if let Some(front) = collect(symbolic, g, fronts, &self.b[..end - first]) {
@@ -167,6 +170,8 @@ impl<T: Real, const DEFINITE: bool> WithSimd for BackwardTask<'_, '_, T, DEFINIT
             let shape = &symbolic.fronts[start + g];
             if g > 0 {
                 let (shape, front) = (&symbolic.fronts[start + g - 1], &self.fronts[g - 1]);
+                prefetch(&front.work);
+                prefetch(&shape.runs);
                 if DEFINITE {
                     prefetch(factors.lower(shape, front).all());
                 } else {
@@ -231,7 +236,9 @@ fn collect<'a, T: Real>(
         return None;
     }
     flush(x);
-    gather(&front.row_from, x, &mut front.spare);
+    if front.moved.0 {
+        gather(&front.row_from, x, &mut front.spare);
+    }
     Some(front)
 }
 
@@ -252,7 +259,9 @@ fn look_up<T: Real>(shape: &Shape, front: &mut Front<T>, parent: Parent<T>) {
 /// The solution of a front, to the end of `x`.
 #[inline(always)]
 fn hand_out<T: Real>(shape: &Shape, front: &mut Front<T>, x: &mut [T]) {
-    scatter(&front.col_from, &mut front.work, &mut front.spare);
+    if front.moved.1 {
+        scatter(&front.col_from, &mut front.work, &mut front.spare);
+    }
     let n = x.len();
     x[n - shape.k..].copy_from_slice(&front.work[..shape.k]);
 }
