@@ -6,7 +6,8 @@
 //!     cargo bench --bench factor                        # generated matrices
 //!     cargo bench --bench factor -- FILE.bin...         # stored systems
 //!     cargo bench --bench factor -- 88x44               # generated ones of this name
-//!     cargo bench --bench factor -- single faer         # these solvers; all but faer are the usual ones
+//!     cargo bench --bench factor -- single faer         # these solvers; definite ones
+//!                                               # (L D Lᵀ, in single precision) for extension.bin
 //!     cargo bench --bench factor --features mumps -- single double mumps     # all orderings of MUMPS
 //!     RAYON_NUM_THREADS=1 cargo bench --bench factor
 //!
@@ -95,7 +96,7 @@ fn measure_all() {
 }
 
 /// What can be measured.
-const SOLVERS: [&str; 4] = ["single", "double", "faer", "mumps"];
+const SOLVERS: [&str; 5] = ["single", "double", "definite", "faer", "mumps"];
 
 fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
     let times = (1_000_000 / b.len()).clamp(5, 101) | 1;
@@ -105,6 +106,10 @@ fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
             "single" => {
                 let options = Options { refinement: 30, ..double };
                 measure(name, system, b, &mut SingleLu::single(options), times);
+            }
+            "definite" => {
+                let options = Options { refinement: 30, ..double };
+                measure(name, system, b, &mut SingleLu::definite(options), times);
             }
             "double" => measure(name, system, b, &mut MultifrontalLu::multifrontal(double), times),
             "faer" => measure(name, system, b, &mut FaerLu::faer(double), 1),

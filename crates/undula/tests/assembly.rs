@@ -118,6 +118,9 @@ fn jacobian_is_the_derivative_of_the_residual() {
             }
         }
     }
+    for (degree, pressure) in [(3, Pdc(2)), (4, Pdc(3))] {
+        check_jacobian(&coupled_in(quadrilaterals(degree, pressure), FSI), RULES[0], Tangent::Automatic);
+    }
 }
 
 /// Largest difference of two matrices of one pattern, relative to the largest entry of the row.
@@ -252,12 +255,16 @@ fn jacobian_of(extension: Extension, pair: Pair, tangents: &[Tangent]) {
     tangents.iter().for_each(|&tangent| check_jacobian(&problem, RULES[0], tangent));
 }
 
+/// Whole tables, and sums over one coordinate after the other.
+const BOTH_WAYS: [Pair; 2] = [quadrilaterals(2, Pdc(1)), quadrilaterals(3, Pdc(2))];
+
 #[test]
 fn lanes_agree_to_rounding() {
-    let problem = coupled(FSI, Pdc(1));
-    for tangent in [Tangent::Automatic, Tangent::Analytic] {
+    let tangents = [Tangent::Automatic, Tangent::Analytic];
+    for (pair, tangent) in BOTH_WAYS.into_iter().flat_map(|pair| tangents.map(|tangent| (pair, tangent))) {
+        let problem = coupled_in(pair, FSI);
         let with = |lanes| {
-            let options = Options { lanes, threads: 1, quadrature: QUADRATURE };
+            let options = Options { lanes, threads: 1, quadrature: pair.quadrature() };
             let (residual, matrix, _) = assembled(&problem, &options, RULES[0], tangent);
             (residual, matrix)
         };
@@ -275,12 +282,12 @@ fn lanes_agree_to_rounding() {
 
 #[test]
 fn threads_agree_bit_for_bit() {
-    for pressure in [Pdc(1), Continuous(1)] {
-        let problem = coupled(FSI, pressure);
+    for pair in BOTH_WAYS.into_iter().chain([quadrilaterals(2, Continuous(1))]) {
+        let problem = coupled_in(pair, FSI);
         let with = |threads, lanes| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let options = Options { lanes, threads, quadrature: QUADRATURE };
+                let options = Options { lanes, threads, quadrature: pair.quadrature() };
                 let (residual, matrix, _) = assembled(&problem, &options, RULES[0], Tangent::Automatic);
                 (residual, matrix.values)
             })

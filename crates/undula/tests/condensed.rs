@@ -7,7 +7,7 @@ mod manufactured;
 use common::{SCHEMES, builtin};
 use manufactured::*;
 use std::sync::Arc;
-use undula::algebra::{Csr, MultifrontalLu, Options as LinearOptions};
+use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
@@ -42,7 +42,19 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
 }
 
 fn linear(kind: Linearization) -> Linear {
-    Linear::new(kind, Box::new(|_: Purpose| Box::new(MultifrontalLu::multifrontal(LinearOptions::default()))))
+    linear_with(kind, |_| {})
+}
+
+fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> Linear {
+    let options = LinearOptions::default();
+    let make = move |purpose| {
+        told(purpose);
+        Box::new(match purpose {
+            Purpose::Definite => MultifrontalLu::definite(options),
+            Purpose::Exact | Purpose::Correction => MultifrontalLu::multifrontal(options),
+        }) as Box<dyn LinearSolver>
+    };
+    Linear::new(kind, Box::new(make))
 }
 
 fn largest(x: &[f64]) -> f64 {
@@ -132,6 +144,28 @@ fn the_correction_solves_the_condensed_system() {
     let bdf2 = StepRule { per_k: 27.0, ..StepRule::theta(1.0, 1.0) };
     for rule in [bdf2, StepRule::galerkin(0.05), StepRule { inertia: MIDPOINT, ..RULE }] {
         check(FSI, Pdc(1), rule, &options());
+    }
+}
+
+/// A constant extension is factorised as the symmetric operator that it is.
+#[test]
+fn constant_extensions_are_definite() {
+    use undula::physics::{Extension::*, Fluid};
+    for (model, expected) in [
+        (Harmonic, Purpose::Definite),
+        (PseudoElastic { poisson: 0.3 }, Purpose::Definite),
+        (PseudoElastic { poisson: -0.4 }, Purpose::Definite),
+        (JacobianStiffened { poisson: 0.1, lagged: true }, Purpose::Correction),
+    ] {
+        let problem = coupled(Physics { fluid: Some(Fluid { extension: model, ..FLUID }), ..FSI }, Pdc(1));
+        let mut assembler = problem.assembler(&options());
+        let state = random(&problem, 91, [1.0, 0.01, 1.0]);
+        let view = StepView { rule: RULE, new: &state, old: &state };
+        let (sender, receiver) = std::sync::mpsc::channel();
+        let mut linear = linear_with(Linearization::Condensed, move |purpose| sender.send(purpose).unwrap());
+        linear.renew(&mut assembler, &view, Tangent::Analytic, &mut Seconds::default()).unwrap();
+        let purposes: Vec<Purpose> = receiver.try_iter().collect();
+        assert_eq!(purposes, [Purpose::Correction, expected], "{model:?}");
     }
 }
 

@@ -123,6 +123,30 @@ impl Csr {
         rows.map(of_task).reduce(|| 0.0, f64::max)
     }
 
+    /// Whether the pattern is symmetric, and a_ij and a_ji differ by no more than `tolerance` times √|a_ii a_jj|.
+    pub fn is_symmetric(&self, tolerance: f64) -> bool {
+        let Pattern { n, row_ptr, col } = &*self.pattern;
+        let diagonal: Vec<Option<usize>> = (0..*n).map(|i| self.pattern.find(i, i)).collect();
+        let Some(diagonal) = diagonal.into_iter().collect::<Option<Vec<usize>>>() else { return false };
+        let size: Vec<f64> = diagonal.iter().map(|&at| self.values[at].abs().sqrt()).collect();
+        // Rows come in their order: the next entry right of the diagonal of row j belongs to the next row with a
+        // column j.
+        let mut next: Vec<usize> = diagonal.iter().map(|at| at + 1).collect();
+        for i in 0..*n {
+            for at in row_ptr[i]..diagonal[i] {
+                let j = col[at] as usize;
+                let mirror = next[j];
+                next[j] += 1;
+                let difference = || (self.values[at] - self.values[mirror]).abs();
+                let there = mirror < row_ptr[j + 1] && col[mirror] as usize == i;
+                if !there || !(difference() <= tolerance * size[i] * size[j]) {
+                    return false;
+                }
+            }
+        }
+        (0..*n).all(|j| next[j] == row_ptr[j + 1])
+    }
+
     fn for_rows(&self, x: &[f64], y: &mut [f64], put: impl Fn(&mut f64, f64) + Sync) {
         let Pattern { n, row_ptr, col } = &*self.pattern;
         assert_eq!((x.len(), y.len()), (*n, *n), "vectors do not fit the matrix");

@@ -69,6 +69,11 @@ pub trait Backend: Send {
         None
     }
 
+    /// Whether matrices are taken to be symmetric positive definite: then both sides are scaled alike.
+    fn is_definite(&self) -> bool {
+        false
+    }
+
     /// Relative error of one rounding in the factors.
     fn roundoff(&self) -> f64 {
         0.5 * f64::EPSILON
@@ -80,6 +85,8 @@ pub trait Backend: Send {
 pub enum Failure {
     /// No pivot for the unknown of this number.
     ZeroPivot(usize),
+    /// A pivot that is not positive, for the unknown of this number, where all should be.
+    NotDefinite(usize),
     /// Memory is short, or an index does not fit.
     Memory(String),
 }
@@ -302,9 +309,14 @@ impl<B: Backend> LinearSolver for Direct<B> {
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
         self.check_pattern(a)?;
         (self.factored, self.norm) = (false, None);
-        self.scaling.update(a, &self.unknowns)?;
+        if self.backend.is_definite() {
+            self.scaling.update_definite(a, &self.unknowns)?;
+        } else {
+            self.scaling.update(a, &self.unknowns)?;
+        }
         let cost = self.backend.factor(a, &self.scaling).map_err(|failure| match failure {
             Failure::Memory(what) => SolverError::Memory(what),
+            Failure::NotDefinite(index) => SolverError::NotDefinite { index, unknown: self.unknowns[index] },
             Failure::ZeroPivot(index) => {
                 SolverError::Singular { condition: f64::INFINITY, index, unknown: self.unknowns[index] }
             }

@@ -4,7 +4,8 @@
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
 //! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
-//! compare it with. [`Gmres`] makes do with factors of an older matrix. Every result is the same, bit for bit, for any number
+//! compare it with; `definite` is for symmetric positive definite matrices, and stores half. [`Gmres`] makes do with
+//! factors of an older matrix. Every result is the same, bit for bit, for any number
 //! of threads.
 
 mod csr;

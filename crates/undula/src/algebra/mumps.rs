@@ -167,6 +167,7 @@ impl Backend for MumpsBackend {
                 flops: Some(instance.rinfog[2]),
                 delayed: usize::try_from(instance.infog[12]).unwrap_or(0),
                 bytes: Some(8 * millions(instance.infog[28])),
+                read: None,
             }),
             (-10, _) => Err(Failure::ZeroPivot(0)),
             _ => Err(Failure::Memory(format!("MUMPS: INFOG(1) = {code}"))),

@@ -46,6 +46,23 @@ impl Scaling {
         Ok(())
     }
 
+    /// The same for a symmetric positive definite `a`, which `R A R` still is: its diagonal is about one.
+    ///
+    /// # Errors
+    /// A diagonal entry that is not positive, with its unknown.
+    pub fn update_definite(&mut self, a: &Csr, unknowns: &[Unknown]) -> Result<(), SolverError> {
+        self.row.clear();
+        for i in 0..a.pattern.n {
+            let diagonal = a.pattern.find(i, i).map_or(0.0, |at| a.values[at]);
+            if !(diagonal > 0.0 && diagonal.is_finite()) {
+                return Err(SolverError::NotDefinite { index: i, unknown: unknowns[i] });
+            }
+            self.row.push(inverse(diagonal.sqrt()));
+        }
+        self.col.clone_from(&self.row);
+        Ok(())
+    }
+
     /// `col` ← largest entry of each column of `R A`.
     fn column_maxima(&mut self, a: &Csr) {
         let n = a.pattern.n;

@@ -83,6 +83,8 @@ pub struct Cost {
     pub delayed: usize,
     /// Memory held by the factors; in a prediction, by their entries alone.
     pub bytes: Option<usize>,
+    /// Memory that a substitution reads, as far as it is entries of the factors.
+    pub read: Option<usize>,
 }
 
 /// Outcome of [`LinearSolver::factor`].
@@ -170,6 +172,14 @@ pub enum SolverError {
         /// Estimate in scaled variables; infinite for a zero pivot.
         condition: f64,
         /// Number of the unknown where the null vector is largest.
+        index: usize,
+        /// What it is.
+        unknown: Unknown,
+    },
+    /// A matrix that should be symmetric positive definite is not.
+    #[error("the matrix is not positive definite: pivot of the {unknown}")]
+    NotDefinite {
+        /// Number of the first unknown whose pivot is not positive.
         index: usize,
         /// What it is.
         unknown: Unknown,

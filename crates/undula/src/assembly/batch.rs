@@ -1,6 +1,7 @@
 //! Cells of one region, `L` at a time.
 
 use super::chunks::chunks;
+use super::tensor::TensorBasis;
 use crate::element::{BasisTable, Quadrature};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::space::FsiSpace;
@@ -35,6 +36,8 @@ pub struct Batches<const D: usize, const L: usize> {
     pub pressure_basis: Vec<Lanes<L>>,
     /// Basis of v and u: `[point][basis][1 + D]`, value first, then reference gradient.
     pub basis: Vec<f64>,
+    /// The same as products, where sums over one coordinate after the other are faster.
+    pub tensor: Option<TensorBasis>,
     /// Basis functions of v and u in a cell.
     pub n_basis: usize,
     /// Pressure basis functions in a cell.
@@ -73,6 +76,7 @@ impl<const D: usize, const L: usize> Batches<D, L> {
             points: vec![],
             pressure_basis: vec![],
             basis: interleave(&table),
+            tensor: TensorBasis::new(mesh.shape, space.nodes.degree, quadrature),
             n_basis,
             n_pressure,
             n_points,
@@ -144,7 +148,7 @@ impl<const D: usize, const L: usize> Batches<D, L> {
 }
 
 /// `[point][basis][1 + D]` from values and gradients.
-fn interleave(table: &BasisTable) -> Vec<f64> {
+pub(super) fn interleave(table: &BasisTable) -> Vec<f64> {
     let mut out = vec![];
     for q in 0..table.n_points {
         for a in 0..table.n_basis {

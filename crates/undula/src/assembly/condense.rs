@@ -168,6 +168,7 @@ where
                     blocks,
                     slots: &interior.slots[batch * outer * outer..(batch + 1) * outer * outer],
                     piece: &mut s.piece,
+                    work: &mut s.tensor.matrices,
                     matrix: &mut s.matrix,
                     factors: pieces.of(batch),
                     out: &shared,

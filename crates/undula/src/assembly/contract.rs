@@ -1,5 +1,8 @@
 //! BᵀDB: from the tangent at the points of a cell to blocks of its matrix.
 
+use super::simd::Width;
+use super::tensor::TensorBasis;
+use super::tensor::matrices::BlockTask;
 use crate::math::{Lanes, Scalar};
 use crate::physics::Couplings;
 use crate::physics::form::Block;
@@ -117,19 +120,25 @@ pub struct Tangents<'a, const D: usize, const L: usize> {
     pub n_pressure: usize,
     /// Points.
     pub n_points: usize,
+    /// The basis of v and u as products, where that is faster.
+    pub tensor: Option<&'a TensorBasis>,
 }
 
-impl<const D: usize, const L: usize> Tangents<'_, D, L> {
+impl<const D: usize, const L: usize> Tangents<'_, D, L>
+where
+    Lanes<L>: Width,
+{
     const COMPONENTS: usize = 2 * (D + D * D) + 1;
 
-    /// The element matrix of `piece`, `[row basis][column basis]`, into `out`.
+    /// The element matrix of `piece`, `[row basis][column basis]`, into `out`; `work` is that of the tensor basis.
     #[inline(always)]
-    pub fn contract(&self, piece: &Piece, out: &mut [Lanes<L>]) {
+    pub fn contract(&self, piece: &Piece, out: &mut [Lanes<L>], work: &mut [Lanes<L>]) {
         out.fill(Lanes::zero());
         match (piece.test, piece.trial) {
             (Test::Xi, Trial::P) => self.pressures(piece, out),
             (Test::Xi, _) => self.divergence(piece, out),
             (_, Trial::P) => self.pressure(piece, out),
+            _ if let Some(basis) = self.tensor => self.factorized(basis, piece, out, work),
             _ => match piece.block {
                 Block::Mass => self.vector::<0, 1>(piece, out),
                 Block::Stiffness => self.vector::<1, 0>(piece, out),
@@ -172,6 +181,21 @@ impl<const D: usize, const L: usize> Tangents<'_, D, L> {
                 }
             }
         }
+    }
+
+    /// The same by sums over one coordinate after the other.
+    #[inline(always)]
+    fn factorized(&self, basis: &TensorBasis, piece: &Piece, out: &mut [Lanes<L>], work: &mut [Lanes<L>]) {
+        let (row, column) = (piece.test.component(D), piece.trial.component(D));
+        let mut entries = [[0; 4]; 4];
+        for alpha in 0..1 + D {
+            for beta in 0..1 + D {
+                entries[alpha][beta] = nth::<D>(column, beta) * Self::COMPONENTS + nth::<D>(row, alpha);
+            }
+        }
+        let (step, block) = (Self::COMPONENTS * Self::COMPONENTS, piece.block);
+        let tangent = self.tangent;
+        Lanes::<L>::dispatch(BlockTask::<D, L> { basis, tangent, entries, step, block, out, work });
     }
 
     /// p against φ: gradients of φ only.

@@ -5,6 +5,48 @@ use super::scatter::{DROP, Shared};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::Tested;
 
+/// A vector field at a point, or what stands before a test function: value and reference gradient.
+#[derive(Copy, Clone, Debug)]
+pub struct AtPoint<const D: usize, const L: usize> {
+    /// Value.
+    pub value: Vector<Lanes<L>, D>,
+    /// Derivatives with respect to ξ.
+    pub grad: Tensor<Lanes<L>, D>,
+}
+
+impl<const D: usize, const L: usize> AtPoint<D, L> {
+    /// Value and gradient with respect to x.
+    #[inline(always)]
+    pub fn mapped(&self, inverse: &Tensor<Lanes<L>, D>) -> (Vector<Lanes<L>, D>, Tensor<Lanes<L>, D>) {
+        (self.value, self.grad * *inverse)
+    }
+
+    /// The value as part 0, the derivative with respect to ξ_d as part d = 1, …, D.
+    #[inline(always)]
+    pub fn part(&self, part: usize) -> Vector<Lanes<L>, D> {
+        if part == 0 {
+            return self.value;
+        }
+        let mut x = Vector::zero();
+        for i in 0..D {
+            x.0[i] = self.grad.0[i][part - 1];
+        }
+        x
+    }
+
+    /// Set [`AtPoint::part`].
+    #[inline(always)]
+    pub fn set(&mut self, part: usize, x: Vector<Lanes<L>, D>) {
+        if part == 0 {
+            self.value = x;
+            return;
+        }
+        for i in 0..D {
+            self.grad.0[i][part - 1] = x.0[i];
+        }
+    }
+}
+
 /// Coefficients of the nodes of `L` cells: `out[a][i]` from `x[node · D + i]`.
 #[inline(always)]
 pub fn gather<const D: usize, const L: usize>(

@@ -133,6 +133,7 @@ where
                         tangents: self.tangents(batch, &s.tangent),
                         piece,
                         block,
+                        work: &mut s.tensor.matrices,
                     });
                     for (at, value) in block.iter().enumerate() {
                         let rows = &self.rows_psi[batch * n + at / n];

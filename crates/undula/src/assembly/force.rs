@@ -109,7 +109,7 @@ where
     #[inline(always)]
     fn run(self) {
         let Self { kernel, step, batch, scratch, force, end, by, values, slopes } = self;
-        kernel.load(step, batch, scratch);
+        kernel.load(step, batch, scratch, true);
         for (q, (value, all)) in values.iter_mut().zip(slopes).enumerate() {
             let (new, old) = kernel.fields(batch, q, scratch);
             let u = if end == End::Old { old.u } else { new.u };

@@ -16,7 +16,7 @@ use super::batch::Batches;
 use super::chunks::Copies;
 use super::contract::{Piece, Tangents, Test, Trial};
 use super::scatter::Shared;
-use super::simd::Task;
+use super::simd::{Task, Width};
 use crate::element::Shape;
 use crate::math::{Lanes, Scalar};
 use crate::space::PressureKind;
@@ -132,12 +132,17 @@ pub(super) struct CondenseTask<'a, const D: usize, const L: usize> {
     pub(super) blocks: &'a FacetBlocks,
     pub(super) slots: &'a [[u32; L]],
     pub(super) piece: &'a mut [Lanes<L>],
+    /// For sums over one coordinate after the other.
+    pub(super) work: &'a mut [Lanes<L>],
     pub(super) matrix: &'a mut [Lanes<L>],
     pub(super) factors: &'a mut [Lanes<L>],
     pub(super) out: &'a Shared<'a>,
 }
 
-impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L> {
+impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let Layout { node, pressure, outer, all } = self.layout;
@@ -148,7 +153,7 @@ impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L> {
             let (rows, columns) =
                 (if piece.test == Test::Xi { m } else { n }, if piece.trial == Trial::P { m } else { n });
             let block = &mut self.piece[..rows * columns];
-            self.tangents.contract(piece, block);
+            self.tangents.contract(piece, block, self.work);
             for (a, line) in block.chunks_exact(columns).enumerate() {
                 let row = match piece.test {
                     Test::Phi(i) | Test::Psi(i) => node[a] + i,

@@ -3,14 +3,14 @@
 use super::batch::Batches;
 use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
-use super::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar};
 use super::folds::Corners;
 use super::interior::Interior;
 use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
 use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
+use super::tensor::TensorScratch;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
-use crate::physics::{Fields, Place, StepRule};
+use crate::physics::{Fields, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
 use crate::tangent::{ByHand, Linearization, Tangent};
 use rayon::prelude::*;
@@ -47,6 +47,7 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
     /// (v, p) matrix of the cells, and a vector of its size.
     pub(super) matrix: Vec<Lanes<L>>,
     pub(super) outer: Vec<Lanes<L>>,
+    pub(super) tensor: TensorScratch<D, L>,
 }
 
 /// A region with its equations `F`, `L` cells at a time.
@@ -122,6 +123,7 @@ where
             piece: vec![Lanes::zero(); n * n.max(m)],
             matrix: vec![Lanes::zero(); (n * D + m).pow(2)],
             outer: vec![Lanes::zero(); n * D + m],
+            tensor: TensorScratch::new(batches.tensor.as_ref()),
         });
         let (n_v, n_u) = (space.n_v() as u32, space.n_u() as u32);
         let owner = if region == Region::Solid { PsiOwner::Relation } else { PsiOwner::Extension };
@@ -339,57 +341,7 @@ where
             n_basis: b.n_basis,
             n_pressure: b.n_pressure,
             n_points: b.n_points,
+            tensor: b.tensor.as_ref(),
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn basis(&self, q: usize) -> &[f64] {
-        let n = self.batches.n_basis * (1 + D);
-        &self.batches.basis[q * n..(q + 1) * n]
-    }
-
-    #[inline(always)]
-    pub(super) fn place(&self, force: &ForceField<D, L>, point: usize) -> Place<Lanes<L>, D> {
-        let force = if force.is_empty() { Vector::zero() } else { force[point] };
-        let slope = if self.force_slope.is_empty() { Tensor::zero() } else { self.force_slope[point] };
-        Place { force, force_slope: slope, stiffness: self.batches.points[point].stiffness }
-    }
-
-    /// Gather both ends of the step.
-    #[inline(always)]
-    pub(super) fn load(&self, step: &StepView<'_>, batch: usize, s: &mut Scratch<D, L>) {
-        let (n, m) = (self.batches.n_basis, self.batches.n_pressure);
-        let nodes = &self.batches.nodes[batch * n..(batch + 1) * n];
-        gather(nodes, &step.new.v, &mut s.v);
-        gather(nodes, &step.old.v, &mut s.v_old);
-        if self.deforms {
-            gather(nodes, &step.new.u, &mut s.u);
-            gather(nodes, &step.old.u, &mut s.u_old);
-        }
-        if m > 0 {
-            gather_scalar(&self.batches.pressure[batch * m..(batch + 1) * m], &step.new.p, &mut s.p);
-        }
-    }
-
-    /// Fields of the new and the old time at point `q` of batch `batch`.
-    #[inline(always)]
-    pub(super) fn fields(
-        &self,
-        batch: usize,
-        q: usize,
-        s: &Scratch<D, L>,
-    ) -> (Fields<Lanes<L>, D>, Fields<Lanes<L>, D>) {
-        let index = batch * self.batches.n_points + q;
-        let inverse = &self.batches.points[index].inverse;
-        let basis = self.basis(q);
-        let (v, grad_v) = interpolate(basis, &s.v, inverse);
-        let (v_old, grad_v_old) = interpolate(basis, &s.v_old, inverse);
-        let zero = (Vector::zero(), Tensor::zero());
-        let (u, grad_u) = if self.deforms { interpolate(basis, &s.u, inverse) } else { zero };
-        let (u_old, grad_u_old) = if self.deforms { interpolate(basis, &s.u_old, inverse) } else { zero };
-        let m = self.batches.n_pressure;
-        let p = interpolate_scalar(&self.batches.pressure_basis[index * m..(index + 1) * m], &s.p);
-        let new = Fields { v, grad_v, u, grad_u, p };
-        (new, Fields { v: v_old, grad_v: grad_v_old, u: u_old, grad_u: grad_u_old, p: Lanes::zero() })
     }
 }

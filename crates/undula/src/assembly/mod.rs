@@ -13,6 +13,7 @@ pub mod differences;
 pub mod evaluate;
 pub mod extension;
 pub mod facets;
+mod fields;
 mod folds;
 pub mod force;
 pub mod interior;
@@ -24,6 +25,7 @@ pub mod simd;
 pub mod stabilize;
 mod tangents;
 mod tasks;
+pub mod tensor;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};

@@ -212,7 +212,7 @@ where
             Directions::All => (k.deforms, 0.0),
             Directions::Condensed { coupling } => (false, coupling),
         };
-        k.load(self.step, batch, s);
+        k.load(self.step, batch, s, true);
         for q in 0..b.n_points {
             let index = batch * b.n_points + q;
             let (new, old) = k.fields(batch, q, s);

@@ -2,7 +2,7 @@
 //! is compiled for the vector width of its numbers, see [`super::simd`].
 
 use super::contract::{Piece, Tangents, Test, Trial};
-use super::evaluate::{pull_back, scatter, test};
+use super::evaluate::{pull_back, scatter};
 use super::kernel::{Kernel, Scratch, StepView};
 use super::scatter::Shared;
 use super::simd::{Task, Width};
@@ -28,7 +28,7 @@ where
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
-        k.load(self.step, batch, s);
+        k.load(self.step, batch, s, true);
         s.phi.fill(Vector::zero());
         s.psi.fill(Vector::zero());
         s.xi.fill(Lanes::zero());
@@ -43,15 +43,13 @@ where
                 min_j[l] = min_j[l].min(j.0[l]);
             }
             let r = pull_back(&r, &b.points[index]);
-            test(k.basis(q), &r.phi, &r.grad_phi, &mut s.phi);
-            if k.deforms {
-                test(k.basis(q), &r.psi, &r.grad_psi, &mut s.psi);
-            }
+            k.test(q, &r, s);
             let m = b.n_pressure;
             for (xi, basis) in s.xi.iter_mut().zip(&b.pressure_basis[index * m..(index + 1) * m]) {
                 xi.add_product_lanes(*basis, r.xi);
             }
         }
+        k.finish_tests(s);
         let (n, m, active) = (b.n_basis, b.n_pressure, b.active[batch]);
         scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
         if k.deforms {
@@ -84,7 +82,7 @@ where
     fn run(self) {
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
-        k.load(self.step, batch, s);
+        k.load(self.step, batch, s, false);
         s.phi.fill(Vector::zero());
         s.psi.fill(Vector::zero());
         for q in 0..b.n_points {
@@ -93,11 +91,9 @@ where
             let mut r = Tested::zero();
             self.step.rule.explicit(&k.form, &k.place(&k.force_old, index), &old, &mut r);
             let r = pull_back(&r, &b.points[index]);
-            test(k.basis(q), &r.phi, &r.grad_phi, &mut s.phi);
-            if k.deforms {
-                test(k.basis(q), &r.psi, &r.grad_psi, &mut s.psi);
-            }
+            k.test(q, &r, s);
         }
+        k.finish_tests(s);
         let (n, active) = (b.n_basis, b.active[batch]);
         scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
         if k.deforms {
@@ -129,8 +125,8 @@ where
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
         let tangents = k.tangents(batch, &s.tangent);
         let reduced = linearization == Linearization::Reduced && !k.relation();
-        let (pieces, piece) = (&k.pieces, &mut s.piece);
-        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, out });
+        let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, work, out });
     }
 }
 
@@ -142,10 +138,15 @@ struct ContractTask<'a, const D: usize, const L: usize> {
     reduced: bool,
     slots: &'a [[u32; L]],
     piece: &'a mut [Lanes<L>],
+    /// For sums over one coordinate after the other.
+    work: &'a mut [Lanes<L>],
     out: &'a Shared<'a>,
 }
 
-impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L> {
+impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
         let (n, m) = (self.tangents.n_basis, self.tangents.n_pressure);
@@ -159,7 +160,7 @@ impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L> {
                 continue;
             }
             let block = &mut self.piece[..size];
-            self.tangents.contract(piece, block);
+            self.tangents.contract(piece, block, self.work);
             for (slot, value) in here.iter().zip(block.iter()) {
                 for l in 0..L {
                     self.out.add(slot[l], value.0[l]);
@@ -174,11 +175,15 @@ pub(super) struct PieceTask<'a, const D: usize, const L: usize> {
     pub(super) tangents: Tangents<'a, D, L>,
     pub(super) piece: &'a Piece,
     pub(super) block: &'a mut [Lanes<L>],
+    pub(super) work: &'a mut [Lanes<L>],
 }
 
-impl<const D: usize, const L: usize> Task for PieceTask<'_, D, L> {
+impl<const D: usize, const L: usize> Task for PieceTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
     #[inline(always)]
     fn run(self) {
-        self.tangents.contract(self.piece, self.block);
+        self.tangents.contract(self.piece, self.block, self.work);
     }
 }

@@ -212,7 +212,9 @@ fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
     };
     let all = at.assembler.unknowns();
     let unknowns: Vec<Unknown> = system.places.iter().map(|&place| all[place as usize]).collect();
-    [_, kernels.factor_extension, kernels.apply_extension] = single(&system.matrix, &unknowns)?;
+    let solver = SingleLu::definite(Options::unprobed());
+    [_, kernels.factor_extension, kernels.apply_extension] =
+        factors(solver, &system.matrix, &unknowns, size_of::<f32>())?;
     if kernels.factor_extension.is_none() {
         kernels.leave_out(&names, LARGE_FACTORS);
     }
@@ -237,8 +239,8 @@ fn factors<B: Backend>(
     let seconds = begun.elapsed().as_secs_f64();
     let analyse = Some(Timing { seconds, calls: 1, flops: None, bytes: None });
     let cost = solver.predicted().unwrap_or_default();
-    let fill = cost.fill.map(|fill| fill as f64);
-    let bytes = fill.map(|fill| fill * size as f64);
+    let bytes = cost.bytes.map(|bytes| bytes as f64);
+    let read = cost.read.map(|read| read as f64);
     if bytes.is_some_and(|bytes| bytes > LARGEST_FACTORS) {
         return Ok([analyse, None, None]);
     }
@@ -250,7 +252,7 @@ fn factors<B: Backend>(
     let mut x = vec![0.0; b.len()];
     let apply = timing(|| solver.apply(&b, &mut x));
     let factor = Timing { flops: cost.flops, bytes, ..factor };
-    let apply = Timing { flops: fill.map(|fill| 2.0 * fill), bytes, ..apply };
+    let apply = Timing { flops: read.map(|read| 2.0 * read / size as f64), bytes: read, ..apply };
     Ok([analyse, Some(factor), Some(apply)])
 }
 

@@ -10,4 +10,4 @@ pub mod table;
 pub use fluctuation::{Fine, Fluctuation};
 pub use quadrature::Quadrature;
 pub use shape::Shape;
-pub use table::BasisTable;
+pub use table::{BasisTable, LineTable};

@@ -1,5 +1,6 @@
 //! An element as numbers: basis functions at given points.
 
+use super::quadrature::gauss;
 use super::{Quadrature, Shape, lagrange};
 
 /// Values and reference gradients of a nodal basis at the points of a rule.
@@ -53,5 +54,32 @@ impl BasisTable {
     pub fn grad(&self, q: usize) -> &[f64] {
         let n = self.n_basis * self.dim;
         &self.grad[q * n..(q + 1) * n]
+    }
+}
+
+/// The basis of degree k on `[0, 1]` at Gauss points: what a table of a tensor-product cell consists of,
+/// φ_a(ξ_q) = Π_d φ_{a_d}(ξ_{q_d}), first coordinate fastest in a and in q.
+#[derive(Clone, Debug)]
+pub struct LineTable {
+    /// Number of basis functions, k + 1.
+    pub n_basis: usize,
+    /// Number of points.
+    pub n_points: usize,
+    /// `[point][basis]`.
+    pub value: Vec<f64>,
+    /// `[point][basis]`.
+    pub slope: Vec<f64>,
+}
+
+impl LineTable {
+    /// Degree `k` at the points of the Gauss rule with `n_points` points, those of [`Quadrature::cell`].
+    pub fn lagrange(k: usize, n_points: usize) -> LineTable {
+        let (mut value, mut slope) = (vec![], vec![]);
+        for x in gauss(n_points).0 {
+            let (v, s) = lagrange::basis_1d(k, x);
+            value.extend(v);
+            slope.extend(s);
+        }
+        LineTable { n_basis: k + 1, n_points, value, slope }
     }
 }

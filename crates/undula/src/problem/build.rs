@@ -206,11 +206,13 @@ impl Case {
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
             let options = match purpose {
                 Purpose::Exact => linear,
-                Purpose::Correction => algebra::Options::unprobed(),
+                Purpose::Correction | Purpose::Definite => algebra::Options::unprobed(),
             };
             match (kind, precision, purpose) {
                 (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
                 (_, Precision::Single, Purpose::Correction) => Box::new(SingleLu::single(options)),
+                (_, Precision::Single, Purpose::Definite) => Box::new(SingleLu::definite(options)),
+                (_, Precision::Double, Purpose::Definite) => Box::new(MultifrontalLu::definite(options)),
                 _ => Box::new(MultifrontalLu::multifrontal(options)),
             }
         });

@@ -1,7 +1,7 @@
 //! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p).
 
 use super::krylov::{Krylov, KrylovSettings};
-use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
+use crate::algebra::{Cost, Csr, LinearSolver, SolverError, Unknown};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::nonlinear::Seconds;
@@ -21,6 +21,8 @@ pub enum Purpose {
     Exact,
     /// Corrections in an iteration that sees its own residual.
     Correction,
+    /// The same where the matrix is symmetric and should be positive definite.
+    Definite,
 }
 
 /// Steps with the whole Jacobian after one that another linearisation could not do.
@@ -28,6 +30,9 @@ const DETOUR: u32 = 10;
 
 /// A new Jacobian in iterations where the solver does not tell what it does.
 const TYPICAL_PRICE: f64 = 5.0;
+
+/// Difference of two entries of the extension, relative to their diagonals, that is rounding.
+const SYMMETRIC: f64 = 1e-10;
 
 /// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and the overhead of its fronts, for that
 /// alone, and for the residual and vectors of an iteration; operations and bytes of the factors per nanosecond.
@@ -211,7 +216,7 @@ impl Linear {
             (_, Some(full), _) => (full.matrix.pattern.n, &full.matrix, &full.solver, None),
         };
         let (Some(factors), unknowns) = (solver.predicted(), unknowns as f64) else { return TYPICAL_PRICE };
-        let bytes = |cost: &Cost| cost.bytes.unwrap_or(0) as f64;
+        let bytes = |cost: &Cost| cost.read.unwrap_or(0) as f64;
         let numeric = factors.flops.unwrap_or(0.0) / OPERATIONS;
         if self.krylov.is_some() {
             let (rows, entries) = (matrix.pattern.n as f64, matrix.pattern.nnz() as f64);
@@ -329,6 +334,30 @@ impl Full {
     }
 }
 
+impl Extension {
+    fn new(
+        system: ExtensionSystem,
+        all: &[Unknown],
+        purpose: Purpose,
+        make: &MakeSolver,
+    ) -> Result<Extension, SolverError> {
+        let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
+        let factor = |purpose| {
+            let mut solver = make(purpose);
+            solver.analyse(&system.matrix.pattern, &unknowns)?;
+            solver.factor(&system.matrix)?;
+            Ok(solver)
+        };
+        let solver = match factor(purpose) {
+            // To rounding, in single precision: an operator that is nearly singular.
+            Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
+            result => result?,
+        };
+        let n = system.places.len();
+        Ok(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] })
+    }
+}
+
 impl Condensed {
     fn new<const D: usize>(
         assembler: &mut Assembler<D>,
@@ -342,15 +371,16 @@ impl Condensed {
         let extension = match assembler.extension(view) {
             None => None,
             Some(system) => {
-                // Of fourth order: single precision is not enough for the condition of its matrix.
-                let fourth = assembler.is_biharmonic();
-                let mut solver = make(if fourth { Purpose::Exact } else { Purpose::Correction });
-                let all = assembler.unknowns();
-                let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
-                solver.analyse(&system.matrix.pattern, &unknowns)?;
-                solver.factor(&system.matrix)?;
-                let n = system.places.len();
-                Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] })
+                let constant = assembler.extension_is_constant();
+                let purpose = if assembler.is_biharmonic() {
+                    // Of fourth order: single precision is not enough for the condition of its matrix.
+                    Purpose::Exact
+                } else if constant && system.matrix.is_symmetric(SYMMETRIC) {
+                    Purpose::Definite
+                } else {
+                    Purpose::Correction
+                };
+                Some(Extension::new(system, &assembler.unknowns(), purpose, make)?)
             }
         };
         let relation = relation(assembler).map(|node| node as u32).collect();

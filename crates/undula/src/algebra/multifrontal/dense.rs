@@ -5,6 +5,7 @@
 
 use super::factors::{BLOCK, Lower, Sizes, Upper};
 use super::kernels::{flush, gemv_sub, gemv_transposed_sub, substitute_lower, substitute_upper};
+use super::prefetch::prefetch;
 use super::real::Real;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
@@ -143,6 +144,7 @@ fn lower<T: Real, S: Simd>(simd: S, factor: Lower<T>, pivots: Range<usize>, end:
         let width = (pivots.end - j).min(BLOCK);
         let (now, later) = x[j..].split_at_mut(width);
         let (triangle, below, ld_below) = factor.block(j, width);
+        prefetch(factor.ahead(j + width));
         let triangle = (triangle, BLOCK);
         match width {
             1 => {}
@@ -193,7 +195,7 @@ fn upper<T: Real, S: Simd>(simd: S, factor: Upper<T>, pivots: Range<usize>, x: &
 mod tests {
     use super::*;
     use crate::algebra::multifrontal::buffer::Buffer;
-    use crate::algebra::multifrontal::factors::{Factors, pack};
+    use crate::algebra::multifrontal::factors::{Factors, pack_lower, pack_upper};
     use crate::algebra::multifrontal::front::Front;
     use crate::algebra::multifrontal::symbolic::Shape;
     use crate::algebra::vector::pseudo_random_sign;
@@ -210,8 +212,9 @@ mod tests {
         }
         front.upper.iter_mut().enumerate().for_each(|(i, v)| *v = T::of(1e-2 * pseudo_random_sign(i)));
         let sizes = front.sizes();
-        let mut factors = Factors::new(sizes.lower(), sizes.upper());
-        pack(&front, &mut factors.lower, &mut factors.upper);
+        let mut factors = Factors::new(sizes.lower(), sizes.upper(), false);
+        pack_lower(&front, false, &mut factors.lower);
+        pack_upper(&front, &mut factors.upper);
         let shape = Shape::default();
         let start: Vec<T> = (0..ld + 16).map(|i| T::of((i as f64).sin())).collect();
         let solve = |large: bool| {

@@ -6,6 +6,9 @@
 //!     L: block by block   triangle, leading dimension BLOCK | rows below, P − (pivots up to here)
 //!     U: U12ᵀ, e columns of padded(r) | pivots × delayed, padded(e) | from the last block: triangle | rows above
 //! ```
+//! A symmetric factorisation has L alone, with the inverse pivots on the diagonals of its triangles, and reads it twice. It
+//! lies where U would, its blocks from the last to the first, as they are read on the way down: on the way up a
+//! right-hand side is often zero in most of the tree.
 //! A front with delayed pivots has other sizes than the analysis has foreseen, and memory of its own.
 
 use super::buffer::Buffer;
@@ -15,6 +18,9 @@ use super::symbolic::Shape;
 
 /// Pivots applied at a time: as many columns of the factors are read side by side.
 pub(super) const BLOCK: usize = 8;
+
+/// Numbers of a front from which on its blocks are asked for one by one.
+const AHEAD: usize = 1 << 15;
 
 /// What determines the places of all numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,30 +76,40 @@ impl Sizes {
     }
 }
 
+/// Numbers of a front in the memory of L and in that of U.
+pub(super) fn stored(sizes: Sizes, definite: bool) -> (usize, usize) {
+    if definite { (0, sizes.lower()) } else { (sizes.lower(), sizes.upper()) }
+}
+
 /// The factors of all fronts.
 #[derive(Debug, Default)]
 pub(super) struct Factors<T> {
     pub lower: Buffer<T>,
     pub upper: Buffer<T>,
+    /// Whether there is L alone, in the memory of U.
+    pub definite: bool,
 }
 
 impl<T: Real> Factors<T> {
     /// Memory for `lower` and `upper` numbers.
-    pub fn new(lower: usize, upper: usize) -> Self {
+    pub fn new(lower: usize, upper: usize, definite: bool) -> Self {
         let zeros = |n: usize| {
             let mut buffer = Buffer::with_capacity(n + SLACK);
             buffer.resize(n + SLACK);
             buffer
         };
-        Self { lower: zeros(lower), upper: zeros(upper) }
+        Self { lower: zeros(lower), upper: zeros(upper), definite }
     }
 
     /// L of a front.
     #[inline(always)]
     pub fn lower<'a>(&'a self, shape: &Shape, front: &'a Front<T>) -> Lower<'a, T> {
         let sizes = front.sizes();
+        if self.definite {
+            return Lower { data: &self.upper[shape.upper..], sizes, end: sizes.lower() };
+        }
         let data = if front.spill.is_empty() { &self.lower[shape.lower..] } else { &front.spill };
-        Lower { data, sizes }
+        Lower { data, sizes, end: 0 }
     }
 
     /// U of a front.
@@ -111,14 +127,31 @@ impl<T: Real> Factors<T> {
 pub(super) struct Lower<'a, T> {
     data: &'a [T],
     pub sizes: Sizes,
+    /// Where the first block ends if the last one comes first, else 0.
+    end: usize,
 }
 
 impl<'a, T: Real> Lower<'a, T> {
     /// The `width` pivots from `j` on: their triangle, the rows below, and the leading dimension of those.
     #[inline(always)]
     pub fn block(self, j: usize, width: usize) -> (&'a [T], &'a [T], usize) {
-        let (triangle, rows) = self.data[self.sizes.lower_at(j)..].split_at(width * BLOCK);
-        (triangle, rows, self.sizes.below(j + width))
+        let below = self.sizes.below(j + width);
+        let at = self.sizes.lower_at(j);
+        let start = if self.end > 0 { self.end - at - width * (BLOCK + below) } else { at };
+        let (triangle, rows) = self.data[start..].split_at(width * BLOCK);
+        (triangle, rows, below)
+    }
+
+    /// The block from pivot `j` on, to be asked for ahead where it does not follow in memory and the front is too
+    /// large to have been asked for as a whole; else nothing.
+    #[inline(always)]
+    pub fn ahead(self, j: usize) -> &'a [T] {
+        if self.end < AHEAD || j >= self.sizes.e {
+            return &[];
+        }
+        let width = (self.sizes.e - j).min(BLOCK);
+        let end = self.end - self.sizes.lower_at(j);
+        &self.data[end - width * (BLOCK + self.sizes.below(j + width))..end]
     }
 
     /// All numbers, to be asked for ahead.
@@ -160,24 +193,31 @@ impl<'a, T: Real> Upper<'a, T> {
     }
 }
 
-/// Packs the factors of a front that has been eliminated. What lies behind the last row of a column is copied
-/// along: nothing reads it but whole vectors, whose last lanes are not used.
+/// Packs L of a front that has been eliminated, its last block first if `definite`. What lies behind the last row of a
+/// column is copied along: nothing reads it but whole vectors, whose last lanes are not used.
 #[inline(always)]
-pub(super) fn pack<T: Real>(front: &Front<T>, lower: &mut [T], upper: &mut [T]) {
+pub(super) fn pack_lower<T: Real>(front: &Front<T>, definite: bool, lower: &mut [T]) {
     let sizes = front.sizes();
-    let Sizes { k, e, r } = sizes;
-    let (panel, ld, ldu) = (&front.panel[..], front.ld(), padded(r));
-    let mut to = 0;
+    let (panel, ld, e) = (&front.panel[..], front.ld(), sizes.e);
+    let (mut to, total) = (0, sizes.lower());
     for j in (0..e).step_by(BLOCK) {
         let width = (e - j).min(BLOCK);
         let below = sizes.below(j + width);
-        let (triangle, rows) = lower[to..].split_at_mut(width * BLOCK);
+        let start = if definite { total - to - width * (BLOCK + below) } else { to };
+        let (triangle, rows) = lower[start..].split_at_mut(width * BLOCK);
         copy_triangle(&panel[j * ld + j..], ld, width, triangle);
         for (p, column) in rows.chunks_exact_mut(below.max(1)).take(width).enumerate() {
             copy_whole(&panel[(j + p) * ld + j + width..], column);
         }
         to += width * (BLOCK + below);
     }
+}
+
+/// Packs U, in the same way.
+#[inline(always)]
+pub(super) fn pack_upper<T: Real>(front: &Front<T>, upper: &mut [T]) {
+    let Sizes { k, e, r } = front.sizes();
+    let (panel, ld, ldu) = (&front.panel[..], front.ld(), padded(r));
     upper[..e * ldu].copy_from_slice(&front.upper[..e * ldu]);
     let mut to = e * ldu;
     for column in panel.chunks_exact(ld.max(1)).take(k).skip(e) {
@@ -229,8 +269,9 @@ mod tests {
             let sizes = front.sizes();
             front.spill.resize(sizes.lower() + sizes.upper());
             let (mut lower, mut upper) = (vec![0.0; sizes.lower()], vec![0.0; sizes.upper()]);
-            pack(&front, &mut lower, &mut upper);
-            let (lower, upper) = (Lower { data: &lower, sizes }, Upper { data: &upper, sizes });
+            pack_lower(&front, false, &mut lower);
+            pack_upper(&front, &mut upper);
+            let (lower, upper) = (Lower { data: &lower, sizes, end: 0 }, Upper { data: &upper, sizes });
             for p in 0..e {
                 let j = p / BLOCK * BLOCK;
                 let width = (e - j).min(BLOCK);

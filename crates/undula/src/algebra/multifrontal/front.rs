@@ -9,9 +9,12 @@
 //! all by columns. After elimination, `panel` holds L and the part of U that belongs to pivots, with
 //! the diagonal inverted, `upper` the rest of U, `rest` the contribution to the parent. Pivots that are too small are left:
 //! the last `k − e` columns of `panel` and `upper` then belong to the contribution too.
+//!
+//! Where the matrix is symmetric positive definite, every pivot is taken as it comes. U = D Lᵀ is computed all the same,
+//! as it happens once per run, but not kept.
 
 use super::buffer::Buffer;
-use super::factors::{Sizes, pack};
+use super::factors::{Sizes, pack_lower, pack_upper};
 use super::kernels::{flush, flushed, gemm_sub, gemv_sub, max_abs};
 use super::large;
 use super::real::Real;
@@ -47,6 +50,8 @@ pub(super) struct Front<T> {
     pub r: usize,
     /// Pivots eliminated; the others are delayed.
     pub e: usize,
+    /// Whether all pivots were positive where they had to be.
+    pub is_definite: bool,
     /// F11 over F21, leading dimension [`Front::ld`]; lent until it has been packed, or the parent has taken
     /// delayed pivots out of it.
     pub panel: Buffer<T>,
@@ -61,6 +66,8 @@ pub(super) struct Front<T> {
     pub row_from: Vec<u32>,
     /// The same for columns.
     pub col_from: Vec<u32>,
+    /// Whether rows, and columns, have changed places.
+    pub moved: (bool, bool),
     /// Place of the first delayed pivot among the pivots of the parent.
     pub delayed_to: usize,
     /// Vector of the triangular solves, one number per row.
@@ -104,6 +111,7 @@ impl<T: Real> Front<T> {
     /// Takes memory and sets all numbers to zero for `k` pivots and `r` rows, but not those of `rest`.
     pub fn reset(&mut self, k: usize, r: usize, panel: Buffer<T>, upper: Buffer<T>, rest: Buffer<T>) {
         (self.k, self.r, self.e) = (k, r, 0);
+        self.moved = (false, false);
         (self.panel, self.upper, self.rest) = (panel, upper, rest);
         let zeros = |v: &mut Buffer<T>, n: usize| {
             v.resize(n);
@@ -119,26 +127,34 @@ impl<T: Real> Front<T> {
         }
     }
 
-    /// Packs the factors, where sizes are those `foreseen` into `lower` and `upper`.
+    /// Packs the factors, where sizes are those `foreseen` into `lower` and `upper`; with `definite` L alone, into
+    /// `upper`.
     #[inline(always)]
-    pub fn put_away(&mut self, foreseen: Sizes, lower: &mut [T], upper: &mut [T]) {
+    pub fn put_away(&mut self, foreseen: Sizes, definite: bool, lower: &mut [T], upper: &mut [T]) {
         let sizes = self.sizes();
         if sizes == foreseen {
             self.spill.resize(0);
-            pack(self, lower, upper);
+            if definite {
+                pack_lower(self, true, upper);
+            } else {
+                pack_lower(self, false, lower);
+                pack_upper(self, upper);
+            }
             return;
         }
         let mut spill = std::mem::take(&mut self.spill);
         spill.resize(sizes.lower() + sizes.upper() + SLACK);
         let (lower, upper) = spill.split_at_mut(sizes.lower());
         upper[sizes.upper()..].fill(T::ZERO);
-        pack(self, lower, upper);
+        pack_lower(self, false, lower);
+        pack_upper(self, upper);
         self.spill = spill;
     }
 
-    /// Eliminates what can be eliminated.
+    /// Eliminates what can be eliminated; with `definite`, everything.
     #[inline(always)]
-    pub fn eliminate<S: Simd>(&mut self, simd: S, scratch: &mut Scratch<T>) {
+    pub fn eliminate<S: Simd>(&mut self, simd: S, definite: bool, scratch: &mut Scratch<T>) {
+        self.is_definite = true;
         // Columns from `end` on have been tried in vain, after `tried` pivots.
         let (mut end, mut tried) = (self.k, 0);
         let block = if self.k >= 2 * BLOCK { BLOCK } else { PANEL };
@@ -148,7 +164,7 @@ impl<T: Real> Front<T> {
             let mut limit = stop;
             while self.e < limit {
                 let start = self.e;
-                self.factor_panel(simd, &mut limit, &mut scratch.column);
+                self.factor_panel(simd, definite, &mut limit, &mut scratch.column);
                 self.update(simd, start, stop, &mut scratch.block);
             }
             if stop < self.k {
@@ -174,21 +190,22 @@ impl<T: Real> Front<T> {
     /// Factors the next columns. A column without an acceptable pivot changes places with the last one
     /// before `limit`.
     #[inline(always)]
-    fn factor_panel<S: Simd>(&mut self, simd: S, limit: &mut usize, column: &mut Vec<T>) {
+    fn factor_panel<S: Simd>(&mut self, simd: S, definite: bool, limit: &mut usize, column: &mut Vec<T>) {
         let (ld, start) = (self.ld(), self.e);
         while self.e < (start + PANEL).min(*limit) {
             let (j, q) = (self.e, self.e - start);
             column.clear();
             column.extend_from_slice(&self.panel[j * ld + start..(j + 1) * ld]);
             self.apply_pivots(simd, start, q, column);
-            let (pivots, below) = column[q..].split_at(self.k - j);
-            let best = max_abs(simd, pivots);
-            if best > T::ZERO && best.finite() && best >= T::of(THRESHOLD) * max_abs(simd, below) {
-                let row = if pivots[0].size() >= T::of(KEEP_DIAGONAL) * best {
-                    0
-                } else {
-                    pivots.iter().position(|v| v.size() == best).unwrap_or(0)
-                };
+            let row = if definite {
+                if !(column[q] > T::ZERO && column[q].finite()) {
+                    (column[q], self.is_definite) = (T::ONE, false);
+                }
+                Some(0)
+            } else {
+                choose(simd, column[q..].split_at(self.k - j))
+            };
+            if let Some(row) = row {
                 column.swap(q, q + row);
                 let inverse = T::ONE / column[q];
                 for v in &mut column[q + 1..] {
@@ -232,12 +249,14 @@ impl<T: Real> Front<T> {
         }
         swap_chunks(&mut self.upper, ldu, a, b);
         self.row_from.swap(a, b);
+        self.moved.0 = true;
     }
 
     fn swap_columns(&mut self, a: usize, b: usize) {
         let ld = self.ld();
         swap_chunks(&mut self.panel, ld, a, b);
         self.col_from.swap(a, b);
+        self.moved.1 |= a != b;
     }
 
     /// Applies the pivots from `start` on to the columns from the next one to `stop`.
@@ -355,6 +374,19 @@ impl<T: Real> Front<T> {
             gemm_sub::<T, S, true>(simd, [ldu, r, e], (below, ld), (&self.upper, ldu), (&mut self.rest, ldu));
         }
     }
+}
+
+/// The row to exchange with the first for a pivot that is not small against its column; `None`: there is none.
+#[inline(always)]
+fn choose<T: Real, S: Simd>(simd: S, (pivots, below): (&[T], &[T])) -> Option<usize> {
+    let best = max_abs(simd, pivots);
+    if !(best > T::ZERO && best.finite() && best >= T::of(THRESHOLD) * max_abs(simd, below)) {
+        return None;
+    }
+    if pivots[0].size() >= T::of(KEEP_DIAGONAL) * best {
+        return Some(0);
+    }
+    pivots.iter().position(|v| v.size() == best).or(Some(0))
 }
 
 /// `X ← L⁻¹ X` with `L` unit lower triangular of `q ≤ PANEL` and `X` of `q × n`; also leaves X by rows in

@@ -231,7 +231,7 @@ pub(super) fn gemv_transposed_sub<T: Real, S: Simd>(simd: S, (a, lda): (&[T], us
 
 /// Products of N neighbouring columns with a vector.
 #[inline(always)]
-fn dots<T: Real, S: Simd, const N: usize>(simd: S, a: &[T], lda: usize, x: &[T]) -> [T; N] {
+pub(super) fn dots<T: Real, S: Simd, const N: usize>(simd: S, a: &[T], lda: usize, x: &[T]) -> [T; N] {
     let (x, rest) = T::vectors::<S>(x);
     let size = x.len() * T::lanes::<S>();
     let mut sum = [T::splat(simd, T::ZERO); N];

@@ -7,6 +7,7 @@
 //! delayed to the parent.
 
 mod buffer;
+mod definite;
 mod dense;
 mod factors;
 mod front;
@@ -32,7 +33,7 @@ use pulp::Arch;
 use real::Real;
 use solve::{Parent, Solve};
 use std::sync::Arc;
-use symbolic::Symbolic;
+use symbolic::{Symbolic, entries};
 
 /// Multifrontal LU of our own; subtrees run in parallel.
 pub type MultifrontalLu = Direct<MultifrontalBackend>;
@@ -52,6 +53,14 @@ impl SingleLu {
     /// A solver that knows no matrix yet.
     pub fn single(options: Options) -> Self {
         Self::new(MultifrontalBackend::default(), options)
+    }
+}
+
+impl<T: Real> Direct<MultifrontalBackend<T>> {
+    /// For symmetric positive definite matrices: `L D Lᵀ` without exchanges, of which L alone is stored.
+    pub fn definite(options: Options) -> Self {
+        let symbolic = Symbolic { definite: true, ..Symbolic::default() };
+        Self::new(MultifrontalBackend { symbolic, ..MultifrontalBackend::default() }, options)
     }
 }
 
@@ -84,10 +93,11 @@ impl<T: Real> MultifrontalBackend<T> {
     fn cost(&self) -> Cost {
         let sizes = || self.fronts.iter().map(|f| (f.e, f.k + f.r - f.e, f.delayed()));
         Cost {
-            fill: Some(sizes().map(|(k, r, _)| k * (k + 2 * r)).sum()),
+            fill: Some(sizes().map(|(k, r, _)| entries(k, r, self.symbolic.definite)).sum()),
             flops: Some(sizes().map(|(k, r, _)| tree::flops(k, r)).sum()),
             delayed: sizes().map(|(_, _, delayed)| delayed).sum(),
             bytes: Some(self.bytes()),
+            read: None,
         }
     }
 
@@ -106,21 +116,27 @@ impl<T: Real> Backend for MultifrontalBackend<T> {
     }
 
     fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
-        self.symbolic = Symbolic::new(pattern, unknowns)?;
+        self.symbolic = Symbolic::new(pattern, unknowns, self.symbolic.definite)?;
         self.fronts.clear();
         self.fronts.resize_with(self.symbolic.fronts.len(), Front::default);
-        self.factors = Factors::new(self.symbolic.stored.0, self.symbolic.stored.1);
+        let (lower, upper) = self.symbolic.stored;
+        self.factors = Factors::new(lower, upper, self.symbolic.definite);
         self.pool = Pool::new();
         self.permuted = vec![T::ZERO; pattern.n];
         Ok(())
     }
 
     fn factor(&mut self, a: &Csr, scaling: &Scaling) -> Result<Cost, Failure> {
-        let Self { symbolic, fronts, factors: Factors { lower, upper }, pool, arch, .. } = self;
+        let Self { symbolic, fronts, factors: Factors { lower, upper, .. }, pool, arch, .. } = self;
         let numeric = Numeric { symbolic, a, scaling, pool, arch: *arch };
         let ((n_lower, n_upper), fronts) = (symbolic.stored, &mut fronts[..]);
         let (lower, upper) = (&mut lower[..n_lower], &mut upper[..n_upper]);
         numeric.subtrees(&symbolic.roots, Part { fronts, lower, upper });
+        if symbolic.definite
+            && let Some(f) = fronts.iter().position(|front| !front.is_definite)
+        {
+            return Err(Failure::NotDefinite(symbolic.old[symbolic.fronts[f].first] as usize));
+        }
         for &root in &symbolic.roots {
             let (front, shape) = (&self.fronts[root as usize], &symbolic.fronts[root as usize]);
             if front.delayed() > 0 {
@@ -148,9 +164,21 @@ impl<T: Real> Backend for MultifrontalBackend<T> {
         }
     }
 
+    fn is_definite(&self) -> bool {
+        self.symbolic.definite
+    }
+
     fn predicted(&self) -> Option<Cost> {
         let Symbolic { fill, flops, .. } = self.symbolic;
-        Some(Cost { fill: Some(fill), flops: Some(flops), delayed: 0, bytes: Some(size_of::<T>() * fill) })
+        let bytes = size_of::<T>() * fill;
+        let passes = if self.symbolic.definite { 2 } else { 1 };
+        Some(Cost {
+            fill: Some(fill),
+            flops: Some(flops),
+            delayed: 0,
+            bytes: Some(bytes),
+            read: Some(passes * bytes),
+        })
     }
 
     fn roundoff(&self) -> f64 {

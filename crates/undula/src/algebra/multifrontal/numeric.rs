@@ -2,7 +2,7 @@
 
 use super::super::{Csr, Scaling};
 use super::buffer::Buffer;
-use super::factors::Sizes;
+use super::factors::{Sizes, stored};
 use super::front::{Front, SLACK, Scratch, padded};
 use super::kernels::flushed;
 use super::real::Real;
@@ -124,11 +124,11 @@ impl<T: Real> Numeric<'_, T> {
     /// Assembles and eliminates front `f`, the last of `part`; the others include its children.
     fn front(&self, f: usize, part: Part<T>, scratch: &mut Scratch<T>) {
         let shape = &self.symbolic.fronts[f];
-        let sizes = Sizes::whole(shape.k, shape.rows.len());
-        let lower = part.lower.len() - sizes.lower();
+        let (n_lower, n_upper) = stored(Sizes::whole(shape.k, shape.rows.len()), self.symbolic.definite);
+        let lower = part.lower.len() - n_lower;
         if let Some((front, below)) = part.fronts.split_last_mut() {
             let lower = &mut part.lower[lower..];
-            let upper = &mut part.upper[..sizes.upper()];
+            let upper = &mut part.upper[..n_upper];
             self.arch.dispatch(FrontStep { numeric: self, f, front, below, lower, upper, scratch });
         }
     }
@@ -201,8 +201,8 @@ impl<T: Real> WithSimd for FrontStep<'_, '_, T> {
             let child = &below[c as usize - offset];
             add_to_pivots(shape, front, delayed, &symbolic.fronts[c as usize].runs, child);
         }
-        front.eliminate(simd, scratch);
-        front.put_away(Sizes::whole(shape.k, r), lower, upper);
+        front.eliminate(simd, symbolic.definite, scratch);
+        front.put_away(Sizes::whole(shape.k, r), symbolic.definite, lower, upper);
         if front.delayed() == 0 {
             scratch.panel = std::mem::take(&mut front.panel);
             scratch.upper = std::mem::take(&mut front.upper);

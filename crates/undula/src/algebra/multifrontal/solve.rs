@@ -4,6 +4,7 @@
 //! parent and read from it. So subtrees are independent, and sums are always taken in one order.
 //! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
+use super::definite;
 use super::dense;
 use super::factors::Factors;
 use super::front::{Front, SLACK, padded};
@@ -61,12 +62,21 @@ impl<T: Real> Solve<'_, T> {
             [f] => {
                 let shape = &self.symbolic.fronts[*f as usize];
                 if shape.is_solve_task {
-                    self.arch.dispatch(BackwardTask { solve: self, f: *f as usize, fronts, x, parent });
+                    let f = *f as usize;
+                    if self.symbolic.definite {
+                        self.arch.dispatch(BackwardTask::<T, true> { solve: self, f, fronts, x, parent });
+                    } else {
+                        self.arch.dispatch(BackwardTask::<T, false> { solve: self, f, fronts, x, parent });
+                    }
                 } else {
                     let Some((front, below)) = fronts.split_last_mut() else { return };
                     look_up(shape, front, parent);
                     let mut work = std::mem::take(&mut front.work);
-                    dense::backward_large(self.arch, self.factors.upper(shape, front), &mut work);
+                    if self.symbolic.definite {
+                        definite::backward_large(self.arch, self.factors.lower(shape, front), &mut work);
+                    } else {
+                        dense::backward_large(self.arch, self.factors.upper(shape, front), &mut work);
+                    }
                     front.work = work;
                     let n = x.len() - shape.k;
                     hand_out(shape, front, x);
@@ -124,7 +134,10 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
             let shape = &symbolic.fronts[g];
             let end = shape.first + shape.k;
             if let Some(next) = self.fronts[..=self.f - start].get(g - start + 1) {
-                prefetch(factors.lower(&symbolic.fronts[g + 1], next).all());
+                let shape = &symbolic.fronts[g + 1];
+                prefetch(factors.lower(shape, next).all());
+                prefetch(&next.work);
+                prefetch(&shape.runs);
             }
             let fronts = &mut self.fronts[..=g - start];
             if let Some(front) = collect(symbolic, g, fronts, &self.b[..end - first]) {
@@ -136,7 +149,8 @@ impl<T: Real> WithSimd for ForwardTask<'_, '_, T> {
     }
 }
 
-struct BackwardTask<'a, 'b, T> {
+/// With U, or with L twice. Two programs: the compiler makes a slower one of both.
+struct BackwardTask<'a, 'b, T, const DEFINITE: bool> {
     solve: &'a Solve<'b, T>,
     f: usize,
     fronts: &'a mut [Front<T>],
@@ -144,7 +158,7 @@ struct BackwardTask<'a, 'b, T> {
     parent: Parent<'a, T>,
 }
 
-impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
+impl<T: Real, const DEFINITE: bool> WithSimd for BackwardTask<'_, '_, T, DEFINITE> {
     type Output = ();
 
     #[inline(always)]
@@ -155,7 +169,14 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
         for g in (0..=last).rev() {
             let shape = &symbolic.fronts[start + g];
             if g > 0 {
-                prefetch(factors.upper(&symbolic.fronts[start + g - 1], &self.fronts[g - 1]).all());
+                let (shape, front) = (&symbolic.fronts[start + g - 1], &self.fronts[g - 1]);
+                prefetch(&front.work);
+                prefetch(&shape.runs);
+                if DEFINITE {
+                    prefetch(factors.lower(shape, front).all());
+                } else {
+                    prefetch(factors.upper(shape, front).all());
+                }
             }
             let (now, later) = self.fronts.split_at_mut(g + 1);
             if g == last {
@@ -166,7 +187,11 @@ impl<T: Real> WithSimd for BackwardTask<'_, '_, T> {
                 look_up(shape, &mut now[g], Parent { known: &front.work, k, shift: front.k - k });
             }
             let mut work = std::mem::take(&mut now[g].work);
-            dense::backward(simd, factors.upper(shape, &now[g]), &mut work);
+            if DEFINITE {
+                definite::backward(simd, factors.lower(shape, &now[g]), &mut work);
+            } else {
+                dense::backward(simd, factors.upper(shape, &now[g]), &mut work);
+            }
             now[g].work = work;
             hand_out(shape, &mut now[g], &mut self.x[..shape.first + shape.k - first]);
         }
@@ -211,7 +236,9 @@ fn collect<'a, T: Real>(
         return None;
     }
     flush(x);
-    gather(&front.row_from, x, &mut front.spare);
+    if front.moved.0 {
+        gather(&front.row_from, x, &mut front.spare);
+    }
     Some(front)
 }
 
@@ -232,7 +259,9 @@ fn look_up<T: Real>(shape: &Shape, front: &mut Front<T>, parent: Parent<T>) {
 /// The solution of a front, to the end of `x`.
 #[inline(always)]
 fn hand_out<T: Real>(shape: &Shape, front: &mut Front<T>, x: &mut [T]) {
-    scatter(&front.col_from, &mut front.work, &mut front.spare);
+    if front.moved.1 {
+        scatter(&front.col_from, &mut front.work, &mut front.spare);
+    }
     let n = x.len();
     x[n - shape.k..].copy_from_slice(&front.work[..shape.k]);
 }

@@ -1,7 +1,7 @@
 //! What every factorisation of a pattern has in common: fronts, their rows, where entries go.
 
 use super::super::{Kind, Pattern, SolverError, Unknown};
-use super::factors::Sizes;
+use super::factors::{Sizes, stored};
 use super::graph::{Graph, Members, lump};
 use super::ordering::nested_dissection;
 use super::tree::{Group, NONE, Price, flops, grow};
@@ -85,18 +85,20 @@ pub(super) struct Symbolic {
     pub fill: usize,
     /// Operations of a factorisation, if no pivot is delayed.
     pub flops: f64,
+    /// Whether the matrices are symmetric positive definite: then no pivot is delayed, and U not stored.
+    pub definite: bool,
 }
 
 impl Symbolic {
     /// Analyses a pattern.
-    pub fn new(pattern: &Pattern, unknowns: &[Unknown]) -> Result<Self, SolverError> {
+    pub fn new(pattern: &Pattern, unknowns: &[Unknown], definite: bool) -> Result<Self, SolverError> {
         if u32::try_from(pattern.nnz()).is_err() {
             return Err(SolverError::Memory(format!("{} entries are too many", pattern.nnz())));
         }
         let (graph, members) = lump(pattern, unknowns);
         let order = nested_dissection(&graph);
         let groups = grow(&graph, &order, PRICE);
-        let mut symbolic = Self::number(&groups, &members, unknowns);
+        let mut symbolic = Self { definite, ..Self::number(&groups, &members, unknowns) };
         symbolic.find_rows(&groups, &graph, &members);
         symbolic.find_runs();
         symbolic.find_entries(pattern)?;
@@ -165,7 +167,7 @@ impl Symbolic {
             }
             rows.sort_unstable();
             debug_assert_eq!(rows.len(), group.r);
-            self.fill += group.k * (group.k + 2 * rows.len());
+            self.fill += entries(group.k, rows.len(), self.definite);
             self.flops += flops(group.k, rows.len());
             self.fronts[f].rows = rows;
         }
@@ -246,14 +248,20 @@ impl Symbolic {
         let (mut lower, mut upper) = (0, 0);
         for shape in &mut self.fronts {
             let sizes = Sizes::whole(shape.k, shape.rows.len());
+            let (n_lower, n_upper) = stored(sizes, self.definite);
             shape.lower = lower;
-            lower += sizes.lower();
-            upper += sizes.upper();
+            lower += n_lower;
+            upper += n_upper;
             shape.upper = upper;
         }
         self.fronts.iter_mut().for_each(|shape| shape.upper = upper - shape.upper);
         self.stored = (lower, upper);
     }
+}
+
+/// Entries of the factors of a front with `k` pivots and `r` rows behind.
+pub(super) fn entries(k: usize, r: usize, definite: bool) -> usize {
+    if definite { k * (k + 1) / 2 + k * r } else { k * (k + 2 * r) }
 }
 
 /// Places of increasing numbers in a front.
