@@ -1,6 +1,7 @@
 //! Corrections by GMRES: the newest matrix, preconditioned by the factors of an older one.
 
-use super::linear::{Condensed, Full, Linear, ratio, scale_pressure, scale_rows};
+use super::condensed::Condensed;
+use super::linear::{Full, Linear, ratio, scale_pressure, scale_rows};
 use super::system::Scales;
 use crate::algebra::{Csr, Gmres, LinearSolver, SolverError};
 use crate::assembly::{Assembler, StepView};

@@ -1,14 +1,14 @@
-//! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p).
+//! How an update follows from a residual: with the whole Jacobian, or condensed to (v, p) as in `condensed.rs`.
 
+use super::condensed::Condensed;
+use super::extension::Extension;
 use super::krylov::{Krylov, KrylovSettings};
-use crate::algebra::{Cost, Csr, LinearSolver, SolverError, Unknown};
-use crate::assembly::extension::ExtensionSystem;
-use crate::assembly::{Assembler, CondensedSystem, StepView};
+use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
+use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
 use crate::space::{PsiOwner, State};
 use crate::tangent::{Linearization, Tangent};
-use std::sync::Arc;
 use std::time::Instant;
 
 /// Makes linear solvers of the kind that the case asks for.
@@ -30,9 +30,6 @@ const DETOUR: u32 = 10;
 
 /// A new Jacobian in iterations where the solver does not tell what it does.
 const TYPICAL_PRICE: f64 = 5.0;
-
-/// Difference of two entries of the extension, relative to their diagonals, that is rounding.
-const SYMMETRIC: f64 = 1e-10;
 
 /// Nanoseconds of one core of a typical machine: per unknown for a Jacobian and the overhead of its fronts, for that
 /// alone, and for the residual and vectors of an iteration; operations and bytes of the factors per nanosecond.
@@ -69,28 +66,6 @@ pub(super) struct Full {
     pub(super) krylov: Option<Krylov>,
     /// A right-hand side that had to be scaled.
     work: Vec<f64>,
-}
-
-pub(super) struct Condensed {
-    pub(super) system: Arc<CondensedSystem>,
-    pub(super) matrix: Csr,
-    pub(super) solver: Box<dyn LinearSolver>,
-    /// Rule of the step that the factors are of.
-    pub(super) rule: StepRule,
-    pub(super) krylov: Option<Krylov>,
-    extension: Option<Extension>,
-    /// Nodes where δu = kθ δv.
-    relation: Vec<u32>,
-    pub(super) b: Vec<f64>,
-    pub(super) x: Vec<f64>,
-    pub(super) work: Vec<f64>,
-}
-
-struct Extension {
-    system: ExtensionSystem,
-    solver: Box<dyn LinearSolver>,
-    b: Vec<f64>,
-    x: Vec<f64>,
 }
 
 impl Linear {
@@ -164,7 +139,9 @@ impl Linear {
             Linearization::Condensed => {
                 let condensed = match &mut self.condensed {
                     Some(condensed) => {
-                        condensed.renew_extension(assembler, view)?;
+                        if let Some(extension) = &mut condensed.extension {
+                            extension.renew(assembler, view)?;
+                        }
                         condensed
                     }
                     none => none.insert(Condensed::new(assembler, view, &self.make, self.krylov)?),
@@ -209,7 +186,7 @@ impl Linear {
     pub fn price(&self) -> f64 {
         let (unknowns, matrix, solver, others) = match (self.active, &self.full, &self.condensed) {
             (Linearization::Condensed, _, Some(condensed)) => {
-                let others = condensed.extension.as_ref().and_then(|e| e.solver.predicted());
+                let others = condensed.extension.as_ref().and_then(Extension::predicted);
                 (condensed.work.len(), &condensed.matrix, &condensed.solver, others)
             }
             (Linearization::Condensed, ..) | (_, None, _) => return TYPICAL_PRICE,
@@ -269,7 +246,7 @@ impl Linear {
 }
 
 /// Nodes of the solid whose deformation is not given.
-fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
+pub(super) fn relation<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {
     let (space, given) = (&assembler.space, &assembler.constraints.u);
     let free = |&node: &usize| space.owner[node] == PsiOwner::Relation && given[node] == [false; D];
     (0..if space.deforms { space.nodes.len() } else { 0 }).filter(free)
@@ -331,147 +308,5 @@ impl Full {
         let report = self.solver.solve(&self.matrix, &self.work, delta)?;
         scale_pressure(assembler, ratio, delta);
         Ok(1 + report.refinements)
-    }
-}
-
-impl Extension {
-    fn new(
-        system: ExtensionSystem,
-        all: &[Unknown],
-        purpose: Purpose,
-        make: &MakeSolver,
-    ) -> Result<Extension, SolverError> {
-        let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
-        let factor = |purpose| {
-            let mut solver = make(purpose);
-            solver.analyse(&system.matrix.pattern, &unknowns)?;
-            solver.factor(&system.matrix)?;
-            Ok(solver)
-        };
-        let solver = match factor(purpose) {
-            // To rounding, in single precision: an operator that is nearly singular.
-            Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
-            result => result?,
-        };
-        let n = system.places.len();
-        Ok(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] })
-    }
-}
-
-impl Condensed {
-    fn new<const D: usize>(
-        assembler: &mut Assembler<D>,
-        view: &StepView<'_>,
-        make: &MakeSolver,
-        krylov: Option<KrylovSettings>,
-    ) -> Result<Condensed, SolverError> {
-        let system = assembler.condensed();
-        let mut solver = make(Purpose::Correction);
-        solver.analyse(&system.pattern, &system.unknowns)?;
-        let extension = match assembler.extension(view) {
-            None => None,
-            Some(system) => {
-                let constant = assembler.extension_is_constant();
-                let purpose = if assembler.is_biharmonic() {
-                    // Of fourth order: single precision is not enough for the condition of its matrix.
-                    Purpose::Exact
-                } else if constant && system.matrix.is_symmetric(SYMMETRIC) {
-                    Purpose::Definite
-                } else {
-                    Purpose::Correction
-                };
-                Some(Extension::new(system, &assembler.unknowns(), purpose, make)?)
-            }
-        };
-        let relation = relation(assembler).map(|node| node as u32).collect();
-        let n = system.places.len();
-        Ok(Condensed {
-            matrix: Csr::zeros(&system.pattern),
-            solver,
-            rule: StepRule::STATIONARY,
-            krylov: krylov.map(|settings| Krylov::new(settings, n)),
-            extension,
-            relation,
-            b: vec![0.0; n],
-            x: vec![0.0; n],
-            work: vec![0.0; assembler.space.n_unknowns()],
-            system,
-        })
-    }
-
-    /// Where the operator of the extension is not constant, it changes with the Jacobian.
-    fn renew_extension<const D: usize>(
-        &mut self,
-        assembler: &Assembler<D>,
-        view: &StepView<'_>,
-    ) -> Result<(), SolverError> {
-        let Some(e) = &mut self.extension else { return Ok(()) };
-        if assembler.renew_extension(view, &mut e.system) {
-            e.solver.factor(&e.system.matrix)?;
-        }
-        Ok(())
-    }
-
-    fn correct<const D: usize>(
-        &mut self,
-        assembler: &mut Assembler<D>,
-        view: &StepView<'_>,
-        settled: bool,
-        r: &[f64],
-        delta: &mut [f64],
-    ) -> Result<usize, SolverError> {
-        self.work.copy_from_slice(r);
-        let stale = self.krylov.as_ref().is_some_and(|krylov| krylov.active);
-        // The blocks of the cells are those of the matrix, not of the factors.
-        let ratio = ratio(&self.rule, &view.rule).filter(|_| !stale);
-        if let Some(ratio) = ratio {
-            scale_rows(assembler, 1.0 / ratio, &mut self.work);
-        }
-        assembler.eliminate_inner(&mut self.work);
-        for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
-            *b = self.work[place as usize];
-        }
-        let iterations = if stale {
-            self.iterate(assembler, &view.rule)?
-        } else {
-            self.solver.apply(&self.b, &mut self.x);
-            1
-        };
-        delta.fill(0.0);
-        for (x, &place) in self.x.iter().zip(&self.system.places) {
-            delta[place as usize] = *x;
-        }
-        assembler.recover_inner(delta);
-        if let Some(ratio) = ratio {
-            scale_pressure(assembler, ratio, delta);
-        }
-        let n_v = assembler.space.n_v();
-        if !self.relation.is_empty() {
-            let factor = view.rule.theta / view.rule.per_k;
-            let (v, u) = delta.split_at_mut(n_v);
-            for &node in &self.relation {
-                for at in node as usize * D..(node as usize + 1) * D {
-                    u[at] = factor * v[at];
-                }
-            }
-        }
-        if let Some(extension) = &mut self.extension {
-            extension.system.right_hand_side((!settled).then_some(r), delta, &mut extension.b);
-            extension.solver.apply(&extension.b, &mut extension.x);
-            for (x, &place) in extension.x.iter().zip(&extension.system.places) {
-                delta[place as usize] = *x;
-            }
-        }
-        Ok(iterations)
-    }
-
-    /// Subtract from `u` the extension of the update of the solid in `work`, whose other entries are zero.
-    fn follow(&mut self, u: &mut [f64], n_v: usize) {
-        let Some(extension) = &mut self.extension else { return };
-        extension.system.right_hand_side(Some(&self.work), &self.work, &mut extension.b);
-        extension.solver.apply(&extension.b, &mut extension.x);
-        for (x, &place) in extension.x.iter().zip(&extension.system.places) {
-            u[place as usize - n_v] -= x;
-        }
     }
 }

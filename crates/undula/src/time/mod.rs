@@ -2,6 +2,8 @@
 
 pub mod adaptive;
 mod attempt;
+mod condensed;
+mod extension;
 mod halves;
 mod krylov;
 pub mod linear;
