@@ -126,8 +126,8 @@ impl Csr {
     /// Whether the pattern is symmetric, and a_ij and a_ji differ by no more than `tolerance` times √|a_ii a_jj|.
     pub fn is_symmetric(&self, tolerance: f64) -> bool {
         let Pattern { n, row_ptr, col } = &*self.pattern;
-        let diagonal: Vec<Option<usize>> = (0..*n).map(|i| self.pattern.find(i, i)).collect();
-        let Some(diagonal) = diagonal.into_iter().collect::<Option<Vec<usize>>>() else { return false };
+        let diagonal: Option<Vec<usize>> = (0..*n).map(|i| self.pattern.find(i, i)).collect();
+        let Some(diagonal) = diagonal else { return false };
         let size: Vec<f64> = diagonal.iter().map(|&at| self.values[at].abs().sqrt()).collect();
         // Rows come in their order: the next entry right of the diagonal of row j belongs to the next row with a
         // column j.
@@ -137,9 +137,10 @@ impl Csr {
                 let j = col[at] as usize;
                 let mirror = next[j];
                 next[j] += 1;
-                let difference = || (self.values[at] - self.values[mirror]).abs();
                 let there = mirror < row_ptr[j + 1] && col[mirror] as usize == i;
-                if !there || !(difference() <= tolerance * size[i] * size[j]) {
+                let is_alike =
+                    there && (self.values[at] - self.values[mirror]).abs() <= tolerance * size[i] * size[j];
+                if !is_alike {
                     return false;
                 }
             }
