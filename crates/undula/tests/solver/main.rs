@@ -1,5 +1,6 @@
 //! Linear solvers: known solutions, both backends, what must be refused.
 
+mod definite;
 mod matrices;
 
 use matrices::{Pressure, Setup, System};
