@@ -179,7 +179,8 @@ pub enum SolverError {
     /// A matrix that should be symmetric positive definite is not.
     #[error("the matrix is not positive definite: pivot of the {unknown}")]
     NotDefinite {
-        /// Number of the first unknown whose pivot is not positive.
+        /// Number of the unknown whose diagonal entry is not positive, or the first of those that were eliminated
+        /// together with a pivot that is not.
         index: usize,
         /// What it is.
         unknown: Unknown,
