@@ -37,6 +37,12 @@ impl Krylov {
         Krylov { gmres: Gmres::new(tolerance, size), scales, weights: vec![1.0; rows], active: false }
     }
 
+    /// The matrix is new, the factors are not.
+    fn begin(&mut self) {
+        self.gmres.clear();
+        self.active = true;
+    }
+
     /// x ← A⁻¹ b; `before` and `after` make the factors those of a step with another k.
     pub(super) fn solve(
         &mut self,
@@ -94,8 +100,7 @@ impl Full {
         assembler.matrix(view, linearization, tangent, &mut self.matrix);
         if let Some(krylov) = &mut self.krylov {
             krylov.scales.weights(&assembler.space, view.rule.per_k, &mut krylov.weights);
-            krylov.gmres.clear();
-            krylov.active = true;
+            krylov.begin();
         }
     }
 
@@ -132,8 +137,7 @@ impl Condensed {
             for (weight, &place) in krylov.weights.iter_mut().zip(&self.system.places) {
                 *weight = self.work[place as usize];
             }
-            krylov.gmres.clear();
-            krylov.active = true;
+            krylov.begin();
         }
     }
 
