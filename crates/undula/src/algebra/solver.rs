@@ -18,7 +18,8 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unknown {
     /// Mesh node that the unknown sits on; unknowns of one node are eliminated together. Pressures
-    /// that belong to a cell and to no node have a number of their own for each cell.
+    /// that belong to a cell and to no node have a number of their own for each cell; the first of them is
+    /// constant there.
     pub node: u32,
     /// Field.
     pub kind: Kind,

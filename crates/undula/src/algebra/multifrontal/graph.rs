@@ -13,6 +13,19 @@ pub(super) struct Graph {
     pub weight: Vec<u32>,
     /// Position, m.
     pub at: Vec<[f64; 3]>,
+    /// When a vertex can be eliminated.
+    pub role: Vec<Role>,
+}
+
+/// When a vertex can be eliminated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Role {
+    /// Any time.
+    Free,
+    /// A constant pressure on a cell: after velocities of its boundary.
+    Mean,
+    /// The other pressures of a cell: after velocities inside, if there are any.
+    Detail,
 }
 
 impl Graph {
@@ -26,8 +39,37 @@ impl Graph {
         &self.adj[self.ptr[v]..self.ptr[v + 1]]
     }
 
+    /// Weight of all vertices.
+    pub fn total(&self) -> u64 {
+        self.weight.iter().map(|&w| u64::from(w)).sum()
+    }
+
+    /// The graph of some vertices, increasing; neighbours are those that are written for each (in any order,
+    /// and with repetitions) and belong to them.
+    pub fn restricted_to(&self, vertices: &[u32], neighbours: impl Fn(u32, &mut Vec<u32>)) -> Self {
+        let mut number = vec![u32::MAX; self.n()];
+        for (k, &v) in vertices.iter().enumerate() {
+            number[v as usize] = k as u32;
+        }
+        let mut sub = Self { ptr: vec![0], ..Self::default() };
+        let mut around = Vec::new();
+        for &v in vertices {
+            around.clear();
+            neighbours(v, &mut around);
+            around.sort_unstable();
+            around.dedup();
+            let inside = around.iter().filter(|&&w| w != v).map(|&w| number[w as usize]);
+            sub.adj.extend(inside.filter(|&k| k != u32::MAX));
+            sub.ptr.push(sub.adj.len());
+            sub.weight.push(self.weight[v as usize]);
+            sub.at.push(self.at[v as usize]);
+            sub.role.push(self.role[v as usize]);
+        }
+        sub
+    }
+
     /// The graph of the pattern with the unknowns lumped to vertices.
-    fn of(pattern: &Pattern, members: &Members, unknowns: &[Unknown]) -> Self {
+    fn of(pattern: &Pattern, members: &Members, unknowns: &[Unknown], role: Vec<Role>) -> Self {
         let n = members.n();
         let mut edges = vec![Vec::new(); n];
         let mut seen = vec![usize::MAX; n];
@@ -44,7 +86,7 @@ impl Graph {
                 }
             }
         }
-        let mut graph = Self { ptr: vec![0], ..Self::default() };
+        let mut graph = Self { ptr: vec![0], role, ..Self::default() };
         for (v, list) in edges.iter_mut().enumerate() {
             list.sort_unstable();
             list.dedup();
@@ -91,35 +133,27 @@ impl Members {
     }
 }
 
-/// Lumps unknowns by mesh node. Nodes with nothing but pressures (the cells of a discontinuous
-/// pressure) have no pivots of their own: they join the neighbour with the fewest neighbours, in
-/// Q2 the middle node of their cell.
+/// Lumps unknowns by mesh node. Nodes with nothing but pressures are cells; the first of their pressures is constant
+/// and stands alone.
 pub(super) fn lump(pattern: &Pattern, unknowns: &[Unknown]) -> (Graph, Members) {
-    let mut nodes: Vec<u32> = unknowns.iter().map(|u| u.node).collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    let vertex = unknowns.iter().map(|u| nodes.partition_point(|&k| k < u.node) as u32).collect();
-    let members = Members::new(vertex, nodes.len(), unknowns);
-    let graph = Graph::of(pattern, &members, unknowns);
-    let only_pressure = |v: usize| members.of(v).iter().all(|&i| unknowns[i as usize].kind == Kind::Pressure);
-    let degree = |v: usize| graph.ptr[v + 1] - graph.ptr[v];
-    let host = |v: usize| {
-        let others = graph.neighbours(v).iter().map(|&w| w as usize).filter(|&w| !only_pressure(w));
-        others.min_by_key(|&w| (degree(w), w)).filter(|_| only_pressure(v))
-    };
-    let hosts: Vec<Option<usize>> = (0..graph.n()).map(host).collect();
-    if hosts.iter().all(Option::is_none) {
-        return (graph, members);
+    let n_nodes = unknowns.iter().map(|u| u.node as usize + 1).max().unwrap_or(0);
+    let mut is_cell = vec![true; n_nodes];
+    for unknown in unknowns.iter().filter(|u| u.kind != Kind::Pressure) {
+        is_cell[unknown.node as usize] = false;
     }
-    let mut number = vec![0; graph.n()];
-    let mut n = 0;
-    for v in 0..graph.n() {
-        if hosts[v].is_none() {
-            number[v] = n;
-            n += 1;
-        }
-    }
-    let vertex = members.vertex.iter().map(|&v| number[hosts[v as usize].unwrap_or(v as usize)]).collect();
-    let members = Members::new(vertex, n as usize, unknowns);
-    (Graph::of(pattern, &members, unknowns), members)
+    let mut seen = vec![false; n_nodes];
+    let key =
+        |u: &Unknown| match (is_cell[u.node as usize], std::mem::replace(&mut seen[u.node as usize], true)) {
+            (false, _) => (u.node, Role::Free),
+            (true, false) => (u.node, Role::Mean),
+            (true, true) => (u.node, Role::Detail),
+        };
+    let keys: Vec<(u32, Role)> = unknowns.iter().map(key).collect();
+    let mut vertices = keys.clone();
+    vertices.sort_unstable();
+    vertices.dedup();
+    let vertex = keys.iter().map(|key| vertices.partition_point(|k| k < key) as u32).collect();
+    let members = Members::new(vertex, vertices.len(), unknowns);
+    let role = vertices.into_iter().map(|(_, role)| role).collect();
+    (Graph::of(pattern, &members, unknowns, role), members)
 }

@@ -18,7 +18,6 @@ mod numeric;
 mod ordering;
 mod prefetch;
 mod real;
-mod separator;
 mod solve;
 mod symbolic;
 mod tree;

@@ -3,7 +3,7 @@
 use super::super::{Kind, Pattern, SolverError, Unknown};
 use super::factors::{Sizes, stored};
 use super::graph::{Graph, Members, lump};
-use super::ordering::nested_dissection;
+use super::ordering::order;
 use super::tree::{Group, NONE, Price, flops, grow};
 
 /// Time of a front against its operations; see [`Price`].
@@ -96,7 +96,7 @@ impl Symbolic {
             return Err(SolverError::Memory(format!("{} entries are too many", pattern.nnz())));
         }
         let (graph, members) = lump(pattern, unknowns);
-        let order = nested_dissection(&graph);
+        let order = order(&graph, PRICE);
         let groups = grow(&graph, &order, PRICE);
         let mut symbolic = Self { definite, ..Self::number(&groups, &members, unknowns) };
         symbolic.find_rows(&groups, &graph, &members);

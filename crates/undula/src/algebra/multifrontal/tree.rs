@@ -27,7 +27,8 @@ pub(super) struct Price {
 }
 
 impl Price {
-    fn of(self, k: usize, r: usize) -> f64 {
+    /// Time of a front with `k` pivots and `r` rows behind.
+    pub fn of(self, k: usize, r: usize) -> f64 {
         let m = (k + r) as f64;
         self.front + self.entry * m * m + 0.5 * flops(k, r)
     }
