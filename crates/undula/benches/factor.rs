@@ -20,9 +20,7 @@ mod matrices;
 
 use matrices::{Pressure, Setup, System};
 use std::{fs, sync::Arc, time::Instant};
-use undula::algebra::{
-    Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SingleLu, Unknown, norm_inf,
-};
+use undula::algebra::{Csr, FaerLu, Kind, LinearSolver, MultifrontalLu, Options, Pattern, Unknown, norm_inf};
 
 fn main() {
     // On a thread of the pool, as in the program: from outside, every call would wake one.
@@ -105,11 +103,11 @@ fn run(name: &str, system: &System, b: &[f64], solvers: &[String]) {
         match solver.as_str() {
             "single" => {
                 let options = Options { refinement: 30, ..double };
-                measure(name, system, b, &mut SingleLu::single(options), times);
+                measure(name, system, b, &mut MultifrontalLu::single(options), times);
             }
             "definite" => {
                 let options = Options { refinement: 30, ..double };
-                measure(name, system, b, &mut SingleLu::definite(options), times);
+                measure(name, system, b, &mut MultifrontalLu::single_definite(options), times);
             }
             "double" => measure(name, system, b, &mut MultifrontalLu::multifrontal(double), times),
             "faer" => measure(name, system, b, &mut FaerLu::faer(double), 1),

@@ -45,7 +45,7 @@ impl Default for Options {
 }
 
 /// A sparse factorisation as the shell sees it.
-pub trait Backend: Send {
+pub trait Backend: Send + std::fmt::Debug {
     /// Name as written in case files.
     fn name(&self) -> &'static str;
 
@@ -128,11 +128,6 @@ impl<B: Backend> Direct<B> {
             step: Vec::new(),
             known: Vec::new(),
         }
-    }
-
-    /// The backend, for what only it can tell.
-    pub fn backend(&self) -> &B {
-        &self.backend
     }
 
     fn check_pattern(&self, a: &Csr) -> Result<(), SolverError> {

@@ -4,7 +4,7 @@
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
 //! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
-//! compare it with; `definite` is for symmetric positive definite matrices, and stores half. [`Gmres`] makes do with
+//! compare it with; `definite` ones are for symmetric positive definite matrices, and stores half. [`Gmres`] makes do with
 //! factors of an older matrix. Every result is the same, bit for bit, for any number
 //! of threads.
 
@@ -23,7 +23,7 @@ pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
 pub use gmres::{Gmres, GmresReport};
-pub use multifrontal::{MultifrontalBackend, MultifrontalLu, SingleLu};
+pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};
 pub use scaling::Scaling;

@@ -1,9 +1,7 @@
 //! The parts of a step, each called alone.
 
 use super::median;
-use crate::algebra::{
-    Backend, Csr, Direct, LinearSolver, MultifrontalLu, Options, SingleLu, SolverError, Unknown,
-};
+use crate::algebra::{Csr, LinearSolver, MultifrontalLu, Options, SolverError, Unknown};
 use crate::assembly::differences::{Differences, deviation};
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
@@ -212,7 +210,7 @@ fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
     };
     let all = at.assembler.unknowns();
     let unknowns: Vec<Unknown> = system.places.iter().map(|&place| all[place as usize]).collect();
-    let solver = SingleLu::definite(Options::unprobed());
+    let solver = MultifrontalLu::single_definite(Options::unprobed());
     [_, kernels.factor_extension, kernels.apply_extension] =
         factors(solver, &system.matrix, &unknowns, size_of::<f32>())?;
     if kernels.factor_extension.is_none() {
@@ -223,13 +221,13 @@ fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
 
 /// [`factors`] in single precision.
 fn single(matrix: &Csr, unknowns: &[Unknown]) -> Result<[Option<Timing>; 3], SolverError> {
-    let solver = SingleLu::single(Options::unprobed());
+    let solver = MultifrontalLu::single(Options::unprobed());
     factors(solver, matrix, unknowns, size_of::<f32>())
 }
 
 /// Analysis, factorisation and substitution of `matrix`, entries of the factors having `size` bytes.
-fn factors<B: Backend>(
-    mut solver: Direct<B>,
+fn factors(
+    mut solver: MultifrontalLu,
     matrix: &Csr,
     unknowns: &[Unknown],
     size: usize,

@@ -8,7 +8,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
-use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu, SingleLu};
+use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
 use crate::element::Shape;
@@ -210,8 +210,10 @@ impl Case {
             };
             match (kind, precision, purpose) {
                 (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
-                (_, Precision::Single, Purpose::Correction) => Box::new(SingleLu::single(options)),
-                (_, Precision::Single, Purpose::Definite) => Box::new(SingleLu::definite(options)),
+                (_, Precision::Single, Purpose::Correction) => Box::new(MultifrontalLu::single(options)),
+                (_, Precision::Single, Purpose::Definite) => {
+                    Box::new(MultifrontalLu::single_definite(options))
+                }
                 (_, Precision::Double, Purpose::Definite) => Box::new(MultifrontalLu::definite(options)),
                 _ => Box::new(MultifrontalLu::multifrontal(options)),
             }

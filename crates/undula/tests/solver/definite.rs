@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use undula::algebra::{
-    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SingleLu, SolverError, Unknown, norm_inf,
+    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown, norm_inf,
 };
 
 /// Different in every call, between −1 and 1.
@@ -72,8 +72,8 @@ fn known_solutions_come_back_with_half_the_memory() {
         let solvers: [Box<dyn LinearSolver>; 4] = [
             Box::new(MultifrontalLu::multifrontal(options)),
             Box::new(MultifrontalLu::definite(options)),
-            Box::new(SingleLu::single(options)),
-            Box::new(SingleLu::definite(options)),
+            Box::new(MultifrontalLu::single(options)),
+            Box::new(MultifrontalLu::single_definite(options)),
         ];
         for mut solver in solvers {
             solver.analyse(&a.pattern, &unknowns).unwrap();
@@ -102,7 +102,7 @@ fn threads_do_not_change_a_bit() {
     let solve = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let mut solver = SingleLu::definite(Options::unprobed());
+            let mut solver = MultifrontalLu::single_definite(Options::unprobed());
             let mut x = vec![0.0; b.len()];
             solver.analyse(&a.pattern, &unknowns).unwrap();
             solver.factor(&a).unwrap();
@@ -119,7 +119,7 @@ fn threads_do_not_change_a_bit() {
 #[test]
 fn other_matrices_are_refused() {
     let (a, unknowns) = grid(12, 9);
-    let mut solver = SingleLu::definite(Options::unprobed());
+    let mut solver = MultifrontalLu::single_definite(Options::unprobed());
     solver.analyse(&a.pattern, &unknowns).unwrap();
     let place = |i: usize, j: usize| a.pattern.find(i, j).unwrap();
     let mut negative = a.clone();

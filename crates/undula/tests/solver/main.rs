@@ -6,8 +6,8 @@ mod matrices;
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;
 use undula::algebra::{
-    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SOLVERS, SingleLu, SolverError, Unknown,
-    norm_inf, solver,
+    Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SOLVERS, SolverError, Unknown, norm_inf,
+    solver,
 };
 
 /// Refinement as far as it goes: errors are compared with 1e-10.
@@ -308,8 +308,8 @@ fn threads_do_not_change_a_bit_of_large_fronts() {
     }
 }
 
-fn single() -> SingleLu {
-    SingleLu::single(Options { target: 1e-15, ..Options::single() })
+fn single() -> MultifrontalLu {
+    MultifrontalLu::single(Options { target: 1e-15, ..Options::single() })
 }
 
 /// Factors in single precision, refined, are as good as those in double precision.
@@ -358,7 +358,7 @@ fn threads_do_not_change_a_bit_in_single_precision() {
 #[test]
 fn single_precision_has_no_smallest_number() {
     let System { a, unknowns } = Setup::fsi(20, 12, Pressure::P1dc).system();
-    let mut solver = SingleLu::single(Options::unprobed());
+    let mut solver = MultifrontalLu::single(Options::unprobed());
     solver.analyse(&a.pattern, &unknowns).unwrap();
     solver.factor(&a).unwrap();
     let b: Vec<f64> = (0..a.pattern.n).map(|i| (i as f64).sin()).collect();
@@ -381,7 +381,7 @@ fn factors_without_probe() {
     let (mut b, mut x) = (vec![0.0; known.len()], vec![0.0; known.len()]);
     a.mul(&known, &mut b);
     let mut double = MultifrontalLu::multifrontal(Options::unprobed());
-    let mut single = SingleLu::single(Options { refinement: 30, ..Options::unprobed() });
+    let mut single = MultifrontalLu::single(Options { refinement: 30, ..Options::unprobed() });
     for (solver, allowed) in [(&mut double as &mut dyn LinearSolver, 1e-8), (&mut single, 0.1)] {
         solver.analyse(&a.pattern, &unknowns).unwrap();
         solver.apply(&b, &mut x);
@@ -417,7 +417,7 @@ fn zeros_of_the_right_hand_side_may_be_skipped() {
             unknowns.iter().enumerate().map(|(i, u)| if near(u) { (i as f64).sin() } else { far }).collect()
         };
         let mut double = MultifrontalLu::multifrontal(Options::unprobed());
-        let mut single = SingleLu::single(Options::unprobed());
+        let mut single = MultifrontalLu::single(Options::unprobed());
         let apply = |solver: &mut dyn LinearSolver, b: &[f64]| {
             let mut x = vec![f64::NAN; b.len()];
             solver.apply(b, &mut x);

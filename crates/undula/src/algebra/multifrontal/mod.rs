@@ -1,6 +1,6 @@
 //! Multifrontal LU, made for unknowns on mesh nodes.
 //!
-//! Nested dissection of the mesh nodes gives a tree of dense fronts; each adds the contributions of
+//! The order of elimination of the mesh nodes gives a tree of dense fronts; each adds the contributions of
 //! its children, eliminates its own unknowns, and leaves a contribution to its parent (Duff and Reid
 //! 1983). Pivots are chosen among the rows of the front and must not be small against the rest of
 //! their column; where there is none, as for pressures before the velocities they push, the unknown is
@@ -38,34 +38,72 @@ use symbolic::{Symbolic, entries};
 pub type MultifrontalLu = Direct<MultifrontalBackend>;
 
 impl MultifrontalLu {
-    /// A solver that knows no matrix yet.
+    /// Factors in double precision.
     pub fn multifrontal(options: Options) -> Self {
-        Self::new(MultifrontalBackend::default(), options)
+        Self::new(MultifrontalBackend::of::<f64>(false), options)
     }
-}
 
-/// The same with factors in single precision, half as large: for iterations that see their own
-/// residual, or with refinement.
-pub type SingleLu = Direct<MultifrontalBackend<f32>>;
-
-impl SingleLu {
-    /// A solver that knows no matrix yet.
+    /// Factors in single precision, half as large: for iterations that see their own residual, or with
+    /// refinement.
     pub fn single(options: Options) -> Self {
-        Self::new(MultifrontalBackend::default(), options)
+        Self::new(MultifrontalBackend::of::<f32>(false), options)
     }
-}
 
-impl<T: Real> Direct<MultifrontalBackend<T>> {
     /// For symmetric positive definite matrices: `L D Lᵀ` without exchanges, of which L alone is stored.
     pub fn definite(options: Options) -> Self {
-        let symbolic = Symbolic { definite: true, ..Symbolic::default() };
-        Self::new(MultifrontalBackend { symbolic, ..MultifrontalBackend::default() }, options)
+        Self::new(MultifrontalBackend::of::<f64>(true), options)
+    }
+
+    /// The same in single precision.
+    pub fn single_definite(options: Options) -> Self {
+        Self::new(MultifrontalBackend::of::<f32>(true), options)
     }
 }
 
-/// Backend of [`MultifrontalLu`] and [`SingleLu`]: factors and substitutes in the precision of `T`.
+/// Backend of [`MultifrontalLu`]. Its precision is no type parameter: whoever uses it would compile it once more.
 #[derive(Debug)]
-pub struct MultifrontalBackend<T = f64> {
+pub struct MultifrontalBackend(Box<dyn Backend>);
+
+impl MultifrontalBackend {
+    fn of<T: Real>(definite: bool) -> Self {
+        let symbolic = Symbolic { definite, ..Symbolic::default() };
+        Self(Box::new(Multifrontal::<T> { symbolic, ..Multifrontal::default() }))
+    }
+}
+
+impl Backend for MultifrontalBackend {
+    fn name(&self) -> &'static str {
+        self.0.name()
+    }
+
+    fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
+        self.0.analyse(pattern, unknowns)
+    }
+
+    fn factor(&mut self, a: &Csr, scaling: &Scaling) -> Result<Cost, Failure> {
+        self.0.factor(a, scaling)
+    }
+
+    fn solve(&mut self, y: &mut [f64]) {
+        self.0.solve(y);
+    }
+
+    fn predicted(&self) -> Option<Cost> {
+        self.0.predicted()
+    }
+
+    fn is_definite(&self) -> bool {
+        self.0.is_definite()
+    }
+
+    fn roundoff(&self) -> f64 {
+        self.0.roundoff()
+    }
+}
+
+/// Factors and substitutes in the precision of `T`.
+#[derive(Debug)]
+struct Multifrontal<T> {
     symbolic: Symbolic,
     fronts: Vec<Front<T>>,
     factors: Factors<T>,
@@ -74,7 +112,7 @@ pub struct MultifrontalBackend<T = f64> {
     permuted: Vec<T>,
 }
 
-impl<T: Real> Default for MultifrontalBackend<T> {
+impl<T: Real> Default for Multifrontal<T> {
     fn default() -> Self {
         Self {
             symbolic: Symbolic::default(),
@@ -87,7 +125,7 @@ impl<T: Real> Default for MultifrontalBackend<T> {
     }
 }
 
-impl<T: Real> MultifrontalBackend<T> {
+impl<T: Real> Multifrontal<T> {
     /// What the last factorisation has cost.
     fn cost(&self) -> Cost {
         let sizes = || self.fronts.iter().map(|f| (f.e, f.k + f.r - f.e, f.delayed()));
@@ -109,7 +147,7 @@ impl<T: Real> MultifrontalBackend<T> {
     }
 }
 
-impl<T: Real> Backend for MultifrontalBackend<T> {
+impl<T: Real> Backend for Multifrontal<T> {
     fn name(&self) -> &'static str {
         T::NAME
     }

@@ -14,14 +14,17 @@ const COARSEST: usize = 50;
 /// Side of each vertex: 0, 1 or [`MIDDLE`](super::cut::MIDDLE), with no edge between 0 and 1.
 pub(super) fn separate(graph: &Graph) -> Vec<u8> {
     let through_levels = (0..SEQUENCES).filter_map(|sequence| cut_by_levels(graph, sequence));
-    through_levels.fold(cut(graph), |best, cut| if cut.cost() < best.cost() { cut } else { best }).side
+    through_levels.fold(cut(graph), better).side
+}
+
+fn better(a: Cut, b: Cut) -> Cut {
+    if b.cost() < a.cost() { b } else { a }
 }
 
 /// The best cut across the graph, improved.
 fn cut(graph: &Graph) -> Cut {
-    let cuts = keys(graph).map(|keys| Cut::at_median(graph, &keys));
-    let better = |a: Cut, b: Cut| if b.cost() < a.cost() { b } else { a };
-    let mut best = cuts.into_iter().reduce(better).expect("there are keys");
+    let [first, others @ ..] = keys(graph).map(|keys| Cut::at_median(graph, &keys));
+    let mut best = others.into_iter().fold(first, better);
     best.improve(graph);
     best
 }
