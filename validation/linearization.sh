@@ -13,7 +13,7 @@ mkdir -p "$out"
 one() {
     local name=$1 sets=()
     shift
-    for s in newton.secants=0 "$@"; do sets+=(--set "$s"); done
+    for s in "$@"; do sets+=(--set "$s"); done
     rm -rf "${out:?}/$name"
     cp -r "$out/base" "$out/$name"
     "$undula" run fsi3 "${common[@]}" --set time.end=5.5 "${sets[@]}" -o "$out/$name" --resume --verbose 2> "$out/$name.log" > "$out/$name.out"
@@ -35,4 +35,5 @@ for linearization in reduced fixed-point condensed; do
     one $linearization-0 $l=$linearization $rate=0 newton.max-steps=100
     one $linearization $l=$linearization $rate=0.2 newton.max-steps=100
 done
-one defaults newton.secants=8
+one defaults
+one secants newton.secants=8

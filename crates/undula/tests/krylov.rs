@@ -52,7 +52,8 @@ fn factors_outlive_matrices_and_the_solution_is_the_same() {
         assert_eq!(without.jacobians, without.factorizations, "{more:?}");
         // One matrix in each of twenty steps, each of three parts in one of the schemes.
         assert!(with.jacobians >= 20 && with.factorizations < with.jacobians, "{more:?}: {with:?}");
-        assert!(with.linear_iterations >= with.newton_steps, "{more:?}: {with:?}");
+        // Directions of a matrix may serve several corrections, but none those of another matrix.
+        assert!(with.linear_iterations >= with.jacobians, "{more:?}: {with:?}");
         with.factorizations
     };
     for linearization in ["condensed", "newton", "reduced", "fixed-point"] {
@@ -64,7 +65,7 @@ fn factors_outlive_matrices_and_the_solution_is_the_same() {
     }
     factored(&["time.scheme=fractional-step-theta"]);
     factored(&["time.scheme=fractional-step-theta", "newton.linearization=newton"]);
-    factored(&["linear.precision=double", "newton.secants=0", "linear.krylov-tolerance=1e-4"]);
+    factored(&["linear.precision=double", "linear.krylov-tolerance=1e-4"]);
 }
 
 /// Where u does not follow from v, and the load is raised at once.

@@ -144,11 +144,12 @@ impl<const D: usize> Assembler<D> {
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-            #[cfg(not(feature = "narrow"))]
+            // Unit tests take one cell at a time, too: integration tests run every width, and compiling them twice takes minutes.
+            #[cfg(not(any(test, feature = "narrow")))]
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
-            #[cfg(not(feature = "narrow"))]
+            #[cfg(not(any(test, feature = "narrow")))]
             _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
-            #[cfg(feature = "narrow")]
+            #[cfg(any(test, feature = "narrow"))]
             _ => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
         };
         let given = given_rows(&space, &constraints);

@@ -376,7 +376,7 @@ impl Default for NewtonSpec {
             linearization: Linearization::Condensed,
             jacobian: JacobianKind::Automatic,
             rate_max: None,
-            secants: 8,
+            secants: 0,
             tolerance: 1e-8,
             floor: 1e-12,
             max_steps: 30,

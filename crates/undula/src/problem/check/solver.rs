@@ -266,7 +266,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         linearization,
         jacobian,
         rate_max: rate_max.or(is_newton.then_some(0.2)),
-        secants: s.integer("secants", if is_newton { 0 } else { defaults.secants }, 0..=50),
+        secants: s.integer("secants", defaults.secants, 0..=50),
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
         floor: s.number("floor", defaults.floor, NOT_NEGATIVE),
         max_steps: s.integer("max-steps", max_steps, 1..=1000),
