@@ -111,8 +111,8 @@ pub struct Newton {
     keep: bool,
     secants: Secants,
     age: Age,
-    /// Rate of the second iteration with the Jacobian of an earlier step over that of the first, as last seen; in
-    /// single precision, for checkpoints.
+    /// Mean rate of the iterations after the first, with the Jacobian of an earlier step, over the rate of the first,
+    /// as last seen; in single precision, for checkpoints.
     pub worsening: f32,
 }
 
@@ -346,19 +346,18 @@ impl Newton {
     }
 
     /// The rate of iterations to come, after one of `rate`. The first one with the Jacobian of an earlier step
-    /// does better than those that follow: by how much, the last steps tell.
+    /// does better than those that follow: by how much in the mean, the last steps tell.
     fn expected(&mut self, report: &NewtonReport, rate: f64) -> f64 {
         if report.jacobians > 0 {
             return rate;
         }
-        match report.norms[..] {
-            [_] => rate * f64::from(self.worsening),
-            [start, first] => {
-                self.worsening = ((rate * start / first) as f32).max(1.0);
-                rate
-            }
-            _ => rate,
+        if let [start, first, ..] = report.norms[..] {
+            let last = rate * report.norms[report.norms.len() - 1];
+            let mean = (last / first).powf(1.0 / (report.norms.len() - 1) as f64);
+            self.worsening = ((mean * start / first) as f32).max(1.0);
+            return rate;
         }
+        rate * f64::from(self.worsening)
     }
 
     fn renew(&mut self, system: &mut impl NonlinearSystem) -> Result<(), NewtonError> {
