@@ -108,6 +108,55 @@ fn it_ends_at_the_relative_or_the_absolute_tolerance() {
     assert_eq!(newton.solve(&mut system, start, 1e12 * start).unwrap().steps, 0);
 }
 
+/// Three unknowns, of which an old Jacobian leaves more and more from one to the next, a new one little of each.
+struct Ageing {
+    x: [f64; 3],
+    left: [f64; 3],
+}
+
+impl NonlinearSystem for Ageing {
+    fn residual(&mut self, r: &mut [f64]) -> Option<f64> {
+        r.copy_from_slice(&self.x);
+        Some(self.x.iter().fold(0.0, |max: f64, x| max.max(x.abs())))
+    }
+
+    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+        self.left = [0.03; 3];
+        Ok(())
+    }
+
+    fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
+        (0..3).for_each(|i| delta[i] = (1.0 - self.left[i]) * r[i]);
+        Ok(1)
+    }
+
+    fn is_exact(&self) -> bool {
+        false
+    }
+
+    fn price(&self) -> f64 {
+        5.0
+    }
+
+    fn update(&mut self, omega: f64, delta: &[f64]) {
+        (0..3).for_each(|i| self.x[i] += omega * delta[i]);
+    }
+}
+
+/// Two iterations of a step say that its Jacobian may be kept, the rest say no: the next step knows.
+#[test]
+fn a_step_that_kept_a_bad_jacobian_is_the_last() {
+    let settings = Settings { tolerance: 1e-8, rate_max: None, ..EXACT };
+    let (mut newton, mut system) = (Newton::new(settings, 3, 3), Ageing { x: [0.0; 3], left: [0.03; 3] });
+    let work = [0, 1, 2].map(|_| {
+        (system.x, system.left) = ([1.0, 0.01, 1e-5], [0.001, 0.05, 0.5]);
+        let start = newton.norm(&mut system).unwrap();
+        let report = newton.solve(&mut system, start, start).unwrap();
+        (report.jacobians, report.steps)
+    });
+    assert_eq!(work, [(1, 6), (0, 10), (1, 5)]);
+}
+
 /// What converges slowly, because its Jacobian leaves something out, has not met rounding: with rates of 0.6 to 0.85,
 /// steps ended at 1e-5 of the reference where 1e-10 was asked for.
 #[test]

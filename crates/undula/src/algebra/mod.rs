@@ -4,9 +4,8 @@
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
 //! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
-//! compare it with; `definite` ones are for symmetric positive definite matrices, and stores half. [`Gmres`] makes do with
-//! factors of an older matrix. Every result is the same, bit for bit, for any number
-//! of threads.
+//! compare it with; `definite` ones are for symmetric positive definite matrices, and store half. [`Gmres`] makes do
+//! with factors of an older matrix. Every result is the same, bit for bit, for any number of threads.
 
 mod csr;
 mod direct;

@@ -144,7 +144,7 @@ impl<const D: usize> Assembler<D> {
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-            // Unit tests take one cell at a time, too: integration tests run every width, and compiling them twice takes minutes.
+            // Not in unit tests: integration tests run every width, and compiling them twice takes minutes.
             #[cfg(not(any(test, feature = "narrow")))]
             4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
             #[cfg(not(any(test, feature = "narrow")))]

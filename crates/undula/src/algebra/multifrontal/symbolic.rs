@@ -3,8 +3,8 @@
 use super::super::{Kind, Pattern, SolverError, Unknown};
 use super::factors::{Sizes, stored};
 use super::graph::{Graph, Members, lump};
-use super::ordering::order;
-use super::tree::{Group, NONE, Price, flops, grow};
+use super::ordering::fronts;
+use super::tree::{Group, NONE, Price, flops};
 
 /// Time of a front against its operations; see [`Price`].
 const PRICE: Price = Price { front: 8000.0, entry: 12.0 };
@@ -96,8 +96,7 @@ impl Symbolic {
             return Err(SolverError::Memory(format!("{} entries are too many", pattern.nnz())));
         }
         let (graph, members) = lump(pattern, unknowns);
-        let order = order(&graph, PRICE);
-        let groups = grow(&graph, &order, PRICE);
+        let groups = fronts(&graph, PRICE);
         let mut symbolic = Self { definite, ..Self::number(&groups, &members, unknowns) };
         symbolic.find_rows(&groups, &graph, &members);
         symbolic.find_runs();

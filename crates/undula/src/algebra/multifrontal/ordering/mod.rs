@@ -14,7 +14,7 @@ mod separator;
 mod tests;
 
 use super::graph::{Graph, Role};
-use super::tree::{Price, grow};
+use super::tree::{Group, Price, grow};
 use degree::minimum_degree;
 use dissection::dissect;
 use pressures::with_pressures;
@@ -24,8 +24,8 @@ use rayon::prelude::*;
 /// ordered with the rest.
 const PARTS: [usize; 6] = [200, 400, 800, 1600, 3200, usize::MAX];
 
-/// Order of elimination of the vertices with cheap fronts at this price.
-pub(super) fn order(graph: &Graph, price: Price) -> Vec<u32> {
+/// Fronts of an order of elimination in which they are cheap at this price, children before parents.
+pub(super) fn fronts(graph: &Graph, price: Price) -> Vec<Group> {
     let (core, numbers) = core(graph);
     let separated = dissect(&core, PARTS[0]);
     // Thresholds that leave the same separators give the same order.
@@ -34,11 +34,11 @@ pub(super) fn order(graph: &Graph, price: Price) -> Vec<u32> {
     choices.dedup();
     let candidate = |late: Vec<bool>| {
         let order = minimum_degree(&core, &late);
-        let order = with_pressures(graph, &order.iter().map(|&v| numbers[v as usize]).collect::<Vec<u32>>());
-        let groups = grow(graph, &order, price);
-        (groups.iter().map(|group| price.of(group.k, group.r)).sum::<f64>(), order)
+        let order: Vec<u32> = order.into_iter().map(|v| numbers[v as usize]).collect();
+        let groups = grow(graph, &with_pressures(graph, &order), price);
+        (groups.iter().map(|group| price.of(group.k, group.r)).sum::<f64>(), groups)
     };
-    let candidates: Vec<(f64, Vec<u32>)> = choices.into_par_iter().map(candidate).collect();
+    let candidates: Vec<(f64, Vec<Group>)> = choices.into_par_iter().map(candidate).collect();
     candidates.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|best| best.1).unwrap_or_default()
 }
 

@@ -1,11 +1,11 @@
 use super::super::graph::{Graph, Role};
-use super::super::tree::{Price, flops, grow};
+use super::super::tree::{Group, Price, flops, grow};
 use super::cut::MIDDLE;
 use super::degree::minimum_degree;
 use super::dissection::dissect;
 use super::pressures::with_pressures;
 use super::separator::separate;
-use super::{core, order};
+use super::{core, fronts};
 use std::collections::BTreeSet;
 
 const PRICE: Price = Price { front: 100.0, entry: 2.0 };
@@ -108,7 +108,8 @@ fn every_graph_is_ordered() {
         flow(20, 13),
     ];
     for graph in graphs {
-        assert_permutation(&order(&graph, PRICE), graph.n());
+        let order: Vec<u32> = fronts(&graph, PRICE).into_iter().flat_map(|front| front.vertices).collect();
+        assert_permutation(&order, graph.n());
     }
 }
 
@@ -199,8 +200,7 @@ fn one_pressure_of_a_patch_is_left() {
 #[test]
 fn separators_make_fronts_small() {
     for (graph, most) in [(grid(150, 150), [0.62, 0.86]), (flow(120, 30), [0.82, 0.97])] {
-        let cost = |order: &[u32]| {
-            let groups = grow(&graph, order, PRICE);
+        let cost = |groups: Vec<Group>| {
             let operations: f64 = groups.iter().map(|g| flops(g.k, g.r)).sum();
             [operations, groups.iter().map(|g| (g.k * (g.k + 2 * g.r)) as f64).sum()]
         };
@@ -209,7 +209,8 @@ fn separators_make_fronts_small() {
         let (core, _) = core(&graph);
         let alone: Vec<u32> =
             minimum_degree(&core, &vec![false; core.n()]).into_iter().map(|v| free[v as usize]).collect();
-        let (ours, alone) = (cost(&order(&graph, PRICE)), cost(&with_pressures(&graph, &alone)));
+        let alone = grow(&graph, &with_pressures(&graph, &alone), PRICE);
+        let (ours, alone) = (cost(fronts(&graph, PRICE)), cost(alone));
         assert!(ours[0] < most[0] * alone[0], "{} of {}", ours[0], alone[0]);
         assert!(ours[1] < most[1] * alone[1], "{} of {}", ours[1], alone[1]);
     }
