@@ -1,0 +1,1 @@
+//! Regions, interfaces and enclosed parts of the fluid.

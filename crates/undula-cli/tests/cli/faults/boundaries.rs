@@ -1,0 +1,1 @@
+//! Nodes at which boundaries of different bodies meet.

@@ -1,0 +1,1 @@
+//! What a run that cannot go on says.

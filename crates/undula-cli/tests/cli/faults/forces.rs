@@ -1,0 +1,1 @@
+//! Forces on parts of boundaries.

@@ -1,0 +1,1 @@
+//! Small geometries and other units.
