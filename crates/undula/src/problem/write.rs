@@ -92,6 +92,7 @@ impl Case {
             out.key("fields-interval", number(interval), "s; steps end there");
         }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
+        out.word("cells", if self.output.curved { "curved" } else { "linear" });
         out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
