@@ -272,6 +272,19 @@ pub enum Condition {
     Clamped,
 }
 
+impl Condition {
+    /// The name in a case.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Condition::Velocity(_) => "velocity",
+            Condition::NoSlip => "no-slip",
+            Condition::DoNothing => "do-nothing",
+            Condition::TractionFree => "traction-free",
+            Condition::Clamped => "clamped",
+        }
+    }
+}
+
 /// Time interval and scheme.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeSpec {

@@ -321,15 +321,9 @@ fn key(name: &str) -> String {
 }
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
-    match condition {
-        Condition::Velocity(velocity) => {
-            out.word("condition", "velocity");
-            out.key("velocity", expressions(velocity), "m/s");
-        }
-        Condition::NoSlip => out.word("condition", "no-slip"),
-        Condition::DoNothing => out.word("condition", "do-nothing"),
-        Condition::TractionFree => out.word("condition", "traction-free"),
-        Condition::Clamped => out.word("condition", "clamped"),
+    out.word("condition", condition.name());
+    if let Condition::Velocity(velocity) = condition {
+        out.key("velocity", expressions(velocity), "m/s");
     }
 }
 
