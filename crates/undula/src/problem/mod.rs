@@ -15,7 +15,10 @@ pub mod error;
 pub mod expression;
 pub mod fit;
 pub mod manufactured;
+pub mod memory;
 mod raw;
 mod read;
 pub mod reference;
 mod write;
+
+pub use check::name_of_file;

@@ -3,7 +3,7 @@
 
 use super::linear::Linear;
 use super::parts::Parts;
-use super::restart::JacobianPoint;
+use super::restart::{Before, JacobianPoint};
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
 use super::system::Scales;
 use crate::assembly::{Assembler, End};
@@ -77,6 +77,7 @@ pub struct Stepper<const D: usize> {
     pub(super) reference: f64,
     /// Where the kept Jacobian was taken.
     pub(super) point: Option<JacobianPoint>,
+    pub(super) before: Before,
     pub(super) force: [Option<Force<D>>; 2],
     /// Manufactured right-hand side.
     pub source: Option<Source>,
@@ -111,6 +112,7 @@ impl<const D: usize> Stepper<D> {
             parts: None,
             reference: 0.0,
             point: None,
+            before: Before::default(),
             explicit: vec![0.0; n],
             force,
             source: None,
