@@ -29,7 +29,8 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
         }
         Err(e) => return Err(e).with_context(|| format!("cannot write {}", path.display())),
     };
-    file.write_all(named(shipped, &path).as_bytes()).with_context(|| format!("cannot write {}", path.display()))?;
+    file.write_all(named(shipped, &path).as_bytes())
+        .with_context(|| format!("cannot write {}", path.display()))?;
     let shown = path.display();
     print(&format!("Wrote {shown}. Edit it, then: undula check {shown}; undula run {shown}\n"))
 }

@@ -250,7 +250,8 @@ mod tests {
         for step in [5, 10, 15] {
             example(step).save(&directory, step).unwrap();
         }
-        let steps: Vec<u64> = Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
+        let steps: Vec<u64> =
+            Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
         assert_eq!(steps, [10, 15]);
         let latest = Checkpoint::load_latest(&directory).unwrap().unwrap();
         assert_eq!((latest.step, latest.skipped.len()), (15, 0));
@@ -273,7 +274,8 @@ mod tests {
         let directory = scratch("checkpoint-instead");
         [5, 10, 12].into_iter().for_each(|step| drop(example(step).save(&directory, step).unwrap()));
         example(15).save_instead(&directory, 15, Some(12)).unwrap();
-        let steps: Vec<u64> = Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
+        let steps: Vec<u64> =
+            Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
         assert_eq!(steps, [10, 15]);
     }
 

@@ -94,9 +94,8 @@ impl Case {
     /// The part of a box that lies in regions that take part.
     fn share_of_box(&self, lower: [f64; 2], upper: [f64; 2]) -> f64 {
         let regions = self.regions();
-        let at = |d: usize, i: u32| {
-            lower[d] + (upper[d] - lower[d]) * (f64::from(i) + 0.5) / f64::from(SAMPLES)
-        };
+        let at =
+            |d: usize, i: u32| lower[d] + (upper[d] - lower[d]) * (f64::from(i) + 0.5) / f64::from(SAMPLES);
         let points = (0..SAMPLES * SAMPLES).map(|i| [at(0, i % SAMPLES), at(1, i / SAMPLES), 0.0]);
         let is_kept = |x: &[f64; 3]| {
             let inside = self.mesh.region.iter().rfind(|(_, inside)| inside.eval(x, 0.0) > 0.0);
@@ -157,9 +156,9 @@ fn group_memory() -> Option<f64> {
         let (kinds, path) = rest.split_once(':')?;
         // In a container the path can be that of the host: then the group is at the root.
         match (number, kinds) {
-            ("0", "") => [path, ""].iter().find_map(|path| {
-                left(&format!("/sys/fs/cgroup{path}"), "memory.max", "anon ")
-            }),
+            ("0", "") => [path, ""]
+                .iter()
+                .find_map(|path| left(&format!("/sys/fs/cgroup{path}"), "memory.max", "anon ")),
             (_, "memory") => [path, ""].iter().find_map(|path| {
                 left(&format!("/sys/fs/cgroup/memory{path}"), "memory.limit_in_bytes", "total_rss ")
             }),
@@ -224,7 +223,8 @@ mod tests {
         for word in ["--set mesh.refine=10", "255852544 cells", "need at least", "GB are at hand"] {
             assert!(said.contains(word), "{said}");
         }
-        let cells = ["mesh.generator=box", "mesh.lower=[0,0]", "mesh.upper=[1,1]", "mesh.cells=[100000,100000]"];
+        let cells =
+            ["mesh.generator=box", "mesh.lower=[0,0]", "mesh.upper=[1,1]", "mesh.cells=[100000,100000]"];
         let said = message(&[&cells[..], &["mesh.refine=0", "mesh.region.solid=x-0.5"]].concat());
         assert!(said.contains("--set mesh.cells") && said.contains("fewer cells"), "{said}");
         assert_eq!(message(&["mesh.refine=2"]), "");

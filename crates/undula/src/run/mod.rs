@@ -12,9 +12,9 @@ use crate::output::{
     Breakdown, Collection, HistoryWriter, Phases, Precision, RunDirectory, Status, Summary, peak_memory,
     write_vtu,
 };
+use crate::output::{OutputError, text_of};
 use crate::problem::case::Case;
 use crate::simulation::{Row, Simulation};
-use crate::output::{OutputError, text_of};
 use checkpoint::{Found, Metadata, OfRun, Unfit, newest, restore};
 use identity::{changes, mesh_hash};
 use std::path::{Path, PathBuf};
@@ -162,30 +162,20 @@ impl Run {
         Ok(self.directory.write_case(&self.simulation.case.to_toml_in(self.directory.path()))?)
     }
 
-    fn resume(
-        mut simulation: Simulation,
-        path: &Path,
-        observer: &mut dyn Observer,
-    ) -> Result<Run, Error> {
+    fn resume(mut simulation: Simulation, path: &Path, observer: &mut dyn Observer) -> Result<Run, Error> {
         let extended = ends_later(path, &simulation.case);
         let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
         let columns = columns(&simulation);
         let (found, notes) = newest(&directory, "start again with --force", |metadata| {
             fits(&simulation.case, metadata)?;
-            HistoryWriter::can_resume(
-                directory.history(),
-                &columns,
-                metadata.step,
-                metadata.row.as_deref(),
-            )
-            .map_err(|e| Unfit::Unsound(e.to_string()))?;
+            HistoryWriter::can_resume(directory.history(), &columns, metadata.step, metadata.row.as_deref())
+                .map_err(|e| Unfit::Unsound(e.to_string()))?;
             is_on_the_way(&simulation.case, metadata)
         })?;
         let Found { checkpoint, metadata } = found;
         restore(&mut simulation, &checkpoint, &metadata)?;
         let row = metadata.row.as_deref();
-        let (history, before) =
-            HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
+        let (history, before) = HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
         let n = simulation.names().len();
         simulation.history = before.rows.iter().map(|row| read_row(row, n)).collect();
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
@@ -290,7 +280,12 @@ impl Run {
             output_seconds: self.output_seconds,
             wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
             mesh: &self.mesh,
-            row: self.simulation.history.last().filter(|row| row.step == step).map(|row| text_of(&numbers(row))),
+            row: self
+                .simulation
+                .history
+                .last()
+                .filter(|row| row.step == step)
+                .map(|row| text_of(&numbers(row))),
             cut: self.cut,
         };
         let checkpoint = checkpoint::of(&self.simulation, &of_run)?;

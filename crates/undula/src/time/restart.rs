@@ -4,8 +4,8 @@ use super::scheme::Damping;
 use super::stepper::Stepper;
 use super::system::{BlockNorms, StepSystem};
 use crate::assembly::End;
-use crate::nonlinear::{Counters, NewtonError};
 use crate::nonlinear::newton::Age;
+use crate::nonlinear::{Counters, NewtonError};
 use crate::physics::StepRule;
 use crate::space::State;
 

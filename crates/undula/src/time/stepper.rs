@@ -4,6 +4,7 @@
 use super::linear::Linear;
 use super::parts::Parts;
 use super::restart::{Before, JacobianPoint};
+use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
 use super::system::Scales;
 use crate::assembly::{Assembler, End};
@@ -149,8 +150,8 @@ impl<const D: usize> Stepper<D> {
     /// Time to which pressure and forces of the last step belong: t⁻ + θ k, for fractional-step θ the middle.
     pub fn force_time(&self) -> f64 {
         match &self.parts {
-            Some(parts) => self.time - 0.5 * parts.length,
-            None => self.time - self.last_step + self.last.rule.theta * self.last_step,
+            Some(parts) => decimal(self.time, -0.5 * parts.length),
+            None => decimal(self.time, (self.last.rule.theta - 1.0) * self.last_step),
         }
     }
 

@@ -380,7 +380,8 @@ fn meshes_that_do_not_fit_into_memory_are_refused_at_once() {
             .expect(2, &["--set mesh.refine=10", "255852544 cells", "GB of memory", "GB are at hand"]);
     }
     let cells = ["mesh.generator=box", "mesh.lower=[0,0]", "mesh.upper=[1,1]", "mesh.cells=[90000,90000]"];
-    undula(&here, "check fsi3", &with(&cells, &["mesh.refine=0"])).expect(2, &["mesh.cells", "GB are at hand"]);
+    undula(&here, "check fsi3", &with(&cells, &["mesh.refine=0"]))
+        .expect(2, &["mesh.cells", "GB are at hand"]);
     undula(&here, "check fsi3", &["space.velocity=P2", "mesh.refine=10"]).expect(2, &["511705088 cells"]);
     fs::copy(input("interface-name/tube.msh"), here.file("tube.msh")).unwrap();
     fs::copy(input("interface-name/ok.toml"), here.file("tube.toml")).unwrap();
@@ -395,8 +396,7 @@ fn one_signal_ends_a_stationary_run() {
     let here = place("stationary", &[]);
     for (name, signal) in [("int", "-INT"), ("term", "-TERM")] {
         let summary = format!("{name}/summary.json");
-        let child =
-            start(&here, &format!("run fsi1 -o {name} --threads 1"), &["mesh.refine=2"], &summary, 3);
+        let child = start(&here, &format!("run fsi1 -o {name} --threads 1"), &["mesh.refine=2"], &summary, 3);
         wait("the computation", || here.read(&summary).contains("\"cells\": 4928").then_some(()));
         assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
         end(child).expect(130, &["interrupted", "--force"]);

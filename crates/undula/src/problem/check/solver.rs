@@ -133,7 +133,10 @@ fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>, least: f64) -> Op
     };
     if s.has("min-step") && settings.min_step < least {
         let text = crate::problem::write::number(least);
-        s.wrong("min-step", format!("below the rounding of the times of the run: expected at least {text} s"));
+        s.wrong(
+            "min-step",
+            format!("below the rounding of the times of the run: expected at least {text} s"),
+        );
     }
     if step.is_some_and(Expression::is_constant) {
         if s.has("min-step") && settings.min_step > first {
