@@ -151,8 +151,8 @@ fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
     let theta = case.theta().unwrap_or(1.0);
     write!(out, "time      {} to {} s, step {} s", time.start, time.end, time.step)?;
     if let Some(k) = time.step.constant_value() {
-        // A last step that rounding would leave over is not taken.
-        write!(out, ", {} steps", ((time.end - time.start) / k - 1e-9).ceil())?;
+        // A rest of a per mille of a step is not worth its own.
+        write!(out, ", {} steps", ((time.end - time.start) / k - 1e-3).ceil().max(1.0))?;
     }
     writeln!(out, ", theta {theta}")
 }

@@ -29,7 +29,7 @@ fn main() -> ExitCode {
         Command::Bench(args) => bench::run(&args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {}", args::with_causes(&error));
+        args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE
     })
 }

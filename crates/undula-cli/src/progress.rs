@@ -1,5 +1,6 @@
 //! What a run tells while it goes on.
 
+use crate::args::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -74,7 +75,7 @@ impl Progress {
             }
             Mode::Lines if self.printed.is_none_or(|printed| now - printed >= PERIOD) => {
                 self.printed = Some(now);
-                eprintln!("{line}");
+                say(&line);
             }
             Mode::Lines => {}
         }
@@ -85,7 +86,7 @@ impl Progress {
         match &self.mode {
             Mode::Quiet => {}
             Mode::Bar(bar) => bar.println(text),
-            Mode::Lines => eprintln!("{text}"),
+            Mode::Lines => say(text),
         }
     }
 
@@ -103,9 +104,9 @@ impl Progress {
             Mode::Quiet => {}
             Mode::Bar(bar) => {
                 bar.finish_and_clear();
-                eprintln!("{line}");
+                say(&line);
             }
-            Mode::Lines => eprintln!("{line}"),
+            Mode::Lines => say(&line),
         }
     }
 

@@ -1,6 +1,6 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, threads, with_causes};
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
 use std::io::ErrorKind;
@@ -29,7 +29,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     if !args.quiet {
         for note in case.notes() {
-            eprintln!("note: {note}");
+            say(format_args!("note: {note}"));
         }
     }
     let end = case.time.as_ref().map(|t| t.end);
@@ -42,7 +42,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let result = undula::run::run(case, &options, &mut display);
     let progress = display.progress.take();
     match result {
-        Ok(summary) => finish(progress, &summary, &directory, args.quiet),
+        Ok(summary) => finish(progress, &summary, &directory, args.quiet, end.is_some()),
         Err(error) => {
             if let Some(progress) = progress {
                 progress.clear();
@@ -52,7 +52,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Set by Ctrl-C and by a termination signal; the run then ends after its step. A second signal ends it now.
+/// Set by Ctrl-C and by a termination signal; the run then ends after an iteration of Newton's method, with the state
+/// before the step. A second signal ends it now.
 fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
@@ -94,6 +95,16 @@ impl Observer for Display {
         }
     }
 
+    fn note(&mut self, note: &str) {
+        if let Some(progress) = &self.progress {
+            progress.message(&format!("note: {note}"));
+        }
+    }
+
+    fn stop(&self) -> Option<Arc<AtomicBool>> {
+        Some(self.stop.clone())
+    }
+
     fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
         let names = simulation.names();
         let shown = simulation.leading().or(if names.is_empty() { None } else { Some(0) });
@@ -130,20 +141,23 @@ fn finish(
     summary: &Summary,
     directory: &Path,
     quiet: bool,
+    resumable: bool,
 ) -> anyhow::Result<ExitCode> {
     if let Some(progress) = progress {
         progress.finish(&summary.status.to_string());
     }
     if let Some(breakdown) = &summary.breakdown {
-        eprintln!("breakdown: {}", breakdown.reason);
-        eprintln!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where);
-        eprintln!("what was computed so far is in {}", directory.display());
+        say(format_args!("breakdown: {}", breakdown.reason));
+        say(format_args!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where));
+        say(format_args!("what was computed so far is in {}", directory.display()));
     }
     let code = match summary.status {
         Status::Breakdown => ExitCode::from(BREAKDOWN),
         Status::Interrupted => {
             if !quiet {
-                eprintln!("go on with the same command and --resume");
+                // A stationary solution has no state on the way that would be worth keeping.
+                let flag = if resumable { "--resume" } else { "--force, from the beginning" };
+                say(format_args!("go on with the same command and {flag}"));
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -161,18 +175,18 @@ fn show_results(summary: &Summary, directory: &Path) {
     if summary.status == Status::Completed
         && let Err(error) = compare::show(directory)
     {
-        eprintln!("note: {}", with_causes(&error));
+        say(format_args!("note: {}", with_causes(&error)));
     }
     match plot::plot_directory(directory, None) {
         Ok(pictures) => {
             let list: Vec<String> = pictures.iter().map(|p: &PathBuf| p.display().to_string()).collect();
-            println!("results   {}", directory.display());
-            println!("fields    {}", directory.join("fields.pvd").display());
+            show(&format!("results   {}\n", directory.display()));
+            show(&format!("fields    {}\n", directory.join("fields.pvd").display()));
             for (n, picture) in list.iter().enumerate() {
-                println!("{}{picture}", if n == 0 { "pictures  " } else { "          " });
+                show(&format!("{}{picture}\n", if n == 0 { "pictures  " } else { "          " }));
             }
         }
-        Err(error) => eprintln!("note: no pictures: {}", with_causes(&error)),
+        Err(error) => say(format_args!("note: no pictures: {}", with_causes(&error))),
     }
 }
 

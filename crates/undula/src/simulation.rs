@@ -6,9 +6,9 @@ use crate::functional::statistics::{leading_window, statistics};
 use crate::functional::{Functional, Snapshot};
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
-use crate::problem::case::Case;
+use crate::problem::case::{Case, TimeSpec};
 use crate::space::State;
-use crate::time::{Adaptive, Clock, JacobianPoint, StepReport, Stepper};
+use crate::time::{Adaptive, Clock, JacobianPoint, Schedule, StepReport, Stepper};
 use std::collections::BTreeMap;
 
 /// A case in the course of being computed.
@@ -40,6 +40,11 @@ pub struct Simulation {
     needs_residual: bool,
     threads: usize,
     pool: Option<rayon::ThreadPool>,
+}
+
+/// The times that the steps of `case` land on.
+fn schedule(case: &Case, time: &TimeSpec) -> Schedule {
+    Schedule { start: time.start, end: time.end, interval: case.output.fields_interval }
 }
 
 /// What one step gave.
@@ -113,8 +118,29 @@ impl Simulation {
     /// Whether the end of the case is reached.
     pub fn finished(&self) -> bool {
         match &self.case.time {
-            Some(time) => self.stepper.time >= time.end - 1e-9 * time.end.abs().max(1e-3),
+            Some(time) => schedule(&self.case, time).is_over(self.stepper.time, self.wanted_step(time)),
             None => !self.history.is_empty(),
+        }
+    }
+
+    /// Whether the next step gets its length from the end of the case: a run to a later end would not take it.
+    pub fn next_is_cut(&self) -> bool {
+        let Some(time) = &self.case.time else { return false };
+        let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
+        match &self.adaptive {
+            Some(adaptive) => {
+                let target = schedule.target(now);
+                schedule.is_end(target) && adaptive.feels(target - now)
+            }
+            None => schedule.next(now, self.wanted_step(time), time.step.is_constant()).cut,
+        }
+    }
+
+    /// The length that the next step has unless it must land on some time \[s\].
+    fn wanted_step(&self, time: &TimeSpec) -> f64 {
+        match &self.adaptive {
+            Some(adaptive) => adaptive.memory.next,
+            None => time.step.eval(&[0.0; 3], self.stepper.time),
         }
     }
 
@@ -140,22 +166,14 @@ impl Simulation {
     }
 
     fn step_here(&mut self) -> Result<Row, Error> {
-        let report = match &self.case.time {
-            None => self.stepper.stationary()?,
-            Some(time) => {
-                let now = self.stepper.time;
-                let target = self.next_output().map_or(time.end, |output| output.min(time.end));
-                match &mut self.adaptive {
-                    Some(adaptive) => adaptive.step(&mut self.stepper, target)?,
-                    None => {
-                        let k = time.step.eval(&[0.0; 3], now);
-                        let rest = target - now;
-                        // Steps land on the target; a rest of a few per mille is not worth its own.
-                        self.stepper.step(if rest < 1.001 * k { rest } else { k })?
-                    }
-                }
-            }
-        };
+        self.stepper.remember();
+        let result = self.step_in_time();
+        if let Err(Error::Breakdown(failure)) = &result
+            && failure.is_stop()
+        {
+            self.stepper.undo();
+        }
+        let report = result?;
         if self.case.time.is_some() {
             self.steps += 1;
         }
@@ -165,11 +183,24 @@ impl Simulation {
         Ok(row)
     }
 
-    /// The next time of `output.fields-interval` \[s\].
-    fn next_output(&self) -> Option<f64> {
-        let (interval, time) = (self.case.output.fields_interval?, self.case.time.as_ref()?);
-        let done = ((self.stepper.time - time.start) / interval + 1e-9).floor();
-        Some(time.start + (done + 1.0) * interval)
+    /// The next step of the schedule.
+    fn step_in_time(&mut self) -> Result<StepReport, Error> {
+        let Some(time) = &self.case.time else { return Ok(self.stepper.stationary()?) };
+        let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
+        let (k, counted) = (self.wanted_step(time), time.step.is_constant());
+        if let Some(adaptive) = &mut self.adaptive {
+            return Ok(adaptive.step(&mut self.stepper, schedule.target(now))?);
+        }
+        if !(k > 0.0 && k.is_finite()) {
+            let message = format!("expected a value above 0 at all times, it is {k} at t = {now} s");
+            return Err(self.case.refuse("time.step", message));
+        }
+        let next = schedule.next(now, k, counted);
+        if next.time <= now {
+            let message = format!("the step of {k} s at t = {now} s is below the rounding of t");
+            return Err(self.case.refuse("time.step", message));
+        }
+        Ok(self.stepper.step_to(next.length, next.time)?)
     }
 
     /// Whether the present time is one of `output.fields-interval`.

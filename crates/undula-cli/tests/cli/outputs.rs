@@ -55,8 +55,7 @@ fn commands_read_it(here: &Place) {
         here.run("plot results", &[]).expect(0, &["results/plots/speed.png", "results/plots/pressure.png"]);
     assert!(said.out.lines().all(|picture| here.file(picture).is_file()), "{}", said.out);
     here.run("plot results -o pictures", &[]).expect(0, &["pictures/speed.png"]);
-    // A completed run is replaced without being asked.
-    here.run("run fsi3 -o again --quiet", &[&SMALL[..], &["time.end=0.01"]].concat()).expect(0, &[]);
+    here.run("run fsi3 -o again --quiet --force", &[&SMALL[..], &["time.end=0.01"]].concat()).expect(0, &[]);
     assert_eq!(here.read("again/history.csv").lines().count(), 2);
     assert!(!here.file("again/checkpoints/checkpoint_00000005.npz").exists());
 }

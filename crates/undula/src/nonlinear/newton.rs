@@ -3,6 +3,8 @@
 use super::secants::Secants;
 use super::system::{NonlinearSystem, Seconds};
 use crate::algebra::SolverError;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// How far a full step with a new Jacobian may raise the residual above its start value.
@@ -82,6 +84,9 @@ pub enum NewtonError {
     /// The start value, or every shortened update, is not admissible.
     #[error("the iterate is not admissible (the domain map folds or a value is not finite)")]
     Inadmissible,
+    /// The user stops it.
+    #[error("stopped")]
+    Stopped,
     /// The linear system could not be solved.
     #[error(transparent)]
     Linear(#[from] SolverError),
@@ -114,6 +119,8 @@ pub struct Newton {
     /// Mean rate of the iterations after the first, with the Jacobian of an earlier step, over the rate of the first,
     /// as last seen; in single precision, for checkpoints.
     pub worsening: f32,
+    /// Set from outside to end a solve before its next iteration.
+    pub stop: Option<Arc<AtomicBool>>,
 }
 
 /// How far a solve has come.
@@ -166,6 +173,7 @@ impl Newton {
             secants: Secants::new(settings.secants, measured),
             age: Age::default(),
             worsening: 1.0,
+            stop: None,
         }
     }
 
@@ -177,6 +185,11 @@ impl Newton {
     /// Whether the next solve starts with the Jacobian at hand.
     pub fn keeps(&self) -> bool {
         self.keep
+    }
+
+    /// Say of the Jacobian at hand whether it is kept.
+    pub(crate) fn set_kept(&mut self, keep: bool) {
+        self.keep = keep;
     }
 
     /// How the kept Jacobian has done.
@@ -218,6 +231,9 @@ impl Newton {
         self.secants.clear();
         let mut state = self.begin(system);
         while norm > target {
+            if self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(NewtonError::Stopped);
+            }
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
             }

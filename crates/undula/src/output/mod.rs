@@ -17,6 +17,7 @@ pub mod vtu;
 pub use checkpoint::{Array, Checkpoint, Latest};
 pub use directory::{RunDirectory, write_atomic};
 pub use error::OutputError;
+pub(crate) use history::text_of;
 pub use history::{History, HistoryWriter};
 pub use pvd::Collection;
 pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, summarize};

@@ -41,6 +41,7 @@ impl Case {
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        self.check_memory(None)?;
         let spec = &self.mesh;
         let triangles = self.space.velocity.shape() == Shape::Triangle;
         // Triangles are refined after they are made.
@@ -56,6 +57,7 @@ impl Case {
             }
             MeshSource::File(path) => {
                 let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                self.check_memory(Some(&mesh))?;
                 (mesh.refined(refine, &[]), vec![])
             }
         };
@@ -111,7 +113,8 @@ impl Case {
         self.refuse(key, error.to_string())
     }
 
-    fn refuse(&self, key: &str, message: String) -> Error {
+    /// An error of the input with the place of the `key` that is to blame.
+    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
         let place = self.place_of(key);
         Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
     }

@@ -71,6 +71,8 @@ pub struct Record {
     pub places: BTreeMap<String, Place>,
     /// Settings without effect and parts that are left out.
     pub notes: Vec<String>,
+    /// `mesh.file` was given by a path relative to the case: the two are moved together.
+    pub relative_mesh: bool,
 }
 
 impl PartialEq for Record {
@@ -529,10 +531,12 @@ pub struct OutputSpec {
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write cells as curved as they are, not cut into straight ones.
-    ///
     pub curved: bool,
-    /// Write a checkpoint every this many steps (0: only when interrupted and at the end).
+    /// Write a checkpoint every this many steps (0: not by steps).
     pub checkpoint_every: usize,
+    /// Write a checkpoint after this many minutes by the clock on the wall (0: not by time). There is one at the end
+    /// of every run in time, whatever ends it.
+    pub checkpoint_minutes: f64,
     /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.
     pub leading: Option<String>,
 }

@@ -10,7 +10,7 @@ pub(super) mod stabilization;
 
 use super::case::{Case, Record, TimeScheme, TimeSpec};
 use super::error::CaseErrors;
-use super::raw::{Document, Origin};
+use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use std::path::{Path, PathBuf};
@@ -38,7 +38,8 @@ impl Case {
         let errors = checker.into_errors();
         match case {
             Some(mut case) if errors.is_empty() => {
-                case.record = Record { file_name: file_name.into(), places, notes };
+                let relative_mesh = relative_mesh(&document);
+                case.record = Record { file_name: file_name.into(), places, notes, relative_mesh };
                 Ok(case)
             }
             _ => Err(CaseErrors(errors)),
@@ -143,14 +144,9 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
 
 /// `name`, else the file name without its folder and ending.
 fn name(root: &mut Section<'_, '_>) -> String {
-    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    let file =
-        Path::new(&root.checker.document.file_name).file_stem().map(|s| s.to_string_lossy().into_owned());
-    let fallback: String =
-        file.unwrap_or_default().chars().map(|c| if allowed(c) { c } else { '_' }).collect();
-    let fallback = if fallback.trim_matches('.').is_empty() { "case".into() } else { fallback };
+    let fallback = name_of_file(Path::new(&root.checker.document.file_name));
     match root.string("name") {
-        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(allowed) => {
+        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(in_name) => {
             root.wrong(
                 "name",
                 "expected letters, digits, `-`, `_` and `.` only (it names the output directory)",
@@ -160,6 +156,28 @@ fn name(root: &mut Section<'_, '_>) -> String {
         Some(name) => name,
         None => fallback,
     }
+}
+
+/// Whether the document names its mesh file by a relative path.
+fn relative_mesh(document: &Document) -> bool {
+    let mesh = document.root.get("mesh").map(|item| &item.value);
+    let file = match mesh {
+        Some(Value::Table(table)) => table.get("file").map(|item| &item.value),
+        _ => None,
+    };
+    matches!(file, Some(Value::String(path)) if Path::new(path).is_relative())
+}
+
+/// The name that a case in this file has unless it gives one: without folder and ending, in letters, digits, `-`, `_` and
+/// `.` only.
+pub fn name_of_file(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(|c| if in_name(c) { c } else { '_' }).collect();
+    if name.trim_matches('.').is_empty() { "case".into() } else { name }
+}
+
+fn in_name(c: char) -> bool {
+    c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
 }
 
 /// A path of the case: beside the case file, or in the working directory if it comes from `--set`.

@@ -15,8 +15,11 @@ pub mod error;
 pub mod expression;
 pub mod fit;
 pub mod manufactured;
+pub mod memory;
 pub mod overview;
 mod raw;
 mod read;
 pub mod reference;
 mod write;
+
+pub use check::name_of_file;

@@ -8,6 +8,7 @@ use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::Walls;
+use std::path::{Component, Path, PathBuf};
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -93,11 +94,29 @@ impl Case {
         }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
         out.word("cells", if self.output.curved { "curved" } else { "linear" });
-        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
+        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: not by steps");
+        out.key(
+            "checkpoint-minutes",
+            number(self.output.checkpoint_minutes),
+            "by the clock on the wall; 0: not by time",
+        );
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
         }
         out.0
+    }
+
+    /// The same for a file in `directory`: a mesh file that the case names by a relative path is named relative to it,
+    /// so that both can be moved together.
+    pub fn to_toml_in(&self, directory: &Path) -> String {
+        let mut case = self.clone();
+        if let MeshSource::File(path) = &mut case.mesh.source
+            && self.record.relative_mesh
+            && let Some(relative) = relative(path, directory)
+        {
+            *path = relative;
+        }
+        case.to_toml()
     }
 
     fn write_mesh(&self, out: &mut Lines) {
@@ -313,6 +332,18 @@ impl Case {
         }
         out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");
     }
+}
+
+/// The path of `file` as seen from `directory`; `None` if they have no folder in common but the root.
+fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
+    let name = file.file_name()?;
+    let folder = file.parent()?.canonicalize().ok()?;
+    let directory = directory.canonicalize().ok()?;
+    let (to, from): (Vec<_>, Vec<_>) = (folder.components().collect(), directory.components().collect());
+    let common = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    let named = to[..common].iter().any(|part| matches!(part, Component::Normal(_)));
+    let up = from[common..].iter().map(|_| Component::ParentDir);
+    named.then(|| up.chain(to[common..].iter().copied()).collect::<PathBuf>().join(name))
 }
 
 /// A key, quoted if it must be.

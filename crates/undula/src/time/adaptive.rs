@@ -6,6 +6,7 @@
 
 use super::report::{StepFailure, StepReport};
 use super::restart::Clock;
+use super::schedule::decimal;
 use super::scheme::{FRACTIONAL, Scheme};
 use super::stepper::Stepper;
 use crate::space::State;
@@ -72,11 +73,32 @@ impl Adaptive {
         if self.memory.past.is_empty() {
             self.remember(stepper);
         }
+        let (next, rejected) = (self.memory.next, self.memory.rejected);
+        let result = self.steps(stepper, target);
+        if result.is_err() {
+            (self.memory.next, self.memory.rejected) = (next, rejected);
+        }
+        result
+    }
+
+    /// Whether the target, `rest` \[s\] from now, determines the length of the next step.
+    pub fn feels(&self, rest: f64) -> bool {
+        self.length(rest) != self.length(f64::INFINITY)
+    }
+
+    /// Steps until one is accepted.
+    fn steps<const D: usize>(
+        &mut self,
+        stepper: &mut Stepper<D>,
+        target: f64,
+    ) -> Result<StepReport, StepFailure> {
         let mut spent = StepReport::default();
         loop {
-            let k = self.length(target - stepper.time);
+            let rest = target - stepper.time;
+            let k = self.length(rest);
             let before = self.save(stepper);
-            let mut report = stepper.step(k)?;
+            let end = if k == rest { target } else { decimal(stepper.time, k) };
+            let mut report = stepper.step_to(k, end)?;
             report.newton_steps += spent.newton_steps;
             report.jacobians += spent.jacobians;
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };

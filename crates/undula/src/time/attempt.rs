@@ -1,7 +1,6 @@
 //! One step without division: boundary data, start value, Newton.
 
 use super::report::{StepFailure, StepReport};
-use super::restart::decimal;
 use super::scheme::{Formula, Past, multistep};
 use super::stepper::Stepper;
 use super::system::{BlockNorms, StepSystem};
@@ -55,17 +54,17 @@ impl<const D: usize> Stepper<D> {
         Formula { rule: self.settings.domain_motion.apply(rule), ratio }
     }
 
-    /// A step of one part, or part `part` of one; on failure everything is as before.
-    pub(super) fn attempt(&mut self, k: f64, part: usize) -> Result<StepReport, StepFailure> {
+    /// A step of one part, or part `part` of one, of length `k` to the time `t`; on failure everything is as before.
+    pub(super) fn attempt(&mut self, k: f64, t: f64, part: usize) -> Result<StepReport, StepFailure> {
         let formula = self.formula(k, part);
-        let (t_old, t) = (self.time, self.time + k);
+        let t_old = self.time;
         std::mem::swap(&mut self.older, &mut self.old);
         std::mem::swap(&mut self.old, &mut self.new);
         // Now `old` is the last solution and `older` the one before.
-        let solved = self.solve_step(&formula, t_old, t);
+        let solved = self.solve_step(&formula, k, t_old, t);
         match solved {
             Ok((report, norms, min_j)) => {
-                self.time = decimal(t);
+                self.time = t;
                 (self.last_step, self.last) = (k, formula);
                 Ok(StepReport::new(report, norms, min_j))
             }
@@ -105,12 +104,12 @@ impl<const D: usize> Stepper<D> {
     fn solve_step(
         &mut self,
         formula: &Formula,
+        k: f64,
         t_old: f64,
         t: f64,
     ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
         let t_force = self.prepare(formula, t_old, t);
         let rule = formula.rule;
-        let k = t - t_old;
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
         let extrapolate = self.settings.extrapolate && ratio > 0.0;
         let mut system = StepSystem {
@@ -133,7 +132,8 @@ impl<const D: usize> Stepper<D> {
         let start = Start { old: &self.old, older: extrapolate.then_some((&self.older, ratio)), reference };
         let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
         let mut solved = self.newton.solve(&mut system, norm, reference);
-        if solved.is_err() && system.linear.fall_back() {
+        let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);
+        if solved.is_err() && !stopped && system.linear.fall_back() {
             self.newton.forget();
             let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
             solved = self.newton.solve(&mut system, norm, reference);

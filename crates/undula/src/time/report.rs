@@ -35,6 +35,13 @@ pub struct StepFailure {
     pub worst: Worst,
 }
 
+impl StepFailure {
+    /// Whether the user stopped it: then it is no failure.
+    pub fn is_stop(&self) -> bool {
+        self.reason == NewtonError::Stopped
+    }
+}
+
 impl StepReport {
     /// Of one step without division.
     pub(super) fn new(newton: NewtonReport, norms: BlockNorms, min_j: f64) -> StepReport {

@@ -34,7 +34,7 @@ impl<const D: usize> Stepper<D> {
                     (last_load, load) = (load, next);
                     increment *= 2.0;
                 }
-                Err(failure) if increment < 1e-3 => return Err(failure),
+                Err(failure) if failure.is_stop() || increment < 1e-3 => return Err(failure),
                 Err(_) => increment = 0.5 * increment.min(1.0 - load),
             }
         }

@@ -3,7 +3,8 @@
 
 use super::linear::Linear;
 use super::parts::Parts;
-use super::restart::JacobianPoint;
+use super::restart::{Before, JacobianPoint};
+use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
 use super::system::Scales;
 use crate::assembly::{Assembler, End};
@@ -77,6 +78,7 @@ pub struct Stepper<const D: usize> {
     pub(super) reference: f64,
     /// Where the kept Jacobian was taken.
     pub(super) point: Option<JacobianPoint>,
+    pub(super) before: Before,
     pub(super) force: [Option<Force<D>>; 2],
     /// Manufactured right-hand side.
     pub source: Option<Source>,
@@ -111,6 +113,7 @@ impl<const D: usize> Stepper<D> {
             parts: None,
             reference: 0.0,
             point: None,
+            before: Before::default(),
             explicit: vec![0.0; n],
             force,
             source: None,
@@ -147,8 +150,8 @@ impl<const D: usize> Stepper<D> {
     /// Time to which pressure and forces of the last step belong: t⁻ + θ k, for fractional-step θ the middle.
     pub fn force_time(&self) -> f64 {
         match &self.parts {
-            Some(parts) => self.time - 0.5 * parts.length,
-            None => self.time - self.last_step + self.last.rule.theta * self.last_step,
+            Some(parts) => decimal(self.time, -0.5 * parts.length),
+            None => decimal(self.time, (self.last.rule.theta - 1.0) * self.last_step),
         }
     }
 

@@ -7,6 +7,7 @@ use crate::problem::case::{
 use crate::problem::error::suggestion;
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::time::schedule::RESOLUTION;
 
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
@@ -14,6 +15,8 @@ const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number 
 
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
+/// Minutes of computation that a run may lose when it is killed.
+const CHECKPOINT_MINUTES: f64 = 10.0;
 /// Best in the study of section 5.2.3.
 const EPSILON: f64 = 1e-6;
 
@@ -61,7 +64,8 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
         ("galerkin", DomainMotion::Galerkin),
     ];
     let domain_motion = s.choice("domain-motion", &motions, &[]);
-    let adaptive = adaptive(s.section("adaptive"), step.as_ref());
+    let largest = start.abs().max(end.unwrap_or(start).abs());
+    let adaptive = adaptive(s.section("adaptive"), step.as_ref(), RESOLUTION * largest);
     if adaptive.is_some() && step.as_ref().is_some_and(|step| !step.is_constant()) {
         s.wrong("step", "expected a number, the first step: [time.adaptive] chooses the others");
     }
@@ -115,18 +119,25 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
 }
 
-/// Step-size control, where its table is there.
-fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>) -> Option<AdaptiveSettings> {
+/// Step-size control, where its table is there; steps below `least` \[s\] cannot be told from none.
+fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>, least: f64) -> Option<AdaptiveSettings> {
     if !s.is_present() {
         return None;
     }
     let first = step.and_then(Expression::constant_value).filter(|k| *k > 0.0).unwrap_or(1.0);
     let settings = AdaptiveSettings {
         tolerance: s.number("tolerance", 1e-3, REDUCTION),
-        min_step: s.number("min-step", 1e-3 * first, POSITIVE),
+        min_step: s.number("min-step", (1e-3 * first).max(least), POSITIVE),
         max_step: s.number("max-step", 10.0 * first, POSITIVE),
         safety: s.number("safety", 0.9, REDUCTION),
     };
+    if s.has("min-step") && settings.min_step < least {
+        let text = crate::problem::write::number(least);
+        s.wrong(
+            "min-step",
+            format!("below the rounding of the times of the run: expected at least {text} s"),
+        );
+    }
     if step.is_some_and(Expression::is_constant) {
         if s.has("min-step") && settings.min_step > first {
             s.wrong("min-step", format!("expected at most time.step, {first} s"));
@@ -193,6 +204,14 @@ fn check_schedule(
     if step.depends_on_space() {
         return s.wrong("step", "expected a number or an expression of t alone");
     }
+    let (smallest, at) = smallest_step(step, start, end.unwrap_or(start));
+    if smallest > 0.0 && smallest < RESOLUTION * at.abs() {
+        let least = crate::problem::write::number(RESOLUTION * at.abs());
+        let message = format!(
+            "below the rounding of t = {at} s: t + step would be t, or have few of its digits; expected at least {least} s"
+        );
+        return s.wrong("step", message);
+    }
     // A varying step is looked at where it is most likely to go wrong.
     let last = end.filter(|end| *end > start).unwrap_or(start);
     let times = (0..=100).map(|i| start + (last - start) * f64::from(i) / 100.0);
@@ -213,6 +232,16 @@ fn check_schedule(
     } else {
         s.wrong("step", format!("expected a value above 0 at all times, it is {k} at t = {t}"));
     }
+}
+
+/// The step that is smallest beside the time at which it is taken, and that time \[s\].
+fn smallest_step(step: &Expression, start: f64, end: f64) -> (f64, f64) {
+    if let Some(k) = step.constant_value() {
+        return (k, if start.abs() > end.abs() { start } else { end });
+    }
+    let times = (0..=100).map(|i| start + (end - start) * f64::from(i) / 100.0);
+    let steps = times.filter(|t| *t != 0.0).map(|t| (step.eval(&[0.0; 3], t), t));
+    steps.min_by(|(a, s), (b, t)| (a / s.abs()).total_cmp(&(b / t.abs()))).unwrap_or((1.0, 0.0))
 }
 
 /// How derivatives are computed: `jacobian`, `difference`, `epsilon`.
@@ -321,6 +350,7 @@ pub(super) fn output(
     let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
     let curved = s.choice("cells", &[("linear", false), ("curved", true)], &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
+    let checkpoint_minutes = s.number("checkpoint-minutes", CHECKPOINT_MINUTES, NOT_NEGATIVE);
     let leading = s.string("leading");
     if let Some(name) = &leading
         && !names.contains(name)
@@ -330,5 +360,5 @@ pub(super) fn output(
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec { fields_every, fields_interval, deformed, curved, checkpoint_every, leading }
+    OutputSpec { fields_every, fields_interval, deformed, curved, checkpoint_every, checkpoint_minutes, leading }
 }

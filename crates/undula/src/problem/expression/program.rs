@@ -302,13 +302,13 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
         }
         Tree::If(condition, a, b) => {
             let first = emit(condition, code);
-            let middle = code.len();
-            let second = emit(a, code);
-            let third = emit(b, code);
-            if let [Instruction::Push(value)] = code[start..middle] {
+            // The other branch of a constant condition is never looked at: nested ones would take 2^depth times.
+            if let [Instruction::Push(value)] = code[start..] {
                 code.truncate(start);
                 return emit(if value != 0.0 { a } else { b }, code);
             }
+            let second = emit(a, code);
+            let third = emit(b, code);
             code.push(Instruction::Select);
             first.max(1 + second).max(2 + third)
         }
