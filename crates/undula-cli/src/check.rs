@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use undula::output::{OutputError, RunDirectory};
+use undula::problem::build::{RegionSize, Sizes};
 use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
 use undula::problem::error::LoadError;
 
@@ -15,7 +16,9 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         Ok(case) => match case.sizes() {
             Ok(sizes) => {
                 let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };
-                print(&summary(&case, Some(size))?)
+                let mut text = summary(&case, Some(size))?;
+                write_mesh(&mut text, &sizes)?;
+                print(&text)
             }
             Err(error) => bad_input(error),
         },
@@ -114,6 +117,15 @@ pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Erro
         writeln!(out, "note      {note}")?;
     }
     Ok(out)
+}
+
+/// Regions of the mesh, and notes about it.
+fn write_mesh(out: &mut String, sizes: &Sizes) -> std::fmt::Result {
+    for (n, RegionSize { name, cells, area, used }) in sizes.regions.iter().enumerate() {
+        let (title, end) = (if n == 0 { "regions" } else { "" }, if *used { "" } else { ", left out" });
+        writeln!(out, "{title:<9} {name}: {cells} cells, {area:.6} m²{end}")?;
+    }
+    sizes.notes.iter().try_for_each(|note| writeln!(out, "note      {note}"))
 }
 
 fn write_fluid(out: &mut String, case: &Case, fluid: &FluidSpec) -> std::fmt::Result {
