@@ -167,7 +167,7 @@ pub(super) fn extent(lower: &[f64], upper: &[f64]) -> String {
 }
 
 /// `x` with five digits of the size that it goes with.
-fn short(x: f64, size: f64) -> f64 {
+pub(super) fn short(x: f64, size: f64) -> f64 {
     let unit = 10f64.powf((size.log10() - 4.0).ceil());
     let digits = if size > 0.0 { (x / unit).round() } else { 0.0 };
     // Through text: products with powers of ten have digits of their own.

@@ -50,7 +50,9 @@ impl Case {
             return Err(Error::Case(CaseErrors(unfit)));
         }
         notes.extend(self.mark_sides(&mut mesh)?);
-        self.check_mesh(&MeshNames::of(&mesh))?;
+        let names = MeshNames::of(&mesh);
+        self.check_mesh(&names)?;
+        notes.extend(self.outer_interface(&names));
         let blame = |e| self.blame(mesh_key(self), e);
         mesh.check_kept(&self.regions()).map_err(blame)?;
         if let [fluid, solid] = self.regions()[..]

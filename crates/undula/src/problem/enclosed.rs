@@ -1,6 +1,6 @@
 //! Parts of the fluid that nothing opens, and whether the velocity data on their boundary are in balance.
 
-use super::bodies::extent;
+use super::bodies::{extent, short};
 use super::case::Case;
 use crate::error::Error;
 use crate::space::{Constraints, Enclosed, FsiSpace, State, enclosed};
@@ -91,7 +91,8 @@ impl Case {
         };
         let at = |t: f64| (t, net(space, constraints, part, t));
         let beyond = times.into_iter().map(at).filter(|(_, (net, size))| net.abs() > tolerance * size);
-        beyond.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs())).map(|(t, (net, _))| (t, -net))
+        let most = beyond.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()));
+        most.map(|(t, (net, _))| (short(t, t.abs()), -net))
     }
 }
 

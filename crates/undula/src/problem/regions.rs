@@ -3,6 +3,7 @@
 use super::build::RegionSize;
 use super::case::{Case, MeshSource};
 use super::error::{CaseError, quoted, suggestion};
+use super::fit::MeshNames;
 use crate::error::Error;
 use crate::mesh::{INTERFACE, Mesh, MeshError};
 use std::collections::BTreeMap;
@@ -171,6 +172,19 @@ impl Case {
             ),
         }));
         Ok(notes)
+    }
+
+    /// What should be known of an outer boundary that the mesh of one body calls `interface`.
+    pub(super) fn outer_interface(&self, names: &MeshNames) -> Option<String> {
+        let holds = match (&self.fluid, &self.solid) {
+            (Some(_), Some(_)) => return None,
+            (Some(_), None) => "a no-slip wall",
+            _ => "free of traction",
+        };
+        let outer = !names.is_inside(INTERFACE, &self.regions());
+        outer.then(|| {
+            format!("boundary `{INTERFACE}` of the mesh is taken for the side of a body that is not there: it is {holds}")
+        })
     }
 
     /// Whether a region that is left out touches both regions.
