@@ -79,7 +79,10 @@ fn write_constants(out: &mut String, constants: Option<&Constants>, domain: &str
         )?;
     }
     if reference.closed {
-        writeln!(out, "          The fluid is closed in; constant pressures are left out.")?;
+        writeln!(
+            out,
+            "          The fluid, or a part of it, is closed in; constant pressures are left out there."
+        )?;
     }
     Ok(())
 }

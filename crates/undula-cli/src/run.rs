@@ -27,11 +27,6 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         force: args.force,
         resume: args.resume,
     };
-    if !args.quiet {
-        for note in case.notes() {
-            say(format_args!("note: {note}"));
-        }
-    }
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {
         progress: Some(Progress::new(end, args.quiet)),
@@ -76,6 +71,9 @@ struct Display {
 impl Observer for Display {
     fn start(&mut self, simulation: &Simulation) {
         if !self.quiet {
+            for note in simulation.case.notes() {
+                say(format_args!("note: {note}"));
+            }
             let unknowns = simulation.unknowns();
             let cells = simulation.stepper.assembler.space.mesh.n_cells();
             let Case { name, title, .. } = &simulation.case;

@@ -304,8 +304,15 @@ fn names_are_checked_against_the_mesh() {
             "--set solid.region=beam: the mesh has no region `beam`; there are `fluid`, `solid`",
         ),
         (
-            &["solid=none", "boundary.outflow.condition=no-slip"],
-            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only: one boundary needs condition = `do-nothing` or `traction-free`",
+            &["boundary.outflow.condition=no-slip"],
+            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only (at rest the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or give the case a [time] to begin in",
+        ),
+        // The data decide, see `undula-cli/tests/cli`.
+        (&["solid=none", "boundary.outflow.condition=no-slip"], ""),
+        (
+            &["mesh.leave-out=[\"rock\", \"fluid\"]"],
+            "--set mesh.leave-out=[\"rock\", \"fluid\"]: the mesh has no region `rock`; there are `fluid`, `solid`\n\
+          --set mesh.leave-out=[\"rock\", \"fluid\"]: region `fluid` is that of [fluid]; it cannot be left out",
         ),
     ] {
         assert_eq!(fits("fsi1", overrides), expected, "{overrides:?}");

@@ -181,6 +181,11 @@ where
         let column =
             |first: u32, i: usize, given: bool| if given || first == DROP { DROP } else { first + i as u32 };
         let n_v = constraints.v.len() * D;
+        let pressure = |dof: u32| {
+            let given =
+                |at: u32| constraints.p.get((at - self.first_pressure as u32) as usize) == Some(&true);
+            if dof == DROP || given(dof) { DROP } else { dof }
+        };
         for batch in 0..self.batches.len() {
             for piece in &self.pieces {
                 let rows = if piece.test == Test::Xi { m } else { n };
@@ -196,14 +201,14 @@ where
                                 Test::Psi(i) => {
                                     column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)][i])
                                 }
-                                Test::Xi => self.rows_xi[batch * m + a][l],
+                                Test::Xi => pressure(self.rows_xi[batch * m + a][l]),
                             };
                             let col = match piece.trial {
                                 Trial::V(j) => column((node(b) * D) as u32, j, constraints.v[node(b)]),
                                 Trial::U(j) => {
                                     column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j])
                                 }
-                                Trial::P => self.rows_xi[batch * m + b][l],
+                                Trial::P => pressure(self.rows_xi[batch * m + b][l]),
                             };
                             let there = l < self.batches.active[batch] && row != DROP && col != DROP;
                             let (row, col) = if there { (row, col) } else { (DROP, DROP) };

@@ -29,7 +29,7 @@ pub mod tensor;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};
-use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region, State};
+use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
 use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
@@ -106,6 +106,8 @@ pub struct Assembler<const D: usize> {
     biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
+    /// Parts of the fluid whose pressure is determined up to a constant; their rows that read δ = 0 are the last.
+    closed: Vec<ClosedPressure>,
     /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
     full: Option<(Arc<Pattern>, Vec<u32>)>,
     condensed: Option<Arc<CondensedSystem>>,
@@ -169,6 +171,7 @@ impl<const D: usize> Assembler<D> {
             outflow,
             biharmonic,
             given,
+            closed: vec![],
             full: None,
             condensed: None,
             blocks,
@@ -185,6 +188,24 @@ impl<const D: usize> Assembler<D> {
             self.kernels.stabilize(how, fluid, &self.space, options);
             self.stabilized = true;
         }
+    }
+
+    /// Determine the pressures of `closed`, which the equations leave open by a constant; before any matrix is asked
+    /// for. Corrections leave one unknown of each alone, but the residual keeps its row, which is that of the data
+    /// being in balance.
+    pub fn close(&mut self, closed: Vec<ClosedPressure>) {
+        let first = self.space.n_v() + self.space.n_u();
+        self.constraints.p = vec![false; if closed.is_empty() { 0 } else { self.space.n_p() }];
+        for part in &closed {
+            self.constraints.p[part.fixed as usize] = true;
+            self.given.push(first as u32 + part.fixed);
+        }
+        self.closed = closed;
+    }
+
+    /// Make the mean of each pressure of [`Assembler::close`] 0.
+    pub fn level(&self, p: &mut [f64]) {
+        self.closed.iter().for_each(|part| part.level(p));
     }
 
     /// Whether there is stabilisation, with parameters from the old state.
@@ -368,7 +389,8 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0.
+    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0, but for those of
+    /// [`Assembler::close`].
     ///
     /// Returns the smallest J at the quadrature points of both regions.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
@@ -378,7 +400,7 @@ impl<const D: usize> Assembler<D> {
         if let Some(b) = &self.biharmonic {
             b.residual(&step.new.u, out);
         }
-        for &row in &self.given {
+        for &row in &self.given[..self.given.len() - self.closed.len()] {
             out[row as usize] = 0.0;
         }
         min_j

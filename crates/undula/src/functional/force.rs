@@ -73,17 +73,10 @@ impl<const D: usize> ForceBySurface<D> {
         unit: &'static str,
         n: usize,
     ) -> Self {
-        let wanted = |f: &&Facet| {
-            names.iter().any(|name| space.mesh.boundary(name) == Some(f.boundary))
-                && space.regions[f.cell as usize] == Region::Fluid
-        };
-        let facets = space
-            .mesh
-            .facets
-            .iter()
-            .filter(wanted)
-            .map(|f| (f.cell as usize, facet_points(space, f, n)))
-            .collect();
+        let in_fluid = |f: &&Facet| space.regions[f.cell as usize] == Region::Fluid;
+        let facets = space.mesh.facets_on(names);
+        let points = |f: &Facet| (f.cell as usize, facet_points(space, f, n));
+        let facets = facets.iter().filter(in_fluid).map(points).collect();
         ForceBySurface { facets, component, factor, unit }
     }
 

@@ -101,7 +101,7 @@ pub enum MeshError {
     UnnamedBoundary(CellList),
     /// Cells neither in nor outside a region.
     #[error(
-        "cells cut by the interface of region `{region}`; every cell must lie wholly in the fluid or the solid, \
+        "cells cut by the interface of region `{region}`; every cell must lie wholly inside or outside of it, \
          with all its interface nodes on the interface: {cells}"
     )]
     CutCells {
@@ -109,6 +109,22 @@ pub enum MeshError {
         region: String,
         /// The cells cut.
         cells: CellList,
+    },
+    /// A function without a value.
+    #[error("the expression of region `{region}` is not a number in cells {cells}")]
+    NotANumber {
+        /// The region that was to be assigned.
+        region: String,
+        /// The cells.
+        cells: CellList,
+    },
+    /// A region without cells.
+    #[error(
+        "no cell lies in region `{region}`: its expression is positive nowhere in the mesh, or in parts of cells only"
+    )]
+    NoCells {
+        /// The region that was to be assigned.
+        region: String,
     },
     /// Facets between the two regions that are not marked as interface.
     #[error("facets between `{first}` and `{second}` that are not in boundary `interface`, at cells {cells}")]

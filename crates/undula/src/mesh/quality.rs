@@ -87,7 +87,8 @@ impl<const D: usize> Mesh<D> {
         for &cell in &clockwise {
             let nodes = self.cell(cell).to_vec();
             turned.iter().enumerate().for_each(|(i, &j)| self.cell_nodes[cell * n + i] = nodes[j]);
-            for facet in self.facets.iter_mut().filter(|f| f.cell as usize == cell) {
+            let facets = self.facets.iter_mut().chain(&mut self.parts);
+            for facet in facets.filter(|f| f.cell as usize == cell) {
                 facet.local = match (self.shape, facet.local) {
                     (Shape::Triangle, 1) => 2,
                     (Shape::Triangle, 2) => 1,

@@ -7,8 +7,9 @@ use super::case::{
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
-use super::fit::MeshNames;
+use super::fit::{INTERFACE, MeshNames};
 use super::overview::Overview;
+use super::regions::mesh_key;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
@@ -22,7 +23,7 @@ use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls, enclosed};
 use crate::tangent::{Difference, Tangent};
 use crate::time::{
     Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
@@ -32,15 +33,40 @@ use std::sync::Arc;
 /// Functionals by name, in the order of the columns of `history.csv`.
 pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
-/// Name of the facets between fluid and solid.
-const INTERFACE: &str = "interface";
-
 impl Case {
-    /// The complete mesh with its interface marked, checked against the case.
+    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
     ///
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        Ok(self.marked_mesh()?.0)
+    }
+
+    /// The same with what should be known of it.
+    fn marked_mesh(&self) -> Result<(Mesh<2>, Vec<String>), Error> {
+        let (mut mesh, curves) = self.complete_mesh()?;
+        let mut notes = self.assign_regions(&mut mesh)?;
+        let unfit = self.check_regions(&mesh.regions);
+        if !unfit.is_empty() {
+            return Err(Error::Case(CaseErrors(unfit)));
+        }
+        notes.extend(self.mark_sides(&mut mesh)?);
+        let names = MeshNames::of(&mesh);
+        self.check_mesh(&names)?;
+        notes.extend(self.outer_interface(&names));
+        let blame = |e| self.blame(mesh_key(self), e);
+        mesh.check_kept(&self.regions()).map_err(blame)?;
+        if let [fluid, solid] = self.regions()[..]
+            && mesh.boundary(INTERFACE).is_some()
+        {
+            mesh.check_interface(fluid, solid).map_err(blame)?;
+        }
+        mesh.check_curves(&curves).map_err(blame)?;
+        Ok((mesh, notes))
+    }
+
+    /// The mesh as it is made or read, with the curves that its boundaries follow.
+    fn complete_mesh(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
         self.check_memory(None)?;
         let spec = &self.mesh;
         let triangles = self.space.velocity.shape() == Shape::Triangle;
@@ -68,27 +94,7 @@ impl Case {
             mesh = mesh.refined(spec.refine as usize, &curves);
         }
         self.check_shape(&mesh)?;
-        for (name, inside) in &spec.region {
-            mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
-        }
-        let (fluid, solid) = (self.fluid_region(), self.solid_region());
-        let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };
-        if mesh.boundary(INTERFACE).is_none()
-            && mesh.region(fluid).is_some()
-            && mesh.region(solid).is_some()
-            && let Err(error) = mesh.mark_interface(fluid, solid)
-        {
-            // What keeps the regions apart says more than that they are.
-            return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
-        }
-        self.check_mesh(&MeshNames::of(&mesh))?;
-        if mesh.boundary(INTERFACE).is_some() {
-            mesh.check_matching(fluid, solid, &curves).map_err(|e| self.blame(key, e))?;
-        } else {
-            mesh.check().map_err(|e| self.blame(key, e))?;
-        }
-        Ok(mesh)
+        Ok((mesh, curves))
     }
 
     /// Refuses cells on which the velocity does not live.
@@ -109,7 +115,7 @@ impl Case {
     }
 
     /// An error of the mesh, told with the place of the `key` of the case that is to blame.
-    fn blame(&self, key: &str, error: MeshError) -> Error {
+    pub(super) fn blame(&self, key: &str, error: MeshError) -> Error {
         self.refuse(key, error.to_string())
     }
 
@@ -119,12 +125,8 @@ impl Case {
         Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
     }
 
-    fn fluid_region(&self) -> &str {
-        self.fluid.as_ref().map_or("fluid", |f| f.region.as_str())
-    }
-
     fn solid_region(&self) -> &str {
-        self.solid.as_ref().map_or("solid", |s| s.region.as_str())
+        self.solid.as_ref().map_or("", |s| s.region.as_str())
     }
 
     /// Spaces on the regions that take part.
@@ -132,7 +134,11 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
-        let mesh = self.build_mesh()?;
+        self.space_on(&self.build_mesh()?)
+    }
+
+    /// Spaces on the regions of the complete `mesh` that take part.
+    fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
         let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
@@ -195,7 +201,22 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
     pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
-        let space = Arc::new(self.build_space()?);
+        Ok(self.build_with_notes(threads)?.0)
+    }
+
+    /// The same with what should be known of it: regions that are left out, parts of the fluid that are closed in.
+    ///
+    /// # Errors
+    /// As [`Case::build_stepper`].
+    pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let space = Arc::new(self.space_on(&mesh)?);
+        drop(mesh);
+        notes.extend(self.check_enclosed(&space)?);
+        Ok((self.stepper_on(space, threads)?, notes))
+    }
+
+    fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
@@ -205,6 +226,8 @@ impl Case {
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
         assembler.current_force = current.and_then(|f| current_force(&f.body_force));
         assembler.stabilize(&self.stabilization, &options);
+        let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
+        assembler.close(closed.map(|part| part.pressure(&space)).collect());
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
@@ -278,7 +301,7 @@ impl Case {
     }
 
     /// One condition per boundary of `mesh`.
-    fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+    pub(super) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => {
@@ -295,7 +318,8 @@ impl Case {
             }
             Some(Condition::TractionFree) => BoundaryCondition::Free,
             // The interface: inside the domain, or the surface of the region that is left.
-            None if both || self.fluid.is_none() => BoundaryCondition::Free,
+            None if name == INTERFACE && (both || self.fluid.is_none()) => BoundaryCondition::Free,
+            // Sides of regions that are left out. Names of parts of the interface are on no facet of the mesh.
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
@@ -457,8 +481,11 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
-        let space = self.build_space()?;
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let regions = self.region_sizes(&mesh);
+        let space = self.space_on(&mesh)?;
         self.build_functionals(&space)?;
-        Ok(self.overview(&space))
+        notes.extend(self.check_enclosed(&space)?);
+        Ok(self.overview(&space, regions, notes))
     }
 }

@@ -92,6 +92,8 @@ pub struct MeshSpec {
     pub grading: u32,
     /// Regions defined by an expression of x, y that is positive inside (box generator only).
     pub region: BTreeMap<String, Expression>,
+    /// Regions that are not computed on; their sides are walls unless a condition names them.
+    pub leave_out: Vec<String>,
 }
 
 /// A built-in generator or a file.

@@ -357,10 +357,15 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// A non-empty array of strings; a single string counts as one.
     pub fn strings(&mut self, key: &str) -> Option<Vec<String>> {
+        self.names(key, "[\"cylinder\", \"interface\"]", 1)
+    }
+
+    /// An array of at least so many strings, such as `example`; a single string counts as one.
+    pub fn names(&mut self, key: &str, example: &str, at_least: usize) -> Option<Vec<String>> {
         let item = self.item(key)?;
         let words: Option<Vec<String>> = match &item.value {
             Value::String(s) => Some(vec![s.clone()]),
-            Value::Array(items) if !items.is_empty() => items
+            Value::Array(items) if items.len() >= at_least => items
                 .iter()
                 .map(|i| match &i.value {
                     Value::String(s) => Some(s.clone()),
@@ -370,11 +375,7 @@ impl<'c, 'd> Section<'c, 'd> {
             _ => None,
         };
         if words.is_none() {
-            self.wrong_item(
-                key,
-                item,
-                "expected an array of names, such as [\"cylinder\", \"interface\"]".into(),
-            );
+            self.wrong_item(key, item, format!("expected an array of names, such as {example}"));
         }
         words
     }

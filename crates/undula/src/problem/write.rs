@@ -135,6 +135,10 @@ impl Case {
         }
         out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
         out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
+        if !self.mesh.leave_out.is_empty() {
+            let names: Vec<String> = self.mesh.leave_out.iter().map(|name| string(name)).collect();
+            out.key("leave-out", format!("[{}]", names.join(", ")), "regions that are not computed on");
+        }
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
             for (name, inside) in &self.mesh.region {

@@ -457,10 +457,12 @@ fn describe(simulation: &Simulation, failure: &crate::time::StepFailure) -> Brea
         format!("cell {c} at ({:.4}, {:.4})", x[0], x[1])
     };
     let cells: Vec<String> = failure.worst.cells.iter().map(centre).collect();
+    let assembler = &simulation.stepper.assembler;
+    let overfilled = simulation.case.overfilled(&assembler.space, &assembler.constraints, failure.time);
     Breakdown {
         time: failure.time,
         min_j: failure.worst.min_j,
         r#where: cells.join(", "),
-        reason: failure.to_string(),
+        reason: overfilled.map_or(failure.to_string(), |cause| format!("{cause} ({failure})")),
     }
 }

@@ -40,6 +40,8 @@ pub struct Constraints<const D: usize> {
     pub v: Vec<bool>,
     /// Components of the deformation that are given (always 0), those of bubbles among them.
     pub u: Vec<[bool; D]>,
+    /// Pressure unknowns that are given; empty if none is, see [`super::ClosedPressure`].
+    pub p: Vec<bool>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
     /// Factor of the velocity data, for loads that are raised in parts.
@@ -54,7 +56,7 @@ impl<const D: usize> Constraints<D> {
         let n = space.nodes.len();
         let mut fixed = vec![false; n];
         let (v, u) = (vec![false; n], vec![[false; D]; n]);
-        let mut c = Constraints { v, u, data: vec![], load: 1.0, follows: false };
+        let mut c = Constraints { v, u, p: vec![], data: vec![], load: 1.0, follows: false };
         let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
         for facet in &space.mesh.facets {
             for node in space.facet_nodes(facet) {

@@ -2,12 +2,14 @@
 
 pub mod conditions;
 pub mod dofs;
+pub mod enclosed;
 pub mod pressure;
 mod sliding;
 pub mod state;
 
 pub use conditions::{BoundaryCondition, Constraints, VelocityData, Walls};
 pub use dofs::Nodes;
+pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
 
@@ -155,9 +157,8 @@ impl<const D: usize> FsiSpace<D> {
 
     /// All nodes on the boundary called `name`, ascending.
     pub fn boundary_nodes(&self, name: &str) -> Vec<u32> {
-        let Some(boundary) = self.mesh.boundary(name) else { return vec![] };
-        let facets = self.mesh.facets.iter().filter(|f| f.boundary == boundary);
-        let mut nodes: Vec<u32> = facets.flat_map(|f| self.facet_nodes(f)).collect();
+        let facets = self.mesh.facets_on(&[name]);
+        let mut nodes: Vec<u32> = facets.iter().flat_map(|f| self.facet_nodes(f)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes

@@ -66,6 +66,7 @@ impl<const D: usize> Stepper<D> {
             Ok((report, norms, min_j)) => {
                 self.time = t;
                 (self.last_step, self.last) = (k, formula);
+                self.assembler.level(&mut self.new.p);
                 Ok(StepReport::new(report, norms, min_j))
             }
             Err(reason) => {

@@ -122,6 +122,7 @@ impl<const D: usize> Stepper<D> {
         match solved {
             Ok(report) => {
                 self.old = before_state;
+                self.assembler.level(&mut self.new.p);
                 Ok(StepReport::new(report, norms, min_j))
             }
             Err(reason) => {

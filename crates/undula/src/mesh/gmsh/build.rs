@@ -35,6 +35,7 @@ pub(super) fn mesh(raw: Raw, path: &Path) -> Result<Mesh<2>, MeshError> {
         regions: vec![],
         facets: vec![],
         boundaries: vec![],
+        parts: vec![],
     };
     let number = nodes(&raw, &surfaces, &mut mesh, path)?;
     let regions = Groups::new(&raw, 2, path);

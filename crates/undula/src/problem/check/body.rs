@@ -36,6 +36,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
     let region = regions(s.section("region"));
+    let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     if !s.is_present() {
         root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
     } else if s.has("generator") && s.has("file") {
@@ -66,7 +67,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         (None, None) => MeshSource::TurekHron,
     };
     s.finish();
-    Some(MeshSpec { source, refine, grading, region })
+    Some(MeshSpec { source, refine, grading, region, leave_out })
 }
 
 fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
