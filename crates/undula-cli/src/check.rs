@@ -15,7 +15,11 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         Ok(case) => match case.sizes() {
             Ok(sizes) => {
                 let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };
-                print(&summary(&case, Some(size))?)
+                let mut text = summary(&case, Some(size))?;
+                for note in &sizes.notes {
+                    writeln!(text, "note      {note}")?;
+                }
+                print(&text)
             }
             Err(error) => bad_input(error),
         },

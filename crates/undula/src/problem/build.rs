@@ -21,7 +21,7 @@ use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls};
 use crate::tangent::{Difference, Tangent};
 use crate::time::{
     Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
@@ -155,6 +155,7 @@ impl Case {
             return Err(self.refuse("motion.walls", message.into()));
         }
         self.check_patches(&space)?;
+        self.check_ends(&space).map_err(Error::Case)?;
         Ok(space)
     }
 
@@ -201,6 +202,8 @@ impl Case {
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
         assembler.current_force = current.and_then(|f| current_force(&f.body_force));
         assembler.stabilize(&self.stabilization, &options);
+        // What is left of data on the solid is rounding, see `check_ends`.
+        assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
@@ -274,7 +277,7 @@ impl Case {
     }
 
     /// One condition per boundary of `mesh`.
-    fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+    pub(super) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => {
@@ -285,23 +288,18 @@ impl Case {
                 }))
             }
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
-            Some(Condition::DoNothing) => BoundaryCondition::Outflow { do_nothing: true },
-            Some(Condition::TractionFree) if self.fluid.is_some() && !self.solid_only(mesh, name) => {
-                BoundaryCondition::Outflow { do_nothing: false }
+            Some(Condition::DoNothing) => {
+                BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            Some(Condition::TractionFree) => BoundaryCondition::Free,
+            // On the solid it is the same as free.
+            Some(Condition::TractionFree) => {
+                BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
+            }
             // The interface: inside the domain, or the surface of the region that is left.
             None if both || self.fluid.is_none() => BoundaryCondition::Free,
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
-    }
-
-    /// Whether all cells at the boundary `name` are solid.
-    fn solid_only(&self, mesh: &Mesh<2>, name: &str) -> bool {
-        let (boundary, solid) = (mesh.boundary(name), mesh.region(self.solid_region()));
-        let mut facets = mesh.facets.iter().filter(|f| Some(f.boundary) == boundary);
-        facets.all(|f| Some(mesh.cell_region[f.cell as usize]) == solid)
     }
 
     /// E_e(x) with the distance d to the interface, and its largest value: (d_0 + d)^(−exponent) of the elastic
@@ -453,6 +451,8 @@ pub struct Sizes {
     pub cells: usize,
     /// Velocity, deformation and pressure unknowns, given ones counted.
     pub unknowns: [usize; 3],
+    /// What the conditions mean to nodes of the solid, see [`Case::notes_on`].
+    pub notes: Vec<String>,
 }
 
 impl Case {
@@ -463,6 +463,7 @@ impl Case {
     pub fn sizes(&self) -> Result<Sizes, Error> {
         let space = self.build_space()?;
         self.build_functionals(&space)?;
-        Ok(Sizes { cells: space.mesh.n_cells(), unknowns: [space.n_v(), space.n_u(), space.n_p()] })
+        let unknowns = [space.n_v(), space.n_u(), space.n_p()];
+        Ok(Sizes { cells: space.mesh.n_cells(), unknowns, notes: self.notes_on(&space) })
     }
 }

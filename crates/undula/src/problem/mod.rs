@@ -1,7 +1,7 @@
 //! From a case file to a checked, runnable description.
 //!
 //! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
-//! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
+//! `check` makes a [`case::Case`] of it, `fit` compares that with a mesh and `ends` with the nodes of the solid; `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
 //! tables that set results side by side. `manufactured` makes problems whose solution is known.
 
@@ -11,6 +11,7 @@ pub mod case;
 mod check;
 pub mod compare;
 pub mod element;
+mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;

@@ -2,6 +2,7 @@
 
 pub mod conditions;
 pub mod dofs;
+pub mod ends;
 pub mod pressure;
 mod sliding;
 pub mod state;
