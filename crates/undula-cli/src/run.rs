@@ -89,6 +89,9 @@ impl Observer for Display {
             );
             if let Some(progress) = &self.progress {
                 progress.message(&text);
+                for note in simulation.case.notes_on(&simulation.stepper.assembler.space) {
+                    progress.message(&format!("note: {note}"));
+                }
             }
         }
     }

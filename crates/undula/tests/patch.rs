@@ -154,7 +154,7 @@ fn rotating_flow_has_no_viscous_stress() {
         let physics = Physics { fluid: Some(Fluid { nu, ..AUXETIC }), ..FSI };
         let mut problem = bent(physics, Body::Inclusion, PAIRS[0]);
         for condition in &mut problem.conditions {
-            if let BoundaryCondition::Outflow { do_nothing } = condition {
+            if let BoundaryCondition::Outflow { do_nothing, .. } = condition {
                 *do_nothing = false;
             }
         }
@@ -270,7 +270,7 @@ fn poiseuille_is_exact_with_do_nothing_outflow() {
             println!("Poiseuille with {pressure:?}: {e:?}");
             assert!(e.v < 1e-11 && e.p < 1e-10, "{pressure:?}: {e:?}");
             let free = |b: &mut BoundaryCondition<2>| {
-                if let BoundaryCondition::Outflow { do_nothing } = b {
+                if let BoundaryCondition::Outflow { do_nothing, .. } = b {
                     *do_nothing = false;
                 }
             };

@@ -71,7 +71,7 @@ fn nodal(space: &FsiSpace<2>, f: impl Fn(&[f64; 2]) -> [f64; 2]) -> Vec<f64> {
 fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, threads: usize) -> Assembler<2> {
     let coupled = space.regions.contains(&Region::Solid);
     let condition = |name: &String| match name.as_str() {
-        "right" => BoundaryCondition::Outflow { do_nothing: true },
+        "right" => BoundaryCondition::Outflow { do_nothing: true, directional: false },
         "interface" => BoundaryCondition::Free,
         _ => BoundaryCondition::Fixed,
     };

@@ -28,7 +28,7 @@ mod tasks;
 pub mod tensor;
 
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
-use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};
+use crate::physics::{Extension, Fluid, Solid, Stabilization};
 use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
 use biharmonic::Biharmonic;
@@ -138,11 +138,7 @@ impl<const D: usize> Assembler<D> {
         options: &Options,
     ) -> Assembler<D> {
         let constraints = Constraints::new(&space, conditions);
-        let do_nothing =
-            |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
-        let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
-        let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
-        let outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
+        let outflow = OutflowFacets::new(&space, physics.fluid, conditions, options.quadrature);
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let kernels: Box<dyn Kernels<D>> = match lanes {
             1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
@@ -463,7 +459,7 @@ impl<const D: usize> Assembler<D> {
         self.pattern();
         out.values.fill(0.0);
         self.kernels.jacobian(step, linearization, tangent, &mut out.values);
-        self.outflow.jacobian(step, tangent, linearization == Linearization::Newton, &mut out.values);
+        self.outflow.jacobian(step, linearization, tangent, &mut out.values);
         if let Some(b) = &self.biharmonic {
             b.jacobian(&mut out.values);
         }

@@ -177,4 +177,9 @@ impl<const L: usize> Scalar for Lanes<L> {
     fn ln(self) -> Self {
         Lanes(self.0.map(f64::ln))
     }
+
+    #[inline(always)]
+    fn below_zero(self) -> Self {
+        Lanes(self.0.map(Scalar::below_zero))
+    }
 }

@@ -36,6 +36,9 @@ pub trait Scalar:
     /// Natural logarithm.
     fn ln(self) -> Self;
 
+    /// 1 where the value is below 0, else 0; without derivative.
+    fn below_zero(self) -> Self;
+
     /// Zero.
     #[inline(always)]
     fn zero() -> Self {
@@ -75,5 +78,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln(self) -> f64 {
         f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn below_zero(self) -> f64 {
+        if self < 0.0 { 1.0 } else { 0.0 }
     }
 }

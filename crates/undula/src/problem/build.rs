@@ -23,7 +23,7 @@ use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls, enclosed};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::tangent::{Difference, Tangent};
 use crate::time::{
     Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
@@ -165,6 +165,7 @@ impl Case {
             return Err(self.refuse("motion.walls", message.into()));
         }
         self.check_patches(&space)?;
+        self.check_ends(&space).map_err(Error::Case)?;
         Ok(space)
     }
 
@@ -228,6 +229,8 @@ impl Case {
         assembler.stabilize(&self.stabilization, &options);
         let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
+        // What is left of data on the solid is rounding, see `check_ends`.
+        assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
@@ -312,24 +315,19 @@ impl Case {
                 }))
             }
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
-            Some(Condition::DoNothing) => BoundaryCondition::Outflow { do_nothing: true },
-            Some(Condition::TractionFree) if self.fluid.is_some() && !self.solid_only(mesh, name) => {
-                BoundaryCondition::Outflow { do_nothing: false }
+            Some(Condition::DoNothing) => {
+                BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            Some(Condition::TractionFree) => BoundaryCondition::Free,
+            // On the solid it is the same as free.
+            Some(Condition::TractionFree) => {
+                BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
+            }
             // The interface: inside the domain, or the surface of the region that is left.
             None if name == INTERFACE && (both || self.fluid.is_none()) => BoundaryCondition::Free,
             // Sides of regions that are left out. Names of parts of the interface are on no facet of the mesh.
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
-    }
-
-    /// Whether all cells at the boundary `name` are solid.
-    fn solid_only(&self, mesh: &Mesh<2>, name: &str) -> bool {
-        let (boundary, solid) = (mesh.boundary(name), mesh.region(self.solid_region()));
-        let mut facets = mesh.facets.iter().filter(|f| Some(f.boundary) == boundary);
-        facets.all(|f| Some(mesh.cell_region[f.cell as usize]) == solid)
     }
 
     /// E_e(x) with the distance d to the interface, and its largest value: (d_0 + d)^(−exponent) of the elastic
@@ -486,6 +484,7 @@ impl Case {
         let space = self.space_on(&mesh)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.notes_on(&space));
         Ok(self.overview(&space, regions, notes))
     }
 }

@@ -10,7 +10,7 @@ use crate::physics::{Material, Stabilization};
 use crate::space::Walls;
 pub use crate::tangent::Linearization;
 use crate::time::Scheme;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// A complete, valid description of one computation.
@@ -34,6 +34,8 @@ pub struct Case {
     pub motion: MotionSpec,
     /// What holds on each named boundary (except `interface`).
     pub boundary: BTreeMap<String, Condition>,
+    /// Boundaries with the directional term against flow that comes in, all of them `do-nothing` or `traction-free`.
+    pub directional: BTreeSet<String>,
     /// `None`: a stationary solution is sought.
     pub time: Option<TimeSpec>,
     /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
@@ -264,13 +266,14 @@ pub enum MotionModel {
 /// What holds on a boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
-    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move.
+    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move. It must vanish on the solid.
     Velocity([Expression; 2]),
     /// v = 0, u = 0.
     NoSlip,
-    /// ρν ∇v n − p n = 0; the boundary does not move.
+    /// ρν ∇v n − p n = 0 for the fluid; its boundary slides in its plane where a free end of the solid meets it, else it
+    /// does not move. For the solid σ n = 0.
     DoNothing,
-    /// σ n = 0. On a fluid boundary it does not move; a solid boundary does.
+    /// σ n = 0. The boundary of the fluid moves as with `DoNothing`; that of the solid is free.
     TractionFree,
     /// A clamped solid: v = 0, u = 0.
     Clamped,

@@ -72,7 +72,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
     }
     let motion = root.section("motion");
-    let boundary = condition::boundary(root.section("boundary"));
+    let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
         refuse_current(&root.section("fluid"), time.as_ref(), &how);
@@ -93,6 +93,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         solid,
         motion,
         boundary,
+        directional,
         time,
         at_time: at_time.unwrap_or(0.0),
         newton,

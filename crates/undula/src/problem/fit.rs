@@ -201,7 +201,10 @@ impl Fit<'_> {
                     let allowed = match (fluid, solid) {
                         (_, false) => "`velocity`, `no-slip`, `do-nothing` or `traction-free`",
                         (false, true) => "`clamped` or `traction-free`",
-                        (true, true) => "`no-slip` or `traction-free`",
+                        (true, true) => {
+                            "`velocity` (0 on the solid), `no-slip`, `do-nothing` or `traction-free` (the solid is \
+                             clamped by the first two and free with the others)"
+                        }
                     };
                     let message = format!(
                         "boundary `{name}` of the mesh has no condition: add [{key}] with condition = {allowed}"
@@ -219,6 +222,10 @@ impl Fit<'_> {
                     self.error(&format!("{key}.condition"), message.into());
                 }
                 Some(_) => {}
+            }
+            if self.case.directional.contains(name) && self.case.fluid.is_some() && !fluid {
+                let message = "it is for an outlet of the fluid, and only the solid is here; remove it";
+                self.error(&format!("{key}.backflow"), message.into());
             }
         }
     }

@@ -180,9 +180,11 @@ impl Manufactured {
 
     /// Quadrature points of the facets with the do-nothing correction, with the nodes of their cells.
     pub fn outflow(&self) -> Vec<(Vec<u32>, Vec<FacetPoint<2>>)> {
-        let do_nothing =
-            |b: u16| matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
-        let facets = self.space.mesh.facets.iter().filter(|f| do_nothing(f.boundary));
+        let do_nothing = |b: u16| {
+            matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
+        };
+        let of_fluid = |cell: u32| self.space.regions[cell as usize] == Region::Fluid;
+        let facets = self.space.mesh.facets.iter().filter(|f| do_nothing(f.boundary) && of_fluid(f.cell));
         let nodes = |cell: u32| self.space.nodes.cell(cell as usize).to_vec();
         facets.map(|f| (nodes(f.cell), facet_points(&self.space, f, self.quadrature))).collect()
     }

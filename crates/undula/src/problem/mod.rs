@@ -2,7 +2,8 @@
 //!
 //! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
-//! their connected parts, `enclosed` with those of the fluid that nothing opens. `write` is the way back,
+//! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid.
+//! `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
 //! tables that set results side by side. `manufactured` makes problems whose solution is known.
 
@@ -14,6 +15,7 @@ mod check;
 pub mod compare;
 pub mod element;
 mod enclosed;
+mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;

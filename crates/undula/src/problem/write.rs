@@ -80,6 +80,9 @@ impl Case {
         for (name, condition) in &self.boundary {
             out.table(&format!("boundary.{}", key(name)));
             write_condition(&mut out, condition);
+            if self.directional.contains(name) {
+                out.word("backflow", "directional");
+            }
         }
         self.write_time(&mut out);
         self.write_solvers(&mut out);

@@ -3,9 +3,11 @@
 mod checkpoint;
 mod fields;
 mod identity;
+mod inflow;
 
 pub use checkpoint::restore_latest;
 pub use fields::snapshot;
+pub use inflow::{Inflow, inflow};
 
 use crate::error::Error;
 use crate::output::{
@@ -451,9 +453,9 @@ fn is_on_the_way(case: &Case, metadata: &Metadata) -> Result<(), Unfit> {
 
 /// A breakdown in words.
 fn describe(simulation: &Simulation, failure: &crate::time::StepFailure) -> Breakdown {
-    let mesh = &simulation.stepper.assembler.space.mesh;
+    let space = &simulation.stepper.assembler.space;
     let centre = |&c: &u32| {
-        let x = mesh.centre(c as usize);
+        let x = space.mesh.centre(c as usize);
         format!("cell {c} at ({:.4}, {:.4})", x[0], x[1])
     };
     let cells: Vec<String> = failure.worst.cells.iter().map(centre).collect();
@@ -463,6 +465,10 @@ fn describe(simulation: &Simulation, failure: &crate::time::StepFailure) -> Brea
         time: failure.time,
         min_j: failure.worst.min_j,
         r#where: cells.join(", "),
-        reason: overfilled.map_or(failure.to_string(), |cause| format!("{cause} ({failure})")),
+        reason: match overfilled {
+            Some(cause) => format!("{cause} ({failure})"),
+            None => inflow::explains(&simulation.case, space, &simulation.stepper.new, failure)
+                .unwrap_or_else(|| failure.to_string()),
+        },
     }
 }

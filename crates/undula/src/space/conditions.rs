@@ -1,22 +1,27 @@
 //! Dirichlet data.
 
-use super::FsiSpace;
+use super::ends::{End, EndKind, ends};
+use super::{FsiSpace, PsiOwner};
 use std::sync::Arc;
 
 /// A velocity given as a function of position and time \[m/s\].
 pub type VelocityData<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
-/// What holds on a named boundary, as far as the spaces are concerned.
+/// What holds on a named boundary, as far as the spaces are concerned. On each facet it means what it can mean to the
+/// body of its cell.
 #[derive(Clone)]
 pub enum BoundaryCondition<const D: usize> {
     /// v given, u = 0.
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// v free, u = 0: outflow on a boundary that does not move.
+    /// Of the fluid: v free, u = 0, or n·u = 0 where the solid ends at the boundary, see [`super::ends`].
+    /// Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
+        /// Add the directional term against flow that comes in.
+        directional: bool,
     },
     /// v and u free: surface of the solid without traction.
     Free,
@@ -69,16 +74,27 @@ impl<const D: usize> Constraints<D> {
                     BoundaryCondition::Fixed => {
                         (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    BoundaryCondition::Outflow { .. } => c.u[node] = [true; D],
-                    BoundaryCondition::Free => {}
+                    // The nodes of the solid among those of an outflow follow below.
+                    BoundaryCondition::Outflow { .. } if space.owner[node] == PsiOwner::Extension => {
+                        c.u[node] = [true; D];
+                    }
+                    BoundaryCondition::Outflow { .. } | BoundaryCondition::Free => {}
                 }
+            }
+        }
+        let mut sliding = vec![space.walls == Walls::Sliding; space.mesh.boundaries.len()];
+        for End { node, boundary, kind } in ends(space, conditions) {
+            match kind {
+                EndKind::Free => sliding[boundary as usize] = true,
+                EndKind::Outflow => (c.v[node as usize], c.u[node as usize]) = (true, [true; D]),
+                EndKind::Inflow | EndKind::Wall => {}
             }
         }
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
-        if space.walls == Walls::Sliding {
-            for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some(axis) = axis {
+        if sliding.contains(&true) {
+            for (node, normal) in super::sliding::normals(space).into_iter().enumerate() {
+                if let Some((axis, _)) = normal.filter(|&(_, boundary)| sliding[boundary as usize]) {
                     c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }

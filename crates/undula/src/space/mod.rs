@@ -3,6 +3,7 @@
 pub mod conditions;
 pub mod dofs;
 pub mod enclosed;
+pub mod ends;
 pub mod pressure;
 mod sliding;
 pub mod state;

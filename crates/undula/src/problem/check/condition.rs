@@ -4,7 +4,7 @@ use super::is_name;
 use crate::problem::case::{Condition, EnergyKind, FunctionalSpec, SolidLaw};
 use crate::problem::error::quoted;
 use crate::problem::read::{ANY, POSITIVE, Section};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Copy, Clone, PartialEq)]
 enum Kind {
@@ -15,8 +15,9 @@ enum Kind {
     Clamped,
 }
 
-pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> {
-    let mut boundary = BTreeMap::new();
+/// Conditions by name, and the names of outlets with the directional term.
+pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>, BTreeSet<String>) {
+    let (mut boundary, mut directional) = (BTreeMap::new(), BTreeSet::new());
     for name in all.keys() {
         let mut s = all.section(&name);
         if name == "interface" {
@@ -45,6 +46,16 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> 
             let note = format!("boundary.{name}.velocity has no effect: the condition is not `velocity`");
             s.checker.notes.borrow_mut().push(note);
         }
+        let against = s.choice("backflow", &[("none", false), ("directional", true)], &[]);
+        let outlet = matches!(kind, Some(Kind::DoNothing | Kind::TractionFree) | None);
+        if against == Some(true) && outlet {
+            directional.insert(name.clone());
+        } else if against == Some(true) {
+            let note = format!(
+                "boundary.{name}.backflow has no effect: the condition is neither `do-nothing` nor `traction-free`"
+            );
+            s.checker.notes.borrow_mut().push(note);
+        }
         s.finish();
         let condition = match kind {
             Some(Kind::Velocity) => Condition::Velocity(velocity.unwrap_or_default()),
@@ -55,7 +66,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> 
         };
         boundary.insert(name, condition);
     }
-    boundary
+    (boundary, directional)
 }
 
 /// Columns of `history.csv` that are no functionals.
