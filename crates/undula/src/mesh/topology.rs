@@ -53,8 +53,13 @@ impl<const D: usize> Mesh<D> {
     /// The connected part in which each cell is: cells of one region that hang together by facets. Parts are numbered
     /// in the order of their first cells.
     pub fn components(&self) -> Vec<u32> {
+        self.components_by(&self.facets_of_cells().inner)
+    }
+
+    /// The same, if the facets between cells are known.
+    pub fn components_by(&self, inner: &[[Side; 2]]) -> Vec<u32> {
         let mut next: Vec<Vec<u32>> = vec![vec![]; self.n_cells()];
-        for [one, two] in self.facets_of_cells().inner {
+        for [one, two] in inner {
             if self.cell_region[one.cell as usize] == self.cell_region[two.cell as usize] {
                 next[one.cell as usize].push(two.cell);
                 next[two.cell as usize].push(one.cell);

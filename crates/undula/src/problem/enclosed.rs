@@ -46,6 +46,14 @@ impl Case {
                      make room, until it cannot",
                     excess(inflow)
                 )),
+                (None, false) if part.shares_pressures(space) => {
+                    let message = format!(
+                        "{subject} is closed in on all sides, so its pressure is determined up to a constant only, but it \
+                         touches another part in a point, where a continuous pressure has one value: take a discontinuous \
+                         one, such as `P1dc`"
+                    );
+                    return Err(self.refuse("space.pressure", message));
+                }
                 (None, false) => notes.push(format!(
                     "{subject} is closed in on all sides, so its pressure is determined up to a constant only: its mean is \
                      set to 0"
@@ -90,7 +98,8 @@ impl Case {
             }
         };
         let at = |t: f64| (t, net(space, constraints, part, t));
-        let beyond = times.into_iter().map(at).filter(|(_, (net, size))| net.abs() > tolerance * size);
+        // The first of equal ones.
+        let beyond = times.into_iter().rev().map(at).filter(|(_, (net, size))| net.abs() > tolerance * size);
         let most = beyond.max_by(|a, b| a.1.0.abs().total_cmp(&b.1.0.abs()));
         most.map(|(t, (net, _))| (short(t, t.abs()), -net))
     }

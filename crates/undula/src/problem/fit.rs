@@ -75,7 +75,7 @@ impl MeshNames {
 
 /// The connected parts of the regions of `mesh`, whose facets between cells are `inner`.
 fn components<const D: usize>(mesh: &Mesh<D>, inner: &[[Side; 2]]) -> Vec<Component> {
-    let component = mesh.components();
+    let component = mesh.components_by(inner);
     let mut list: Vec<Component> = vec![];
     for (cell, &number) in component.iter().enumerate() {
         if number as usize == list.len() {

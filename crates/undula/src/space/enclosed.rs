@@ -27,7 +27,8 @@ pub fn enclosed<const D: usize>(
     conditions: &[BoundaryCondition<D>],
 ) -> Vec<Enclosed<D>> {
     let mesh = &space.mesh;
-    let component = mesh.components();
+    let inner = mesh.facets_of_cells().inner;
+    let component = mesh.components_by(&inner);
     let n = component.iter().max().map_or(0, |&last| last as usize + 1);
     let (mut open, mut touches, mut cells) = (vec![false; n], vec![false; n], vec![vec![]; n]);
     for facet in &mesh.facets {
@@ -35,7 +36,7 @@ pub fn enclosed<const D: usize>(
             open[component[facet.cell as usize] as usize] = true;
         }
     }
-    for [one, two] in mesh.facets_of_cells().inner {
+    for [one, two] in inner {
         let [one, two] = [one.cell as usize, two.cell as usize];
         if space.regions[one] != space.regions[two] {
             (touches[component[one] as usize], touches[component[two] as usize]) = (true, true);
@@ -83,6 +84,17 @@ impl<const D: usize> Enclosed<D> {
             size += 0.5 * (Vector(v).dot(Vector(v)) * Vector(*weight).dot(Vector(*weight))).sqrt();
         }
         (net, size)
+    }
+
+    /// Whether its pressure is continuous with that of another part, which it touches in points only.
+    pub fn shares_pressures(&self, space: &FsiSpace<D>) -> bool {
+        let mut own = vec![false; space.n_p()];
+        for &cell in &self.cells {
+            space.pressure.cell(cell as usize).iter().for_each(|&dof| own[dof as usize] = true);
+        }
+        let mut others =
+            (0..space.mesh.n_cells()).filter(|&cell| self.cells.binary_search(&(cell as u32)).is_err());
+        others.any(|cell| space.pressure.cell(cell).iter().any(|&dof| own[dof as usize]))
     }
 
     /// How its pressure is determined: one unknown is given in all corrections, and the mean set to 0 afterwards.
