@@ -9,7 +9,7 @@ use std::sync::Arc;
 use undula::algebra::SolverError;
 use undula::assembly::{Assembler, End, Options, Physics, StepView};
 use undula::element::Shape;
-use undula::functional::force::{ForceByResidual, ForceBySurface};
+use undula::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use undula::functional::{Functional, Snapshot};
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
@@ -284,11 +284,13 @@ fn poiseuille_is_exact_with_do_nothing_outflow() {
 /// Both forces on `name` after `stepper`: by the residual and by the integral over the surface.
 fn forces(problem: &Manufactured, stepper: &mut Stepper<2>, name: &str, component: usize) -> [f64; 2] {
     let (names, space) = ([name.to_string()], &*problem.space);
-    let by_residual = ForceByResidual::new(space, &names, component, 1.0, "N/m");
-    let by_surface = ForceBySurface::new(space, &names, component, 1.0, "N/m", QUADRATURE);
+    let surfaces = Surfaces::new(space, &problem.conditions, QUADRATURE);
+    let by_residual = ForceByResidual::new(&surfaces, &names, component, 1.0, "N/m");
+    let by_surface = ForceBySurface::new(&surfaces, &names, component, 1.0, "N/m");
     let (rule, new, old, assembler) = stepper.last_step();
     let fluid_residual = &region(assembler, Region::Fluid, rule, new, old);
-    let at = Snapshot { space, physics: &problem.physics, rule, new, old, fluid_residual };
+    let (physics, outflow) = (&problem.physics, None);
+    let at = Snapshot { space, physics, rule, new, old, fluid_residual, outflow };
     [by_residual.evaluate(&at), by_surface.evaluate(&at)]
 }
 

@@ -5,7 +5,7 @@ use super::kernel::StepView;
 use super::scatter::DROP;
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, Side};
 use crate::physics::{FacetForm, Fields, Outflow};
 use crate::space::{Constraints, FsiSpace, State};
 use crate::tangent::{self, Tangent};
@@ -100,6 +100,7 @@ pub struct OutflowFacets<const D: usize> {
     facets: Vec<(Vec<u32>, Vec<FacetPoint<D>>)>,
     /// Cell of each facet.
     pub cells: Vec<u32>,
+    sides: Vec<Side>,
     /// `[facet][row a, i][column b, field, j]`.
     slots: Vec<u32>,
     deforms: bool,
@@ -109,11 +110,12 @@ impl<const D: usize> OutflowFacets<D> {
     /// On the given facets, `n` Gauss points per direction.
     pub fn new(space: &FsiSpace<D>, form: Outflow, facets: &[Facet], n: usize) -> OutflowFacets<D> {
         let cells = facets.iter().map(|f| f.cell).collect();
+        let sides = facets.iter().map(Facet::side).collect();
         let facets = facets
             .iter()
             .map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n)))
             .collect();
-        OutflowFacets { form, facets, cells, slots: vec![], deforms: space.deforms }
+        OutflowFacets { form, facets, cells, sides, slots: vec![], deforms: space.deforms }
     }
 
     /// Call `visit(row, column)` for every entry of the Jacobian in a fixed order.
@@ -161,6 +163,23 @@ impl<const D: usize> OutflowFacets<D> {
         if step.rule.has_explicit() {
             self.add(1.0 - step.rule.theta, old, out);
         }
+    }
+
+    /// The sum of the term of the step, its explicit part included, over all test functions and those facets that
+    /// are among `sides` \[N/m\].
+    pub fn sum(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {
+        let explicit = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0));
+        let times: Vec<(f64, f64)> = step.rule.transport_points().chain(explicit).collect();
+        let mut sum = Vector::zero();
+        for ((nodes, points), _) in self.facets.iter().zip(&self.sides).filter(|(_, side)| sides.contains(side)) {
+            for point in points {
+                for &(weight, tau) in &times {
+                    let at = fields_between(nodes, point, step, tau);
+                    sum += self.form.traction(&at, &point.normal, weight * point.weight);
+                }
+            }
+        }
+        sum
     }
 
     fn add(&self, weight: f64, fields: impl Fn(&[u32], &FacetPoint<D>) -> Fields<f64, D>, out: &mut [f64]) {

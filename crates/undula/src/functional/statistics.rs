@@ -1,9 +1,16 @@
 //! Mean, amplitude and frequency of histories, as benchmark tables state them.
 //!
-//! All signals of a periodic flow share the period of one *leading signal* (the deflection, else the lift).
-//! Mean (max + min)/2 and amplitude (max − min)/2 of every signal are taken over the last full period of the
-//! leading one. Extrema are those of a parabola through three samples, since sampled ones err by percents at
-//! usual step sizes. Time steps need not be equal; samples that are not finite are left out.
+//! All signals of a periodic flow share the period of one *leading signal*, see [`ranking`]. Mean (max + min)/2 and
+//! amplitude (max − min)/2 of every signal are taken over the last full period of the leading one. Extrema are
+//! those of a parabola through three samples, since sampled ones err by percents at usual step sizes. Time steps
+//! need not be equal; samples that are not finite are left out.
+//!
+//! A signal is *periodic* if its last period, of at least [`SAMPLES`] samples, is like up to [`PAST`] periods before
+//! it, of which one must be there: the amplitudes agree to 6 %; the means, to 10 % of the amplitude; and the two
+//! periods differ by 20 % of the oscillation at most, as they do where their lengths differ by 3 %. The latter two
+//! may grow by 5 % for each further period. A ramp, a zigzag from step to step, an oscillation that grows or decays
+//! have no mean, no amplitude and no frequency. `summary.json`, `undula compare` and the pictures all take their
+//! numbers from [`summarize`].
 
 /// The last full period of the leading signal.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -26,12 +33,23 @@ impl Window {
 pub struct Statistics {
     /// The last value; NaN if there is none.
     pub last: f64,
-    /// (max + min)/2 over the window; `None` where steady.
+    /// (max + min)/2 over the window; `None` where steady or not periodic.
     pub mean: Option<f64>,
-    /// (max − min)/2 over the window; `None` where steady.
+    /// (max − min)/2 over the window; `None` where steady or not periodic.
     pub amplitude: Option<f64>,
     /// 1/T of the signal itself \[Hz\]; `None` where steady or not periodic.
     pub frequency: Option<f64>,
+}
+
+/// A history with its name.
+#[derive(Copy, Clone, Debug)]
+pub struct Series<'a> {
+    /// Name, such as `uy_A`.
+    pub name: &'a str,
+    /// Times \[s\].
+    pub times: &'a [f64],
+    /// A value for every time.
+    pub values: &'a [f64],
 }
 
 /// A largest or smallest value and when it occurs.
@@ -58,7 +76,13 @@ const STEADY: f64 = 1e-6;
 /// How many leading periods the frequency of another signal is determined from.
 const PERIODS: f64 = 6.0;
 
-/// The last full period of the leading signal; `None` if it is steady or does not oscillate.
+/// Samples of a period at least: below, extrema are guesses, and a zigzag from step to step has two.
+pub const SAMPLES: usize = 8;
+
+/// How many periods the last one is compared with at most.
+pub const PAST: usize = 3;
+
+/// The last full period of the leading signal; `None` if it is steady or not periodic.
 ///
 /// The period is first guessed as the lag of best self-similarity of the final part of the history, which
 /// harmonics and small subharmonics do not mislead, then measured between two upward crossings of the mean.
@@ -69,40 +93,72 @@ pub fn leading_window(times: &[f64], values: &[f64]) -> Option<Window> {
     [2.0, 4.0, 8.0, 1.0].into_iter().find_map(|part| {
         let guess = signal.period(end - (end - start) / part)?;
         let guess = signal.period(start.max(end - PERIODS * guess)).unwrap_or(guess);
-        signal.last_period(guess)
+        signal.last_period(guess).filter(|&w| signal.samples(w) >= SAMPLES && signal.repeats(w.period()))
     })
 }
 
-/// The last full period of the leading one among named signals `(name, times, values)`: a vertical deflection
-/// (`uy…`), else a lift (`lift…`, `c_L…`), else any that oscillates, in the order given.
-pub fn common_window<'a>(
-    signals: impl IntoIterator<Item = (&'a str, &'a [f64], &'a [f64])>,
-) -> Option<Window> {
-    let mut ranked: Vec<_> = signals.into_iter().collect();
-    ranked.sort_by_key(|(name, ..)| match name.to_lowercase() {
+/// The order in which signals are asked for a period: `leading` alone if it is given, else vertical deflections
+/// (`uy…`), then lifts (`…lift…`, `c_L…`), then all others, each in the order given.
+pub fn ranking(names: &[&str], leading: Option<&str>) -> Vec<usize> {
+    if let Some(leading) = leading {
+        return names.iter().position(|name| *name == leading).into_iter().collect();
+    }
+    let mut ranked: Vec<usize> = (0..names.len()).collect();
+    ranked.sort_by_key(|&n| match names[n].to_lowercase() {
         name if name.starts_with("uy") => 0,
         name if name.contains("lift") || name.starts_with("c_l") => 1,
         _ => 2,
     });
-    ranked.into_iter().find_map(|(_, times, values)| leading_window(times, values))
+    ranked
+}
+
+/// The last full period of the first periodic signal in the order of [`ranking`].
+pub fn common_window(series: &[Series<'_>], leading: Option<&str>) -> Option<Window> {
+    let names: Vec<&str> = series.iter().map(|s| s.name).collect();
+    let ranked = ranking(&names, leading);
+    ranked.into_iter().find_map(|n| leading_window(series[n].times, series[n].values))
+}
+
+/// Statistics of all signals over the last period of the leading one, and that period.
+pub fn summarize(series: &[Series<'_>], leading: Option<&str>) -> (Option<Window>, Vec<Statistics>) {
+    let window = common_window(series, leading);
+    (window, series.iter().map(|s| statistics(s.times, s.values, window)).collect())
 }
 
 /// Statistics of one signal over the window of the leading signal.
 ///
 /// The frequency is that of the signal itself: the drag on a body that moves up and down has twice the
-/// frequency of its lift. It is a multiple (or part) of the leading one wherever the two agree to 3 %.
+/// frequency of its lift. It is a multiple (or part) of the leading one wherever the two agree to 3 %; a signal
+/// with a period of several windows is looked at over that period.
 pub fn statistics(times: &[f64], values: &[f64], window: Option<Window>) -> Statistics {
     let signal = Signal::new(times, values);
     let last = signal.v.last().copied().unwrap_or(f64::NAN);
     let steady = Statistics { last, mean: None, amplitude: None, frequency: None };
-    let Some((window, (max, min))) = window.and_then(|w| Some((w, signal.extrema(w)?))) else {
+    let Some(window) = window else { return steady };
+    let frequency = signal.frequency(window.period());
+    // A zigzag from step to step may fit into the window.
+    if frequency.is_some_and(|f| (signal.samples(window) as f64) < 3.0 * f * window.period()) {
         return steady;
-    };
+    }
+    let periods = frequency.map_or(1.0, |f| (1.0 / (f * window.period())).round().max(1.0));
+    let own = Window { start: window.end - periods * window.period(), end: window.end };
+    let Some((max, min)) = signal.extrema(own).filter(|_| signal.repeats(own.period())) else { return steady };
     if max - min <= STEADY * max.abs().max(min.abs()) {
         return steady;
     }
-    let frequency = signal.frequency(window.period());
     Statistics { last, mean: Some(0.5 * (max + min)), amplitude: Some(0.5 * (max - min)), frequency }
+}
+
+/// The value at time `t` \[s\], by the cubic through the four samples around it; that of the sample if there is one.
+/// `None` outside of the times of the history.
+pub fn value_at(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
+    let signal = Signal::new(times, values);
+    let n = signal.t.partition_point(|&s| s < t);
+    match signal.t.get(n) {
+        Some(&found) if found == t => Some(signal.v[n]),
+        Some(_) if n > 0 => Some(signal.at(t)),
+        _ => None,
+    }
 }
 
 /// The largest value of the whole history, by a parabola; `None` without samples.
@@ -191,6 +247,42 @@ impl Signal {
         let peaks: Vec<f64> = (first..end).map(|n| self.peak(n).value).collect();
         let max = peaks.iter().copied().reduce(f64::max)?;
         Some((max, peaks.iter().copied().reduce(f64::min)?))
+    }
+
+    /// How many samples the window has.
+    fn samples(&self, window: Window) -> usize {
+        self.t.partition_point(|&t| t <= window.end) - self.t.partition_point(|&t| t <= window.start)
+    }
+
+    /// Whether the last `period` is like those before it, as far as there are any.
+    fn repeats(&self, period: f64) -> bool {
+        let Some((first, end)) = self.range() else { return false };
+        let window = |n: usize| Window { start: end - (n + 1) as f64 * period, end: end - n as f64 * period };
+        let middle = |w: Window| self.extrema(w).map(|(max, min)| (0.5 * (max + min), 0.5 * (max - min)));
+        let Some((mean, amplitude)) = middle(window(0)) else { return false };
+        let alike = |n: usize| {
+            let Some((m, a)) = middle(window(n)) else { return false };
+            let more = 0.05 * (n - 1) as f64;
+            (a - amplitude).abs() <= 0.06 * amplitude
+                && (m - mean).abs() <= (0.1 + more) * amplitude
+                && self.difference(window(0), n) <= 0.2 + more
+        };
+        let mut past = (1..=PAST).take_while(|&n| first <= window(n).start).peekable();
+        past.peek().is_some() && past.all(alike)
+    }
+
+    /// Size of x(t) − x(t − n T) over the window, T its length, relative to that of x; both without their means.
+    fn difference(&self, window: Window, n: usize) -> f64 {
+        let samples = self.samples(window).clamp(64, 4096);
+        let step = window.period() / samples as f64;
+        let from = |n: usize| window.start - n as f64 * window.period() + 0.5 * step;
+        let (now, before) = (self.resample(from(0), step, samples), self.resample(from(n), step, samples));
+        let change: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
+        let size = |x: &[f64]| {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter().map(|x| (x - mean).powi(2)).sum::<f64>().sqrt()
+        };
+        size(&change) / size(&now).max(f64::MIN_POSITIVE)
     }
 
     /// Value at `t` by the cubic through the four samples around it.

@@ -1,6 +1,7 @@
 //! The state of a run in a checkpoint, and back.
 
 use crate::error::Error;
+use crate::functional::balance::Largest;
 use crate::nonlinear::{Age, Counters, Seconds};
 use crate::output::{Array, Checkpoint, RunDirectory};
 use crate::problem::case::{Case, OutputSpec};
@@ -33,6 +34,9 @@ pub(super) struct Metadata {
     /// Next step, largest v and u, rejected steps and times of the past of step-size control.
     #[serde(default)]
     adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
+    /// Largest flows so far, see [`crate::functional::balance`].
+    #[serde(default)]
+    balance: Option<Largest>,
     counters: [u64; 3],
     #[serde(default)]
     linear_iterations: u64,
@@ -63,6 +67,7 @@ pub(super) fn of(
             let times = memory.past.iter().map(|(t, _)| *t).collect();
             (memory.next, memory.scales, memory.rejected, times)
         }),
+        balance: simulation.balance.as_ref().map(|b| b.largest),
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
         seconds: [seconds.assembly, seconds.factorization, seconds.solve, output_seconds],
@@ -94,6 +99,8 @@ pub(super) fn identity(case: &Case) -> String {
     if let Some(time) = &mut case.time {
         time.end = 0.0;
     }
+    // Nor does it matter what results stand beside it.
+    case.reference = None;
     // How the equations are solved may change: a run that broke down can go on with a smaller rate.
     (case.newton, case.linear) = Default::default();
     case.output = OutputSpec {
@@ -181,6 +188,9 @@ pub(super) fn restore(
             past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
         }
         adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
+    }
+    if let (Some(balance), Some(largest)) = (&mut simulation.balance, metadata.balance) {
+        balance.largest = largest;
     }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
