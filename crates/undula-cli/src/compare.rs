@@ -25,7 +25,8 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
         };
     }
     if let Some(path) = &args.reference {
-        let text = std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
         return match References::from_toml(&text) {
             Ok(references) => print(&compare(&run, &references).to_string()),
             Err(e) => bad_input(format_args!("{}: {e}", path.display())),
@@ -33,9 +34,9 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
     }
     match published(&run) {
         Published::Table(comparison) => print(&comparison.to_string()),
-        Published::Departs(why) => {
-            bad_input(format_args!("{why}\ngive results with --reference FILE, or a second run to compare with"))
-        }
+        Published::Departs(why) => bad_input(format_args!(
+            "{why}\ngive results with --reference FILE, or a second run to compare with"
+        )),
         Published::None => bad_input(format_args!(
             "the case `{}` names no published results, as reference = \"fsi3\" at its top would; give some with \
              --reference FILE, or a second run to compare with",

@@ -2,9 +2,9 @@
 
 use crate::assembly::StepView;
 use crate::error::Error;
+use crate::functional::Snapshot;
 use crate::functional::balance::Balance;
 use crate::functional::statistics::{self, Series, Statistics};
-use crate::functional::Snapshot;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::Case;

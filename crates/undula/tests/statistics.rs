@@ -169,7 +169,8 @@ fn a_signal_of_several_windows_is_looked_at_over_its_own_period() {
     let (t, lift) = sampled(1000, |t| 1.0 + 5.0 * at(t).sin() + 2.0 * (2.0 * at(t)).sin());
     let (_, drag) = sampled(1000, |t| 9.0 + (2.0 * at(t)).cos());
     let (_, found) = {
-        let series = [("drag", &drag), ("lift", &lift)].map(|(name, v)| Series { name, times: &t, values: v });
+        let series =
+            [("drag", &drag), ("lift", &lift)].map(|(name, v)| Series { name, times: &t, values: v });
         summarize(&series, Some("drag"))
     };
     assert_statistics(found[0], [9.0, 1.0, 4.0], 1e-3);

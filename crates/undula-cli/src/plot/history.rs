@@ -69,12 +69,7 @@ fn signals(results: &Results, times: &[f64]) -> (Vec<Signal>, Option<Window>) {
 }
 
 /// All functionals over the run, and over the last periods.
-fn stacked(
-    signals: &[Signal],
-    times: &[f64],
-    window: Option<Window>,
-    case: &str,
-) -> anyhow::Result<Figure> {
+fn stacked(signals: &[Signal], times: &[f64], window: Option<Window>, case: &str) -> anyhow::Result<Figure> {
     const HEIGHT: f64 = 104.0;
     const PITCH: f64 = 146.0;
     const TOP: f64 = 60.0;

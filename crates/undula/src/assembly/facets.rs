@@ -171,7 +171,9 @@ impl<const D: usize> OutflowFacets<D> {
         let explicit = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0));
         let times: Vec<(f64, f64)> = step.rule.transport_points().chain(explicit).collect();
         let mut sum = Vector::zero();
-        for ((nodes, points), _) in self.facets.iter().zip(&self.sides).filter(|(_, side)| sides.contains(side)) {
+        for ((nodes, points), _) in
+            self.facets.iter().zip(&self.sides).filter(|(_, side)| sides.contains(side))
+        {
             for point in points {
                 for &(weight, tau) in &times {
                     let at = fields_between(nodes, point, step, tau);

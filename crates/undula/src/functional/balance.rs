@@ -177,7 +177,11 @@ mod tests {
     }
 
     /// At every node `v(x)` and `u(x)`.
-    fn state(space: &FsiSpace<2>, v: impl Fn([f64; 2]) -> [f64; 2], u: impl Fn([f64; 2]) -> [f64; 2]) -> State {
+    fn state(
+        space: &FsiSpace<2>,
+        v: impl Fn([f64; 2]) -> [f64; 2],
+        u: impl Fn([f64; 2]) -> [f64; 2],
+    ) -> State {
         let of = |f: &dyn Fn([f64; 2]) -> [f64; 2]| space.nodes.points.iter().flat_map(|&x| f(x)).collect();
         State { v: of(&v), u: of(&u), p: vec![0.0; space.n_p()] }
     }

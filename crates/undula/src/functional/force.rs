@@ -24,7 +24,8 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     pub fn new(space: &'a FsiSpace<D>, conditions: &[BoundaryCondition<D>], n: usize) -> Self {
         let boundary = FluidBoundary::new(space);
         let outflow = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { .. });
-        let natural = boundary.facets.iter().map(|f| !f.at_solid && f.boundary.is_some_and(outflow)).collect();
+        let natural =
+            boundary.facets.iter().map(|f| !f.at_solid && f.boundary.is_some_and(outflow)).collect();
         Surfaces { space, boundary, natural, quadrature: n }
     }
 
@@ -52,9 +53,43 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         Tractions { cell, points: facet_points(space, &facet, self.quadrature).into_iter().map(at).collect() }
     }
 
+    /// The same, tested with the basis functions of some of its nodes, times factors.
+    fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
+        let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
+        let place = |node: u32| nodes.iter().position(|&of_cell| of_cell == node);
+        let terms: Vec<(usize, f64)> =
+            at.iter().filter_map(|&(node, factor)| Some((place(node)?, factor))).collect();
+        self.tractions(n, |point| terms.iter().map(|&(a, factor)| factor * point.value[a]).sum())
+    }
+
+    /// For each node of the facets `on` all facets there that take part in its residual.
+    fn carrying(&self, on: &[bool]) -> BTreeMap<u32, Vec<usize>> {
+        let carries = |&n: &usize| !self.natural[n];
+        let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for n in (0..on.len()).filter(|&n| on[n]).filter(carries) {
+            at_node.extend(self.nodes(n).into_iter().map(|node| (node, vec![])));
+        }
+        for n in (0..on.len()).filter(carries) {
+            for node in self.nodes(n) {
+                if let Some(list) = at_node.get_mut(&node) {
+                    list.push(n);
+                }
+            }
+        }
+        at_node
+    }
+
+    /// Those of the facets `on` that have an outflow condition.
+    fn natural_among(&self, on: &[bool]) -> Vec<Side> {
+        (0..on.len()).filter(|&n| on[n] && self.natural[n]).map(|n| self.boundary.facets[n].side).collect()
+    }
+
     /// Length or area of the facet of number `n` on the reference domain.
     fn measure(&self, n: usize) -> f64 {
-        facet_points(self.space, &self.boundary.facets[n].facet(), self.quadrature).iter().map(|p| p.weight).sum()
+        facet_points(self.space, &self.boundary.facets[n].facet(), self.quadrature)
+            .iter()
+            .map(|p| p.weight)
+            .sum()
     }
 }
 
@@ -93,20 +128,8 @@ impl<const D: usize> ForceByResidual<D> {
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let (on, facets) = (surfaces.of(names), &surfaces.boundary.facets);
-        // Facets at each node of the boundaries that take part in its residual.
-        let carries = |n: usize| !surfaces.natural[n];
-        let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        for n in (0..facets.len()).filter(|&n| on[n] && carries(n)) {
-            at_node.extend(surfaces.nodes(n).into_iter().map(|node| (node, vec![])));
-        }
-        for n in (0..facets.len()).filter(|&n| carries(n)) {
-            for node in surfaces.nodes(n) {
-                if let Some(list) = at_node.get_mut(&node) {
-                    list.push(n);
-                }
-            }
-        }
+        let on = surfaces.of(names);
+        let at_node = surfaces.carrying(&on);
         let (mut whole, mut shared) = (vec![], vec![]);
         // By facet the nodes at which its integral counts, with the factor.
         let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
@@ -125,17 +148,16 @@ impl<const D: usize> ForceByResidual<D> {
                 integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
             }
         }
-        let tractions = integrals.iter().map(|(&n, at)| {
-            let nodes = surfaces.space.nodes.cell(facets[n].side.cell as usize);
-            let place = |node: u32| nodes.iter().position(|&of_cell| of_cell == node);
-            let terms: Vec<(usize, f64)> =
-                at.iter().filter_map(|&(node, factor)| Some((place(node)?, factor))).collect();
-            surfaces.tractions(n, |point| terms.iter().map(|&(a, factor)| factor * point.value[a]).sum())
-        });
-        let outflow = (0..facets.len()).filter(|&n| on[n] && !carries(n)).map(|n| facets[n].side).collect();
-        let tractions = tractions.collect();
-        let nodes = at_node.keys().copied().collect();
-        ForceByResidual { nodes, whole, shared, tractions, outflow, component, factor, unit }
+        ForceByResidual {
+            nodes: at_node.keys().copied().collect(),
+            whole,
+            shared,
+            tractions: integrals.iter().map(|(&n, at)| surfaces.tested(n, at)).collect(),
+            outflow: surfaces.natural_among(&on),
+            component,
+            factor,
+            unit,
+        }
     }
 }
 

@@ -4,6 +4,7 @@ pub mod balance;
 pub mod energy;
 pub mod force;
 pub mod point;
+mod signal;
 pub mod statistics;
 
 use crate::assembly::facets::OutflowFacets;

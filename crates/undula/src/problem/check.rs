@@ -8,8 +8,8 @@ mod condition;
 mod solver;
 pub(super) mod stabilization;
 
-use super::case::{Case, Record, TimeScheme, TimeSpec};
 use super::builtin::{builtin_case, builtin_cases};
+use super::case::{Case, Record, TimeScheme, TimeSpec};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin};
 use super::read::{Checker, Section};
@@ -169,7 +169,8 @@ fn name(root: &mut Section<'_, '_>) -> String {
 fn reference(root: &mut Section<'_, '_>) -> Option<String> {
     let name = root.string("reference")?;
     if builtin_case(&name).is_none() {
-        let message = format!("no published results{}", suggestion(&name, builtin_cases().iter().map(|c| c.name)));
+        let message =
+            format!("no published results{}", suggestion(&name, builtin_cases().iter().map(|c| c.name)));
         root.wrong("reference", message);
     }
     Some(name)

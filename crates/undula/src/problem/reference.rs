@@ -195,7 +195,8 @@ impl Beside {
         }
         let others: Vec<&str> = functionals.iter().filter_map(Departure::functional).collect();
         let published = |name: &str| references.results.contains_key(name);
-        let left_out = functionals.iter().filter(|d| d.functional().is_some_and(published)).cloned().collect();
+        let left_out =
+            functionals.iter().filter(|d| d.functional().is_some_and(published)).cloned().collect();
         references.results.retain(|name, _| !others.contains(&name.as_str()));
         Beside::Results(references, left_out)
     }

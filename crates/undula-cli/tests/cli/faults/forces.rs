@@ -149,9 +149,10 @@ fn parts_of_a_wall_converge() {
             let right = values[3][n][0];
             let errors = |method: usize| [0, 1, 2].map(|refine| (values[refine][n][method] - right).abs());
             let (residual, surface) = (errors(0), errors(1));
-            println!("{element} {n}: residual {residual:.2e?}, surface {surface:.2e?}");
+            println!("{element} {n}: residual {residual:?}, surface {surface:?}");
             assert!(residual[2] < surface[2], "{element} {n}: {residual:?} {surface:?}");
-            assert!(residual[1] / residual[2] > 6.0, "{element} {n}: {residual:?}");
+            // Of third order at least: here and there an error passes through zero.
+            assert!(residual[0] / residual[2] > 64.0, "{element} {n}: {residual:?}");
         }
     }
 }
@@ -203,7 +204,10 @@ fn parts_add_up_at_every_step_of_every_scheme() {
         assert_eq!(columns.len(), 4);
         for [beam, round, lift] in columns {
             let size = beam.abs().max(round.abs());
-            assert!(size > 1e-3 && (beam + round - lift).abs() < 1e-12 * size, "{scheme}: {beam} {round} {lift}");
+            assert!(
+                size > 1e-3 && (beam + round - lift).abs() < 1e-12 * size,
+                "{scheme}: {beam} {round} {lift}"
+            );
         }
     }
 }

@@ -84,7 +84,8 @@ fn published_values_stand_beside_the_problem_they_are_of() {
     // `new` writes the reference; an unknown one is refused.
     undula(&place, "new cfd1 mine.toml", &[]).expect(0, &[]);
     assert!(place.read("mine.toml").contains("reference = \"cfd1\""));
-    undula(&place, "check mine.toml", &["reference=cdf1"]).expect(2, &["reference = \"cdf1\"", "did you mean `cfd1`"]);
+    undula(&place, "check mine.toml", &["reference=cdf1"])
+        .expect(2, &["no published results; did you mean `cfd1`"]);
     let resolved = undula(&place, "check mine.toml --toml", &[]).expect(0, &["reference = \"cfd1\""]);
     place.write("resolved.toml", &resolved.out);
     assert_eq!(undula(&place, "check resolved.toml --toml", &[]).out, resolved.out);
@@ -100,7 +101,10 @@ fn the_flow_through_the_boundaries_balances() {
     assert!(flow["mass_balance"].as_f64().unwrap() < 1e-8 && flow["swept_volume"].is_null(), "{flow}");
     let still = ["mesh.refine=0", "time.step=0.02", "time.end=0.1"];
     undula(&place, "run csm3 --threads 1 -o still --quiet", &still).expect(0, &[]);
-    assert_eq!((&balance("still")["mass_balance"], &balance("still")["swept_volume"]), (&Value::Null, &Value::Null));
+    assert_eq!(
+        (&balance("still")["mass_balance"], &balance("still")["swept_volume"]),
+        (&Value::Null, &Value::Null)
+    );
     // A beam that falls: of second order in the step.
     let sizes = ["0.01", "0.005"].map(|step| {
         let step = format!("time.step={step}");
@@ -113,12 +117,18 @@ fn the_flow_through_the_boundaries_balances() {
     assert!(sizes[0] < 1e-2 && sizes[0] / sizes[1] > 3.0, "{sizes:?}");
 }
 
-/// An equation that is not solved.
+/// Equations that are not solved.
 #[test]
 fn a_flow_that_does_not_balance_is_told() {
     let place = place("unbalanced", &[]);
-    let sets = ["mesh.refine=0", "newton.tolerance=0.5", "newton.start=old", "newton.linearization=newton"];
-    undula(&place, "run cfd1 --threads 1 -o out", &sets).expect(0, &["warning: the flow", "mass_balance"]);
+    let sets = [
+        "mesh.refine=0",
+        "time.step=0.01",
+        "time.end=0.05",
+        "solid.body-force=[0,-20]",
+        "newton.tolerance=0.5",
+    ];
+    undula(&place, "run fsi3 --threads 1 -o out", &sets).expect(0, &["warning: the flow", "mass_balance"]);
     assert!(place.json("out/summary.json")["mass_balance"].as_f64().unwrap() > 1e-6);
 }
 
@@ -134,6 +144,6 @@ fn a_resumed_run_has_the_same_balance() {
     let [straight, parts] = ["straight", "parts"].map(|run| place.json(&format!("{run}/summary.json")));
     for key in ["mass_balance", "swept_volume"] {
         assert!(straight[key].as_f64().unwrap() > 0.0, "{straight}");
-        close(parts[key].as_f64().unwrap(), straight[key].as_f64().unwrap(), 1e-9);
+        close(parts[key].as_f64().unwrap(), straight[key].as_f64().unwrap(), 1e-3);
     }
 }
