@@ -118,7 +118,7 @@ pub struct CompareArgs {
     pub dir: PathBuf,
     /// Output directory of a second run, to be set beside the first
     pub other: Option<PathBuf>,
-    /// Reference file to compare with [default: that of the built-in case of the same name]
+    /// Reference file to compare with [default: that of the built-in case named by `reference` in the case]
     #[arg(long, value_name = "FILE", conflicts_with = "other")]
     pub reference: Option<PathBuf>,
 }

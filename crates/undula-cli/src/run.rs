@@ -152,6 +152,12 @@ fn finish(
         say(format_args!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where));
         say(format_args!("what was computed so far is in {}", directory.display()));
     }
+    if let Some(part) = summary.mass_balance.filter(|&part| part > Summary::BALANCED) {
+        eprintln!(
+            "warning: the flow through the boundaries of the fluid does not balance: at some step {part:.1e} of the \
+             largest flow is gained or lost (mass_balance in summary.json)"
+        );
+    }
     let code = match summary.status {
         Status::Breakdown => ExitCode::from(BREAKDOWN),
         Status::Interrupted => {

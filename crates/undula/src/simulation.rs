@@ -2,8 +2,9 @@
 
 use crate::assembly::StepView;
 use crate::error::Error;
-use crate::functional::statistics::{leading_window, statistics};
-use crate::functional::{Functional, Snapshot};
+use crate::functional::Snapshot;
+use crate::functional::balance::Balance;
+use crate::functional::statistics::{self, Series, Statistics};
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::{Case, TimeSpec};
@@ -35,6 +36,8 @@ pub struct Simulation {
     pub report: StepReport,
     /// Step-size control, if the case has it.
     pub adaptive: Option<Adaptive>,
+    /// What flows through the boundaries of the fluid; `None` without fluid.
+    pub balance: Option<Balance<2>>,
     functionals: Functionals,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
@@ -86,9 +89,11 @@ impl Simulation {
             let first = time.step.eval(&[0.0; 3], time.start);
             time.adaptive.map(|settings| Adaptive::new(settings, first))
         });
+        let balance = Balance::new(&stepper.assembler.space, &stepper.new, stepper.time);
         Ok(Simulation {
             case,
             adaptive,
+            balance,
             stepper,
             history: vec![],
             steps: 0,
@@ -178,6 +183,9 @@ impl Simulation {
         if self.case.time.is_some() {
             self.steps += 1;
         }
+        if let Some(balance) = &mut self.balance {
+            balance.observe(&self.stepper.new, self.stepper.time);
+        }
         let row = self.evaluate(&report);
         self.history.push(row.clone());
         self.report = report;
@@ -229,6 +237,7 @@ impl Simulation {
                 new,
                 old,
                 fluid_residual: &self.fluid_residual,
+                outflow: Some(assembler.outflow()),
             };
             for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
                 // Forces are means over the parts of a step, all else belongs to its end.
@@ -271,16 +280,16 @@ impl Simulation {
             None => stepper.restore(clock, new, old, point)?,
             Some(pool) => pool.install(|| stepper.restore(clock, new, old, point))?,
         }
+        if let Some(balance) = &mut self.balance {
+            balance.restart(&stepper.new, stepper.time);
+        }
         Ok(())
     }
 
-    /// Number of the functional whose period is the window of the statistics.
+    /// Number of the functional that is asked for a period first, see [`statistics::ranking`].
     pub fn leading(&self) -> Option<usize> {
-        let position = |test: &dyn Fn(&str) -> bool| self.functionals.iter().position(|(name, _)| test(name));
-        match &self.case.output.leading {
-            Some(name) => position(&|n| n == name),
-            None => position(&|n| n.starts_with("uy")).or_else(|| position(&|n| n == "lift")),
-        }
+        let names: Vec<&str> = self.functionals.iter().map(|(name, _)| name.as_str()).collect();
+        statistics::ranking(&names, self.case.output.leading.as_deref()).first().copied()
     }
 
     /// Last values, means, amplitudes and frequencies so far.
@@ -288,25 +297,20 @@ impl Simulation {
         let times: Vec<f64> = self.history.iter().map(|r| r.time).collect();
         let force_times: Vec<f64> = self.history.iter().map(|r| r.force_time).collect();
         let column = |i: usize| -> Vec<f64> { self.history.iter().map(|r| r.values[i]).collect() };
-        let times_of = |i: usize| {
-            let f: &dyn Functional<2> = &*self.functionals[i].1;
-            if f.at_force_time() { &force_times } else { &times }
-        };
-        let window = self.leading().and_then(|i| leading_window(times_of(i), &column(i)));
-        let mut summaries = BTreeMap::new();
-        for (i, (name, f)) in self.functionals.iter().enumerate() {
-            let s = statistics(times_of(i), &column(i), window);
-            let unit = f.unit().to_string();
-            let summary = FunctionalSummary {
-                last: s.last,
-                mean: s.mean,
-                amplitude: s.amplitude,
-                frequency: s.frequency,
-                unit,
-            };
-            summaries.insert(name.clone(), summary);
+        let columns: Vec<Vec<f64>> = (0..self.functionals.len()).map(column).collect();
+        let mut series = vec![];
+        for ((name, f), values) in self.functionals.iter().zip(&columns) {
+            let times = if f.at_force_time() { &force_times } else { &times };
+            series.push(Series { name, times, values });
         }
-        summaries
+        let (_, found) = statistics::summarize(&series, self.case.output.leading.as_deref());
+        let units = self.functionals.iter().map(|(_, f)| f.unit());
+        let summary = |s: Statistics, unit: &str| {
+            let Statistics { last, mean, amplitude, frequency } = s;
+            FunctionalSummary { last, mean, amplitude, frequency, unit: unit.to_string() }
+        };
+        let summaries = found.into_iter().zip(units).map(|(s, unit)| summary(s, unit));
+        self.names().into_iter().zip(summaries).collect()
     }
 
     /// Numbers of unknowns, given ones counted.

@@ -5,7 +5,7 @@ use super::kernel::StepView;
 use super::scatter::DROP;
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, Side};
 use crate::physics::{Backflow, FacetForm, Fields, Fluid, Outflow};
 use crate::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
 use crate::tangent::{self, Linearization, Tangent};
@@ -109,6 +109,7 @@ pub struct OutflowFacets<const D: usize> {
     facets: Vec<OutflowFacet<D>>,
     /// Cell of each facet.
     pub cells: Vec<u32>,
+    sides: Vec<Side>,
     /// `[facet][row a, i][column b, field, j]`.
     slots: Vec<u32>,
     deforms: bool,
@@ -122,7 +123,7 @@ impl<const D: usize> OutflowFacets<D> {
         conditions: &[BoundaryCondition<D>],
         n: usize,
     ) -> OutflowFacets<D> {
-        let (mut facets, mut cells) = (vec![], vec![]);
+        let (mut facets, mut cells, mut sides) = (vec![], vec![], vec![]);
         for facet in &space.mesh.facets {
             let BoundaryCondition::Outflow { do_nothing, directional } = conditions[facet.boundary as usize]
             else {
@@ -138,9 +139,10 @@ impl<const D: usize> OutflowFacets<D> {
                 let points = facet_points(space, facet, n);
                 facets.push(OutflowFacet { nodes, points, correction, backflow });
                 cells.push(facet.cell);
+                sides.push(facet.side());
             }
         }
-        OutflowFacets { facets, cells, slots: vec![], deforms: space.deforms }
+        OutflowFacets { facets, cells, sides, slots: vec![], deforms: space.deforms }
     }
 
     /// Call `visit(row, column)` for every entry of the Jacobian in a fixed order.
@@ -195,6 +197,28 @@ impl<const D: usize> OutflowFacets<D> {
         if step.rule.has_explicit() {
             self.add(1.0 - step.rule.theta, |facet| facet.correction.as_ref(), old, out);
         }
+    }
+
+    /// The sum of the terms of the step, their explicit part included, over all test functions and those facets that
+    /// are among `sides` \[N/m\].
+    pub fn sum(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {
+        let explicit = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0));
+        let times: Vec<(f64, f64)> = step.rule.transport_points().chain(explicit).collect();
+        let mut sum = Vector::zero();
+        for (facet, _) in self.facets.iter().zip(&self.sides).filter(|(_, side)| sides.contains(side)) {
+            for point in &facet.points {
+                for &(weight, tau) in &times {
+                    let at = fields_between(&facet.nodes, point, step, tau);
+                    if let Some(form) = &facet.correction {
+                        sum += form.traction(&at, &point.normal, weight * point.weight);
+                    }
+                    if let Some(form) = &facet.backflow {
+                        sum += form.traction(&at, &point.normal, weight * point.weight);
+                    }
+                }
+            }
+        }
+        sum
     }
 
     fn add<'a, F: FacetForm<D> + 'a>(

@@ -436,6 +436,11 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
+    /// What the outflow conditions add to the residual.
+    pub fn outflow(&self) -> &OutflowFacets<D> {
+        &self.outflow
+    }
+
     /// The Jacobian of [`Assembler::residual`] with respect to the new state, on [`Assembler::pattern`].
     pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
         self.matrix(step, Linearization::Newton, tangent, out);

@@ -6,6 +6,9 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
+/// Columns of the history of a run that are no functionals.
+pub const COLUMNS: [&str; 6] = ["step", "time", "force_time", "min_J", "newton_steps", "jacobians"];
+
 /// A table of numbers with named columns.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct History {

@@ -17,7 +17,7 @@ use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
-use crate::functional::force::{ForceByResidual, ForceBySurface};
+use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use crate::functional::point::{Displacement, PressureDifference};
 use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
@@ -376,9 +376,10 @@ impl Case {
     /// Points outside of the mesh.
     pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
         let mut list: Functionals = vec![];
+        let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
         for (name, spec) in &self.functional {
             let functional = self
-                .build_functional(space, spec)
+                .build_functional(space, &surfaces, spec)
                 .map_err(|e| self.blame(&format!("functional.{name}.{}", point_key(spec, &e)), e))?;
             list.push((name.clone(), functional));
         }
@@ -388,6 +389,7 @@ impl Case {
     fn build_functional(
         &self,
         space: &FsiSpace<2>,
+        surfaces: &Surfaces<'_, 2>,
         spec: &FunctionalSpec,
     ) -> Result<Box<dyn Functional<2>>, MeshError> {
         let quadrature = self.space.quadrature;
@@ -400,9 +402,9 @@ impl Case {
                 };
                 // An interface that is not there, as in a flow without body, carries no force.
                 if *surface_integral {
-                    Box::new(ForceBySurface::new(space, on, *component, factor, unit, quadrature + 1))
+                    Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))
                 } else {
-                    Box::new(ForceByResidual::new(space, on, *component, factor, unit))
+                    Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
             FunctionalSpec::Displacement { point, component } => {

@@ -20,6 +20,8 @@ pub struct Case {
     pub name: String,
     /// One line for people.
     pub title: String,
+    /// The built-in case whose published results may be set beside this one, as long as the problem is the same.
+    pub reference: Option<String>,
     /// Geometry and cells.
     pub mesh: MeshSpec,
     /// Finite element spaces.
@@ -511,6 +513,13 @@ pub enum FunctionalSpec {
     Energy(EnergyKind),
     /// Average rotation (1/|S|) ∫_S x × u dx \[m²\].
     Rotation,
+}
+
+impl FunctionalSpec {
+    /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
+    pub fn at_force_time(&self) -> bool {
+        matches!(self, FunctionalSpec::Force { .. } | FunctionalSpec::PressureDifference { .. })
+    }
 }
 
 /// Terms of the energy balance.

@@ -8,8 +8,9 @@ mod condition;
 mod solver;
 pub(super) mod stabilization;
 
+use super::builtin::{builtin_case, builtin_cases};
 use super::case::{Case, Record, TimeScheme, TimeSpec};
-use super::error::CaseErrors;
+use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
@@ -52,6 +53,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let mut root = checker.root();
     let name = name(&mut root);
     let title = root.string("title").unwrap_or_default();
+    let reference = reference(&mut root);
     let mesh = body::mesh(root.section("mesh"), &root);
     let space = body::space(root.section("space"));
     let fluid = body::fluid(root.section("fluid"));
@@ -86,6 +88,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let case = Case {
         name,
         title,
+        reference,
         mesh: mesh?,
         space,
         stabilization: how,
@@ -179,6 +182,17 @@ pub fn name_of_file(file: &Path) -> String {
 
 fn in_name(c: char) -> bool {
     c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
+}
+
+/// `reference`, the built-in case whose published results are asked for.
+fn reference(root: &mut Section<'_, '_>) -> Option<String> {
+    let name = root.string("reference")?;
+    if builtin_case(&name).is_none() {
+        let message =
+            format!("no published results{}", suggestion(&name, builtin_cases().iter().map(|c| c.name)));
+        root.wrong("reference", message);
+    }
+    Some(name)
 }
 
 /// A path of the case: beside the case file, or in the working directory if it comes from `--set`.

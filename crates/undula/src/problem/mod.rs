@@ -4,8 +4,8 @@
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
 //! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid.
 //! `write` is the way back,
-//! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
-//! tables that set results side by side. `manufactured` makes problems whose solution is known.
+//! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
+//! left, and `compare` the tables that set results side by side. `manufactured` makes problems whose solution is known.
 
 mod bodies;
 pub mod build;
@@ -26,6 +26,7 @@ mod raw;
 mod read;
 pub mod reference;
 mod regions;
+pub mod results;
 mod write;
 
 pub use check::name_of_file;

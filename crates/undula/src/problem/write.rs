@@ -74,6 +74,9 @@ impl Case {
         let mut out = Lines(String::new());
         out.word("name", &self.name);
         out.word("title", &self.title);
+        if let Some(reference) = &self.reference {
+            out.key("reference", string(reference), "published results");
+        }
         self.write_mesh(&mut out);
         self.write_stabilization(&mut out);
         self.write_bodies(&mut out);

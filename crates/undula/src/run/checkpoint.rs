@@ -2,6 +2,7 @@
 
 use super::identity::identity;
 use crate::error::Error;
+use crate::functional::balance::Largest;
 use crate::nonlinear::{Age, Counters, Seconds};
 use crate::output::{Array, Checkpoint, RunDirectory};
 use crate::simulation::Simulation;
@@ -33,6 +34,9 @@ pub(super) struct Metadata {
     /// Next step, largest v and u, rejected steps and times of the past of step-size control.
     #[serde(default)]
     adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
+    /// Largest flows so far, see [`crate::functional::balance`].
+    #[serde(default)]
+    balance: Option<Largest>,
     counters: [u64; 3],
     #[serde(default)]
     linear_iterations: u64,
@@ -77,6 +81,7 @@ pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint,
             let times = memory.past.iter().map(|(t, _)| *t).collect();
             (memory.next, memory.scales, memory.rejected, times)
         }),
+        balance: simulation.balance.as_ref().map(|b| b.largest),
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
         seconds: [seconds.assembly, seconds.factorization, seconds.solve, run.output_seconds],
@@ -236,6 +241,9 @@ pub(super) fn restore(
             past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
         }
         adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
+    }
+    if let (Some(balance), Some(largest)) = (&mut simulation.balance, metadata.balance) {
+        balance.largest = largest;
     }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);

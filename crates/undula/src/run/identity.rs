@@ -16,7 +16,7 @@ pub(super) fn identity(case: &Case) -> String {
 
 fn without_choices(case: &Case) -> Case {
     let mut case = case.clone();
-    (case.name, case.title) = ("run".into(), String::new());
+    (case.name, case.title, case.reference) = ("run".into(), String::new(), None);
     if let Some(time) = &mut case.time {
         time.end = time.start + time.step.eval(&[0.0; 3], time.start);
     }

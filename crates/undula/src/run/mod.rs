@@ -10,6 +10,7 @@ pub use fields::snapshot;
 pub use inflow::{Inflow, inflow};
 
 use crate::error::Error;
+use crate::functional::balance::Balance;
 use crate::output::{
     Breakdown, Collection, HistoryWriter, Phases, Precision, RunDirectory, Status, Summary, peak_memory,
     write_vtu,
@@ -323,6 +324,8 @@ impl Run {
                 output: self.output_seconds,
             },
             peak_memory_bytes: peak_memory(),
+            mass_balance: simulation.balance.as_ref().and_then(Balance::mass),
+            swept_volume: simulation.balance.as_ref().and_then(Balance::swept),
             functionals: simulation.statistics(),
             breakdown,
         }

@@ -1,6 +1,7 @@
 //! The tables `[boundary.*]` and `[functional.*]`.
 
 use super::is_name;
+use crate::output::history::COLUMNS;
 use crate::problem::case::{Condition, EnergyKind, FunctionalSpec, SolidLaw};
 use crate::problem::error::quoted;
 use crate::problem::read::{ANY, POSITIVE, Section};
@@ -68,9 +69,6 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
     }
     (boundary, directional)
 }
-
-/// Columns of `history.csv` that are no functionals.
-const COLUMNS: [&str; 6] = ["step", "time", "force_time", "min_J", "newton_steps", "jacobians"];
 
 #[derive(Copy, Clone)]
 enum Functional {
