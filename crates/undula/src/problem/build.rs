@@ -8,6 +8,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::{INTERFACE, MeshNames};
+use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
@@ -471,43 +472,16 @@ fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
     })))
 }
 
-/// Shown by `undula check`: sizes without computing anything.
-pub struct Sizes {
-    /// Cells.
-    pub cells: usize,
-    /// Velocity, deformation and pressure unknowns, given ones counted.
-    pub unknowns: [usize; 3],
-    /// Regions of the complete mesh.
-    pub regions: Vec<RegionSize>,
-    /// What should be known: regions that are left out, parts of the fluid that are closed in.
-    pub notes: Vec<String>,
-}
-
-/// A region of the complete mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RegionSize {
-    /// Its name.
-    pub name: String,
-    /// Its cells.
-    pub cells: usize,
-    /// Its area \[m²\].
-    pub area: f64,
-    /// Whether it is computed on.
-    pub used: bool,
-}
-
 impl Case {
-    /// Build mesh and spaces and count.
+    /// Builds mesh, spaces and functionals without computing anything, and says what they are.
     ///
     /// # Errors
     /// As [`Case::build_mesh`].
-    pub fn sizes(&self) -> Result<Sizes, Error> {
+    pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
         let (mesh, mut notes) = self.marked_mesh()?;
-        let regions = self.region_sizes(&mesh);
         let space = self.space_on(&mesh)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
-        let unknowns = [space.n_v(), space.n_u(), space.n_p()];
-        Ok(Sizes { cells: space.mesh.n_cells(), unknowns, regions, notes })
+        Ok(Overview { left_out: self.left_out_of(&mesh), notes, ..self.overview(&space) })
     }
 }
