@@ -98,7 +98,7 @@ pub fn summary(case: &Case, overview: Option<&Overview>) -> Result<String, std::
     write_time(&mut out, case)?;
     let names: Vec<&str> = case.functional.iter().map(|(name, _)| name.as_str()).collect();
     writeln!(out, "output    {}", if names.is_empty() { "no functionals".into() } else { names.join(", ") })?;
-    for note in case.notes() {
+    for note in case.notes().iter().chain(overview.iter().flat_map(|overview| &overview.notes)) {
         writeln!(out, "note      {note}")?;
     }
     Ok(out)

@@ -482,11 +482,10 @@ impl Case {
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
         let (mesh, mut notes) = self.marked_mesh()?;
-        let regions = self.region_sizes(&mesh);
         let space = self.space_on(&mesh)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));
-        Ok(self.overview(&space, regions, notes))
+        Ok(Overview { left_out: self.left_out_of(&mesh), notes, ..self.overview(&space) })
     }
 }

@@ -37,8 +37,9 @@ impl Case {
                 (Some((t, inflow)), false) => {
                     let when = self.time.as_ref().map_or(String::new(), |_| format!(" at t = {t} s"));
                     let excess = excess(inflow);
-                    let message =
-                        format!("{subject} is closed in on all sides, but its velocity data let {excess}{when}: {OPEN}");
+                    let message = format!(
+                        "{subject} is closed in on all sides, but its velocity data let {excess}{when}: {OPEN}"
+                    );
                     return Err(self.refuse("fluid", message));
                 }
                 (Some((t, inflow)), true) => notes.push(format!(
@@ -48,15 +49,15 @@ impl Case {
                 )),
                 (None, false) if part.shares_pressures(space) => {
                     let message = format!(
-                        "{subject} is closed in on all sides, so its pressure is determined up to a constant only, but it \
-                         touches another part in a point, where a continuous pressure has one value: take a discontinuous \
-                         one, such as `P1dc`"
+                        "{subject} is closed in on all sides, so its pressure is determined up to a constant only, \
+                         but it touches another part in a point, where a continuous pressure has one value: take a \
+                         discontinuous one, such as `P1dc`"
                     );
                     return Err(self.refuse("space.pressure", message));
                 }
                 (None, false) => notes.push(format!(
-                    "{subject} is closed in on all sides, so its pressure is determined up to a constant only: its mean is \
-                     set to 0"
+                    "{subject} is closed in on all sides, so its pressure is determined up to a constant only: its \
+                     mean is set to 0"
                 )),
                 (None, true) => {}
             }

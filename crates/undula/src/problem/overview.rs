@@ -17,31 +17,20 @@ pub struct Overview {
     pub cells: usize,
     /// Square roots of the areas of the smallest and of the largest cell \[m\].
     pub sizes: [f64; 2],
-    /// Regions of the complete mesh.
-    pub regions: Vec<RegionSize>,
+    /// Regions in use: name, number of cells, area \[m²\].
+    pub regions: Vec<(String, usize, f64)>,
+    /// The same of regions that are left out.
+    pub left_out: Vec<(String, usize, f64)>,
     /// Boundaries of what is in use.
     pub boundaries: Vec<Boundary>,
     /// The flow through boundaries with given velocity; `None` if there is none.
     pub inflow: Option<Inflow>,
     /// Velocity, deformation and pressure unknowns, given ones counted.
     pub unknowns: [usize; 3],
-    /// What should be known: regions that are left out, parts of the fluid that are closed in.
-    pub notes: Vec<String>,
     /// What looks wrong but can be computed.
     pub warnings: Vec<String>,
-}
-
-/// A region of the complete mesh.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RegionSize {
-    /// Its name.
-    pub name: String,
-    /// Its cells.
-    pub cells: usize,
-    /// Its area \[m²\].
-    pub area: f64,
-    /// Whether it is computed on.
-    pub used: bool,
+    /// What should be known: regions that are left out, parts of the fluid that are closed in.
+    pub notes: Vec<String>,
 }
 
 /// A boundary by name.
@@ -85,28 +74,34 @@ const LARGE: f64 = 10.0;
 const DENSE: f64 = 100.0;
 
 impl Case {
-    /// What the case is on its mesh, with the `regions` of the complete mesh and `notes` on them.
-    pub(super) fn overview(&self, space: &FsiSpace<2>, regions: Vec<RegionSize>, notes: Vec<String>) -> Overview {
+    /// What the case is on its mesh, but for what only the complete mesh knows.
+    pub fn overview(&self, space: &FsiSpace<2>) -> Overview {
         let mesh = &space.mesh;
         let volume = mesh.quality().volume;
         let size = |pick: fn(f64, f64) -> f64, from: f64| volume.iter().copied().fold(from, pick).sqrt();
+        let regions = (0..mesh.regions.len()).map(|r| {
+            let cells = || volume.iter().zip(&mesh.cell_region).filter(|(_, of)| usize::from(**of) == r);
+            (mesh.regions[r].clone(), cells().count(), cells().map(|(area, _)| area).sum())
+        });
         let extents = extents(mesh);
         Overview {
             extents,
             cells: mesh.n_cells(),
             sizes: [size(f64::min, f64::INFINITY), size(f64::max, 0.0)],
-            regions,
+            regions: regions.collect(),
+            left_out: vec![],
             boundaries: self.boundaries(space),
             inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
             unknowns: [space.n_v(), space.n_u(), space.n_p()],
-            notes,
             warnings: self.looks_like_millimetres(extents).into_iter().collect(),
+            notes: vec![],
         }
     }
 
     fn boundaries(&self, space: &FsiSpace<2>) -> Vec<Boundary> {
         let of = |(number, name): (usize, &String)| {
-            let facets = || space.mesh.facets.iter().filter(move |f| usize::from(f.boundary) == number);
+            let facets = || space.mesh.facets_on(&[name]).into_iter();
+            let own = space.mesh.facets.iter().any(|f| usize::from(f.boundary) == number);
             let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
             let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
             let bodies = match (has(Region::Fluid), has(Region::Solid)) {
@@ -117,13 +112,16 @@ impl Case {
             };
             Boundary {
                 name: name.clone(),
-                length: facets().map(|f| length(space, f)).sum(),
+                length: facets().map(|f| length(space, &f)).sum(),
                 bodies: bodies.into(),
                 condition: match self.boundary.get(name) {
                     Some(condition) => condition.name().into(),
+                    None if !own => "part of the interface".into(),
                     None if inside => "coupling".into(),
-                    None if self.fluid.is_some() => "no-slip".into(),
-                    None => "traction-free".into(),
+                    None if name == INTERFACE && self.fluid.is_none() => "traction-free".into(),
+                    // Sides of regions that are left out.
+                    None if has(Region::Fluid) => "no-slip".into(),
+                    None => "clamped".into(),
                 },
             }
         };
@@ -241,9 +239,11 @@ impl fmt::Display for Overview {
         let [smallest, largest] = self.sizes.map(short);
         writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
-        for RegionSize { name, cells, area, used } in &self.regions {
-            let end = if *used { "" } else { ", left out" };
-            writeln!(f, "region    {name}: {cells} cells, {} m²{end}", short(*area))?;
+        for (name, cells, area) in &self.regions {
+            writeln!(f, "region    {name}: {cells} cells, {} m²", short(*area))?;
+        }
+        for (name, cells, area) in &self.left_out {
+            writeln!(f, "region    {name}: {cells} cells, {} m², left out", short(*area))?;
         }
         for Boundary { name, length, bodies, condition } in &self.boundaries {
             writeln!(f, "boundary  {name}: {condition}, {} m ({bodies})", short(*length))?;
@@ -270,7 +270,6 @@ impl fmt::Display for Overview {
                 )?;
             }
         }
-        self.notes.iter().try_for_each(|note| writeln!(f, "note      {note}"))?;
         self.warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
     }
 }

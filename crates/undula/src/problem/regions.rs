@@ -1,6 +1,5 @@
 //! The regions of a mesh: which are computed on, which are left out, and how the sides of these are called.
 
-use super::overview::RegionSize;
 use super::case::{Case, MeshSource};
 use super::error::{CaseError, quoted, suggestion};
 use super::fit::MeshNames;
@@ -103,8 +102,8 @@ impl Case {
             _ => format!("add [fluid] with region = \"{}\"", regions[0]),
         };
         format!(
-            "{subject} used by no table: leave {them} out with mesh.leave-out = [{}], which makes walls of the sides, or \
-             {tables}",
+            "{subject} used by no table: leave {them} out with mesh.leave-out = [{}], which makes walls of the sides, \
+             or {tables}",
             out.join(", ")
         )
     }
@@ -183,7 +182,9 @@ impl Case {
         };
         let outer = !names.is_inside(INTERFACE, &self.regions());
         outer.then(|| {
-            format!("boundary `{INTERFACE}` of the mesh is taken for the side of a body that is not there: it is {holds}")
+            format!(
+                "boundary `{INTERFACE}` of the mesh is taken for the side of a body that is not there: it is {holds}"
+            )
         })
     }
 
@@ -193,18 +194,14 @@ impl Case {
         self.mesh.leave_out.iter().any(|out| touch(out, first) && touch(out, second))
     }
 
-    /// Cells and areas of the regions of the complete `mesh`.
-    pub(super) fn region_sizes(&self, mesh: &Mesh<2>) -> Vec<RegionSize> {
+    /// Name, number of cells and area \[m²\] of each region of the complete `mesh` that is left out.
+    pub(super) fn left_out_of(&self, mesh: &Mesh<2>) -> Vec<(String, usize, f64)> {
         let volume = mesh.quality().volume;
         let size = |(number, name): (u16, &String)| {
             let here = || mesh.cell_region.iter().zip(&volume).filter(move |(region, _)| **region == number);
-            RegionSize {
-                name: name.clone(),
-                cells: here().count(),
-                area: here().map(|(_, volume)| volume).sum(),
-                used: self.regions().contains(&name.as_str()),
-            }
+            (name.clone(), here().count(), here().map(|(_, volume)| volume).sum())
         };
-        (0..).zip(&mesh.regions).map(size).collect()
+        let used = |name: &str| self.regions().contains(&name);
+        (0..).zip(&mesh.regions).filter(|(_, name)| !used(name)).map(size).collect()
     }
 }
