@@ -66,12 +66,13 @@ impl Simulation {
     ///
     /// # Errors
     /// If the case does not fit its mesh, or the linear solver cannot be prepared.
-    pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
+    pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
         let threads = threads.max(1);
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
         let mut stepper = case.build_stepper(threads)?;
+        case.motion = case.motion_on(&stepper.assembler.space);
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);

@@ -3,7 +3,8 @@
 //! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
-//! tables that set results side by side. `manufactured` makes problems whose solution is known.
+//! tables that set results side by side. `lengths` has the numbers that come from the mesh,
+//! `manufactured` makes problems whose solution is known.
 
 pub mod build;
 pub mod builtin;
@@ -14,6 +15,7 @@ pub mod element;
 pub mod error;
 pub mod expression;
 pub mod fit;
+mod lengths;
 pub mod manufactured;
 mod raw;
 mod read;
