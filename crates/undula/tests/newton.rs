@@ -43,8 +43,14 @@ impl NonlinearSystem for Exponential {
     }
 }
 
-const EXACT: Settings =
-    Settings { tolerance: 1e-12, floor: Some(0.0), rate_max: Some(0.0), secants: 0, max_steps: 50, line_search: 0 };
+const EXACT: Settings = Settings {
+    tolerance: 1e-12,
+    floor: Some(0.0),
+    rate_max: Some(0.0),
+    secants: 0,
+    max_steps: 50,
+    line_search: 0,
+};
 
 fn solve(settings: Settings, x: f64) -> (Result<NewtonReport, NewtonError>, f64) {
     let (mut newton, mut system) = (Newton::new(settings, 1, 1), Exponential { x, slope: 1.0, factor: 1.0 });

@@ -72,7 +72,11 @@ impl Scaling {
             let (columns, values) = (&a.pattern.col[at.clone()], &a.values[at]);
             *sum = match blocks.len() {
                 0..=FEW => sum_by_blocks(columns, values, &blocks, &sizes),
-                _ => columns.iter().zip(values).map(|(&j, v)| v.abs() * sizes.of(unknowns[j as usize].kind)).sum(),
+                _ => columns
+                    .iter()
+                    .zip(values)
+                    .map(|(&j, v)| v.abs() * sizes.of(unknowns[j as usize].kind))
+                    .sum(),
             };
         });
         if let Some(row) = self.row.iter().position(|sum| !sum.is_finite()) {
@@ -216,7 +220,8 @@ mod tests {
     #[test]
     fn scaled_matrix_is_the_same_in_all_units() {
         let pattern = Arc::new(Pattern::from_rows(&[[0, 1, 2, 3], [0, 1, 2, 3], [0, 1, 2, 3], [0, 1, 2, 3]]));
-        let values = vec![3.0, -0.5, 2.0, 0.1, 1.0, 0.25, -0.5, 1e3, 7.0, 1e-3, 0.0, 5.0, 2.0, 0.5, -1.0, 0.3];
+        let values =
+            vec![3.0, -0.5, 2.0, 0.1, 1.0, 0.25, -0.5, 1e3, 7.0, 1e-3, 0.0, 5.0, 2.0, 0.5, -1.0, 0.3];
         let kinds = [Kind::Velocity, Kind::Velocity, Kind::Deformation, Kind::Pressure];
         let orders = [[0, 1, 2, 3], [0, 2, 1, 3], [3, 2, 0, 1]];
         let scaled = |order: [usize; 4], [v, u, p]: [f64; 3], rows: [f64; 4]| {

@@ -10,7 +10,7 @@ impl Display for JacobianReport {
             per_k if per_k > 0.0 => {
                 let k = shortest(rounded(1.0 / per_k, 1.0 / per_k, 5));
                 format!("k = {k} s, theta = {:.4}", self.rule.theta)
-            },
+            }
             _ => "stationary".into(),
         };
         writeln!(f, "{}: Jacobians at {} ({step}, min J {:.3}),", self.case, self.state, self.min_j)?;

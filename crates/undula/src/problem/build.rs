@@ -23,9 +23,7 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
 use crate::tangent::{Difference, Tangent};
-use crate::time::{
-    Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.

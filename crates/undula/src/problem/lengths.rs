@@ -7,17 +7,16 @@ use crate::mesh::Mesh;
 use crate::space::FsiSpace;
 use crate::time::Scales;
 
-/// d_0 as a part of the smaller extent of the fluid, and at most of the larger of the solid. Where d_0 is much smaller,
+/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0 is much smaller,
 /// a few cells far away take all of the motion; where it is larger than the body is thick, those at its corners fold.
 const OFFSET: f64 = 0.05;
-const OF_SOLID: f64 = 0.1;
 
 /// L as a part of the smaller extent of the mesh.
 const SCALE: f64 = 0.5;
 
 impl Case {
     /// `[motion]` with the lengths that it leaves open, for spaces of this case: d_0 is a twentieth of the smaller extent
-    /// of the fluid, at most a tenth of the larger one of the solid; L is half the smaller extent of both.
+    /// of the fluid or of the larger one of the solid, whichever is less; L is half the smaller extent of both.
     ///
     /// Extents are those of the mesh before `mesh.refine`, so that refinement does not change the problem. What has no
     /// effect stays open.
@@ -36,7 +35,7 @@ impl Case {
         let [fluid, solid, both] =
             [of(&[&fluid.region]), of(&[&solid.region]), of(&[&fluid.region, &solid.region])];
         if offset {
-            motion.offset = Some((OFFSET * fluid[0]).min(OF_SOLID * solid[1]));
+            motion.offset = Some(OFFSET * fluid[0].min(solid[1]));
         } else {
             motion.scale = Some(SCALE * both[0]);
         }
@@ -72,7 +71,8 @@ impl Case {
         let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
         let (fluid, solid) = (self.fluid.as_ref(), self.solid.as_ref());
         let density = fluid.map(|f| f.density).or(solid.map(|s| s.density)).unwrap_or(1.0);
-        let modulus = solid.map_or(0.0, |s| if s.lambda.is_finite() { s.lambda + 2.0 * s.mu } else { 3.0 * s.mu });
+        let modulus =
+            solid.map_or(0.0, |s| if s.lambda.is_finite() { s.lambda + 2.0 * s.mu } else { 3.0 * s.mu });
         let viscosity = fluid.map_or(0.0, |f| f.kinematic_viscosity);
         Scales { mass: density * size * size, size, stiffness, viscosity, wave: modulus / density }
     }

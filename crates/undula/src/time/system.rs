@@ -84,7 +84,8 @@ impl Scales {
     pub fn rounding<const D: usize>(&self, state: &State, per_k: f64) -> f64 {
         let (k, h) = (self.step(per_k), self.size);
         let [v, u, p] = [&state.v, &state.u, &state.p].map(|x| algebra::norm_inf(x));
-        let flow = v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
+        let flow =
+            v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
         let stress = if u > 0.0 { self.wave * k / h } else { 0.0 };
         ROUNDING * flow + ROUNDING_OF_STRESS * stress
     }
