@@ -201,7 +201,8 @@ fn factorisations(
 ) -> Result<(), SolverError> {
     let [mut single, mut double] =
         [MultifrontalLu::single, MultifrontalLu::multifrontal].map(|solver| solver(Options::unprobed()));
-    [&mut single, &mut double].map(|solver| solver.set_sizes(sizes));
+    single.set_sizes(sizes);
+    double.set_sizes(sizes);
     let (found, cost) = factors(single, matrix, &system.unknowns, size_of::<f32>())?;
     [kernels.analyse, kernels.factor_single, kernels.apply_single] = found;
     (kernels.delayed, kernels.held) = (cost.map(|cost| cost.delayed), cost.and_then(|cost| cost.bytes));
