@@ -5,6 +5,7 @@ mod bench;
 mod cases;
 mod check;
 mod compare;
+mod digits;
 mod inf_sup;
 mod jacobian;
 mod new;

@@ -1,6 +1,7 @@
 //! `undula run`: compute a case and show how it goes.
 
 use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
+use crate::digits::fixed;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
 use std::io::ErrorKind;
@@ -133,7 +134,7 @@ fn iterations(simulation: &Simulation, row: &Row) -> String {
     let residuals: Vec<String> = simulation.report.residuals.iter().map(|r| format!("{r:.2e}")).collect();
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let jacobians = count(row.jacobians, "Jacobian");
-    format!("t = {:.4} s: {jacobians}, residuals {}", row.time, residuals.join(" "))
+    format!("t = {} s: {jacobians}, residuals {}", fixed(row.time, row.time, 4), residuals.join(" "))
 }
 
 /// The end of a run that has a summary.

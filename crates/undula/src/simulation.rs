@@ -81,6 +81,7 @@ impl Simulation {
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
         let (mut stepper, notes) = case.build_with_notes(threads)?;
         case.record.notes.extend(notes);
+        case.motion = case.motion_on(&stepper.assembler.space);
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);

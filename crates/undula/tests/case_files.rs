@@ -71,7 +71,7 @@ fn defaults() {
         MotionSpec {
             model: MotionModel::PseudoElastic,
             poisson: 0.0,
-            offset: 0.01,
+            offset: None,
             exponent: 2.0,
             scale: None,
             lagged: false,

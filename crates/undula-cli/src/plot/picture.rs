@@ -3,6 +3,7 @@
 use super::cell::{Pieces, Reference, lagrange};
 use super::colors::{self, INK, PLASMA, Rgb, SOLID, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
+use crate::digits::fixed;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use undula::output::{FieldSnapshot, Summary};
@@ -40,7 +41,7 @@ pub fn plot(
     };
     let mut title = summary.case.clone();
     if let Some(time) = time {
-        title += &format!(",  t = {time:.3} s");
+        title += &format!(",  t = {} s", fixed(time, time, 3));
     }
     let edges = Edges::new(snapshot, &solid);
     let mut written = Vec::new();

@@ -1,5 +1,6 @@
 //! What can be wrong with a mesh, said so that it can be put right.
 
+use crate::math::shortest;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ pub const LISTED: usize = 10;
 pub struct CellAt {
     /// Number of the cell, from 0.
     pub cell: usize,
-    /// Mean of its vertices \[m\].
+    /// Mean of its vertices \[m\], with six digits of the size of the mesh.
     pub centre: Vec<f64>,
 }
 
@@ -27,7 +28,7 @@ pub struct CellList {
 impl fmt::Display for CellList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, at) in self.first.iter().enumerate() {
-            let centre: Vec<_> = at.centre.iter().map(|x| format!("{x:.6}")).collect();
+            let centre: Vec<_> = at.centre.iter().map(|&x| shortest(x)).collect();
             write!(f, "{}{} at ({})", if i == 0 { "" } else { ", " }, at.cell, centre.join(", "))?;
         }
         match self.count - self.first.len() {

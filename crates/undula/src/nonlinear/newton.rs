@@ -22,6 +22,9 @@ const ROUNDING: f64 = 1e-5;
 /// residual is that stays what it is.
 const STAGNATION: f64 = 1e-9;
 
+/// A residual of some times the rounding that is expected, which a new Jacobian cannot halve, is rounding.
+const EXPECTED: f64 = 100.0;
+
 /// Rate at which a new Jacobian of the condensed system converges in developed motion.
 const FRESH_RATE: f64 = 0.03;
 
@@ -33,8 +36,9 @@ const MATRIX_RATE: f64 = 0.5;
 pub struct Settings {
     /// Reduction of the scaled residual relative to the reference.
     pub tolerance: f64,
-    /// Scaled residual below which a step is solved whatever the reference.
-    pub floor: f64,
+    /// Scaled residual below which a step is solved whatever the reference. `None`: that of
+    /// [rounding](NonlinearSystem::rounding).
+    pub floor: Option<f64>,
     /// γ_nt: the Jacobian is kept while ‖r_n‖/‖r_{n−1}‖ ≤ γ_nt, (5.20). 0 is the exact method. `None`: it is
     /// kept as long as that costs less than a new one.
     pub rate_max: Option<f64>,
@@ -226,7 +230,8 @@ impl Newton {
         mut norm: f64,
         reference: f64,
     ) -> Result<NewtonReport, NewtonError> {
-        let target = (self.settings.tolerance * reference).max(self.settings.floor);
+        let noise = system.rounding();
+        let target = (self.settings.tolerance * reference).max(self.settings.floor.unwrap_or(noise));
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
         self.secants.clear();
         let mut state = self.begin(system);
@@ -255,7 +260,9 @@ impl Newton {
                     let size = norm / reference;
                     let rounding = state.factors
                         && rate > 0.5
-                        && (is_rounding(rate, size, system.is_exact()) || system.is_negligible(&self.delta));
+                        && (is_rounding(rate, size, system.is_exact())
+                            || norm < EXPECTED * noise
+                            || system.is_negligible(&self.delta));
                     let good = self.is_good(system.price(), &report, &state, rate, (target / next).ln());
                     *if state.iterative { &mut state.usable } else { &mut self.keep } = good;
                     norm = next;

@@ -25,9 +25,7 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::tangent::{Difference, Tangent};
-use crate::time::{
-    Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -334,7 +332,7 @@ impl Case {
     /// models, α = 2 − erf(5 d/L) of the stiffened harmonic one.
     #[allow(clippy::type_complexity)]
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
-        let m = &self.motion;
+        let m = self.motion_on(space);
         let plain = match m.model {
             MotionModel::Harmonic | MotionModel::Biharmonic => true,
             MotionModel::StiffenedHarmonic => false,
@@ -345,29 +343,13 @@ impl Case {
         }
         let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
         if m.model == MotionModel::StiffenedHarmonic {
-            let scale = m.scale.unwrap_or_else(|| 0.5 * smaller_extent(&space.mesh));
+            let scale = m.scale.unwrap_or(1.0);
             let value = move |x: &[f64; 2]| 2.0 - erf(5.0 * distance.distance(*x) / scale);
             return Ok((Box::new(value), 2.0));
         }
-        let (offset, exponent) = (m.offset, m.exponent);
+        let (offset, exponent) = (m.offset.unwrap_or(1.0), m.exponent);
         let value = move |x: &[f64; 2]| (offset + distance.distance(*x)).powf(-exponent);
         Ok((Box::new(value), offset.powf(-exponent)))
-    }
-
-    fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
-        let rule = crate::element::Quadrature::cell(space.mesh.shape, 2);
-        let mut area = 0.0;
-        for cell in 0..space.mesh.n_cells() {
-            for (xi, w) in rule.points.iter().zip(&rule.weights) {
-                area += w * crate::math::Tensor(space.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
-            }
-        }
-        let size = (area / space.nodes.len() as f64).sqrt();
-        // The operator of fourth order has the unit 1/m² besides.
-        let fourth = self.motion.model == MotionModel::Biharmonic;
-        let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
-        let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density));
-        Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness }
     }
 
     /// The functionals of the case.
@@ -423,15 +405,6 @@ impl Case {
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
         })
     }
-}
-
-/// The smaller side of the box around the mesh \[m\].
-fn smaller_extent(mesh: &Mesh<2>) -> f64 {
-    let extent = |d: usize| {
-        let along = mesh.nodes.iter().map(|x| x[d]);
-        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
-    };
-    extent(0).min(extent(1))
 }
 
 /// The key of `spec` that `error` is about.

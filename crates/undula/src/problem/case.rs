@@ -236,11 +236,13 @@ pub struct MotionSpec {
     pub model: MotionModel,
     /// Poisson ratio ν_e of the pseudo-elastic models, in (−1, ½).
     pub poisson: f64,
-    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface.
-    pub offset: f64,
+    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface; `None`: from the extents of
+    /// fluid and solid, see [`Case::motion_on`].
+    pub offset: Option<f64>,
     /// Exponent of the stiffening; 0 switches it off.
     pub exponent: f64,
-    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh.
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh, see
+    /// [`Case::motion_on`].
     pub scale: Option<f64>,
     /// Take J of the stiffening by J + 1/J from the last solution.
     pub lagged: bool,
@@ -382,8 +384,8 @@ pub struct NewtonSpec {
     pub secants: usize,
     /// Reduction of the scaled residual relative to the old solution.
     pub tolerance: f64,
-    /// Absolute floor of the scaled residual \[m/s\].
-    pub floor: f64,
+    /// Absolute floor of the scaled residual \[m/s\]; `None`: what rounding leaves of a solution of that size.
+    pub floor: Option<f64>,
     /// Iterations per step before it counts as failed.
     pub max_steps: usize,
     /// Start from the linear extrapolation of the last two solutions instead of the last.
@@ -400,7 +402,7 @@ impl Default for NewtonSpec {
             rate_max: None,
             secants: 0,
             tolerance: 1e-8,
-            floor: 1e-12,
+            floor: None,
             max_steps: 30,
             extrapolate: true,
             line_search: 5,

@@ -132,7 +132,7 @@ impl Manufactured {
         let linear = Linear::new(Linearization::Newton, make);
         let settings = Settings {
             tolerance: 1e-11,
-            floor: 1e-12,
+            floor: Some(1e-12),
             rate_max: Some(0.1),
             secants: 0,
             max_steps: 30,
@@ -163,7 +163,9 @@ impl Manufactured {
         for_each_point(space, &zero, 2, |point| area += point.weight);
         let size = (area / space.nodes.len() as f64).sqrt();
         let density = self.physics.fluid.map(|f| f.rho).or(self.physics.solid.map(|s| s.rho));
-        Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness: 1.0 }
+        let (density, viscosity) = (density.unwrap_or(1.0), self.physics.fluid.map_or(0.0, |f| f.nu));
+        let wave = if self.physics.solid.is_some() { 1.0 / density } else { 0.0 };
+        Scales { mass: density * size * size, size, stiffness: 1.0, viscosity, wave }
     }
 
     /// The right-hand side as a stepper takes it.

@@ -5,7 +5,8 @@
 //! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid.
 //! `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
-//! left, and `compare` the tables that set results side by side. `manufactured` makes problems whose solution is known.
+//! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
+//! `manufactured` makes problems whose solution is known.
 
 mod bodies;
 pub mod build;
@@ -19,6 +20,7 @@ mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;
+mod lengths;
 pub mod manufactured;
 pub mod memory;
 pub mod overview;

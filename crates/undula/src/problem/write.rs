@@ -219,7 +219,9 @@ impl Case {
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
-        out.key("offset", number(self.motion.offset), "m");
+        if let Some(offset) = self.motion.offset {
+            out.key("offset", number(offset), "m");
+        }
         out.key("exponent", number(self.motion.exponent), "");
         if let Some(scale) = self.motion.scale {
             out.key("scale", number(scale), "m");
@@ -316,7 +318,9 @@ impl Case {
         }
         out.key("secants", newton.secants.to_string(), "pairs that improve corrections of a kept Jacobian");
         out.key("tolerance", number(newton.tolerance), "relative to the old solution");
-        out.key("floor", number(newton.floor), "m/s");
+        if let Some(floor) = newton.floor {
+            out.key("floor", number(floor), "m/s");
+        }
         out.key("max-steps", newton.max_steps.to_string(), "");
         out.word("start", if newton.extrapolate { "extrapolated" } else { "old" });
         out.key("line-search", newton.line_search.to_string(), "halvings of an update");

@@ -309,7 +309,7 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElem
     let spec = MotionSpec {
         model,
         poisson: s.number("poisson", 0.0, POISSON),
-        offset: s.number("offset", 0.01, POSITIVE),
+        offset: s.optional_number("offset", POSITIVE),
         exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
         scale: s.optional_number("scale", POSITIVE),
         lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),

@@ -33,6 +33,10 @@ enum Scheme {
     Bdf2,
 }
 
+/// θ − ½ of shifted Crank-Nicolson, and steps from damping to damping of Rannacher's scheme, where the case does not say.
+const DAMPING: f64 = 0.005;
+const DAMPED_EVERY: f64 = 200.0;
+
 /// The schedule, `None` if stationary, and the end time if one is given.
 pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     if !s.is_present() {
@@ -54,10 +58,11 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let start = s.number("start", 0.0, ANY);
     let end = s.optional_number("end", ANY);
     let theta = s.optional_number("theta", THETA);
-    let shift = s.number("shift", 1.0, NOT_NEGATIVE);
+    let first = first_step(step.as_ref(), start);
+    let shift = s.number("shift", DAMPING / first, NOT_NEGATIVE);
     let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
     let steps = s.integer("rannacher-steps", 2, 1..=1000) as u32;
-    let interval = s.number("rannacher-interval", 1.0, POSITIVE);
+    let interval = s.number("rannacher-interval", DAMPED_EVERY * first, POSITIVE);
     let motions = [
         ("secant", DomainMotion::Secant),
         ("midpoint", DomainMotion::Midpoint),
@@ -117,6 +122,12 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let (step, end_or_start) = (step.unwrap_or_default(), end.unwrap_or(start));
     let domain_motion = domain_motion.unwrap_or_default();
     (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
+}
+
+/// The first step \[s\], from which times are taken that the case does not give.
+fn first_step(step: Option<&Expression>, start: f64) -> f64 {
+    let step = step.filter(|step| !step.depends_on_space()).map(|step| step.eval(&[0.0; 3], start));
+    step.filter(|k| k.is_finite() && *k > 0.0).unwrap_or(1.0)
 }
 
 /// Step-size control, where its table is there; steps below `least` \[s\] cannot be told from none.
@@ -297,7 +308,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         rate_max: rate_max.or(is_newton.then_some(0.2)),
         secants: s.integer("secants", defaults.secants, 0..=50),
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
-        floor: s.number("floor", defaults.floor, NOT_NEGATIVE),
+        floor: s.optional_number("floor", NOT_NEGATIVE),
         max_steps: s.integer("max-steps", max_steps, 1..=1000),
         extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
         line_search: s.integer("line-search", defaults.line_search, 0..=30),
