@@ -8,6 +8,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
+use super::key;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
@@ -54,7 +55,11 @@ impl Case {
                 (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
             }
             MeshSource::File(path) => {
-                let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
+                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
+                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
+                }
                 (mesh.refined(refine, &[]), vec![])
             }
         };
@@ -67,7 +72,7 @@ impl Case {
         self.check_shape(&mesh)?;
         for (name, inside) in &spec.region {
             mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
+                .map_err(|e| self.blame(&key::join("mesh.region", name), e))?;
         }
         let (fluid, solid) = (self.fluid_region(), self.solid_region());
         let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };

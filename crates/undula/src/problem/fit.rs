@@ -2,6 +2,7 @@
 
 use super::case::{Case, Condition, FunctionalSpec};
 use super::error::{CaseError, CaseErrors, Place, suggestion};
+use super::key;
 use crate::mesh::Mesh;
 
 /// Name of the boundary between fluid and solid.
@@ -70,8 +71,8 @@ impl Case {
             if let Some(place) = self.record.places.get(part) {
                 return place.clone();
             }
-            match part.rsplit_once('.') {
-                Some((shorter, _)) => part = shorter,
+            match key::parent(part) {
+                Some(shorter) => part = shorter,
                 None => return Place::File { name: self.record.file_name.clone(), line: 1, column: 1 },
             }
         }
@@ -115,7 +116,7 @@ impl Fit<'_> {
         for name in self.case.boundary.keys() {
             if !self.names.boundaries.iter().any(|(n, _)| n == name) {
                 let message = self.absent_boundary(name);
-                self.error(&format!("boundary.{name}"), message);
+                self.error(&key::join("boundary", name), message);
             }
         }
         for (name, regions) in &self.names.boundaries {
@@ -123,7 +124,7 @@ impl Fit<'_> {
             if name == INTERFACE || !(fluid || solid) {
                 continue;
             }
-            let key = format!("boundary.{name}");
+            let key = key::join("boundary", name);
             match self.case.boundary.get(name) {
                 None => {
                     let allowed = match (fluid, solid) {

@@ -1,6 +1,7 @@
 //! From a case file to a checked, runnable description.
 //!
-//! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
+//! `expression`, `error` and `key` stand alone; `raw` is the TOML with overrides, `read` reads one table (`synonyms` has
+//! other names of its keys),
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
 //! tables that set results side by side. `manufactured` makes problems whose solution is known.
@@ -14,8 +15,10 @@ pub mod element;
 pub mod error;
 pub mod expression;
 pub mod fit;
+mod key;
 pub mod manufactured;
 mod raw;
 mod read;
 pub mod reference;
+mod synonyms;
 mod write;

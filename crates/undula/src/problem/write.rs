@@ -6,6 +6,7 @@ use super::case::{
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
+use super::key;
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::Walls;
 
@@ -77,13 +78,13 @@ impl Case {
         self.write_stabilization(&mut out);
         self.write_bodies(&mut out);
         for (name, condition) in &self.boundary {
-            out.table(&format!("boundary.{}", key(name)));
+            out.table(&key::join("boundary", name));
             write_condition(&mut out, condition);
         }
         self.write_time(&mut out);
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
-            out.table(&format!("functional.{}", key(name)));
+            out.table(&key::join("functional", name));
             write_functional(&mut out, functional);
         }
         out.table("output");
@@ -111,14 +112,17 @@ impl Case {
                 out.key("upper", pair(upper), "m");
                 out.key("cells", format!("{cells:?}"), "");
             }
-            MeshSource::File(path) => out.word("file", &path.to_string_lossy()),
+            MeshSource::File(path) => {
+                out.word("file", &path.to_string_lossy());
+                out.key("scale", number(self.mesh.scale), "m per unit of the file");
+            }
         }
         out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
         out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
             for (name, inside) in &self.mesh.region {
-                out.key(&key(name), expression(inside), "positive inside");
+                out.key(&key::quote(name), expression(inside), "positive inside");
             }
         }
         out.table("space");
@@ -312,11 +316,6 @@ impl Case {
         }
         out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");
     }
-}
-
-/// A key, quoted if it must be.
-fn key(name: &str) -> String {
-    if super::check::is_name(name) { name.into() } else { string(name) }
 }
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
