@@ -39,10 +39,15 @@ pub(crate) fn split_override(text: &str) -> Result<(Vec<String>, &str), String> 
     let mut parts = vec![];
     let mut begin = 0;
     for end in dots {
-        parts.push(part(key[begin..end].trim()).ok_or(
-            "expected a dotted key before `=`, such as `time.step`; a part with other characters than letters, \
-             digits, `-` and `_` stands in quotes, as in 'boundary.\"in let\".condition=no-slip'",
-        )?);
+        let text = key[begin..end].trim();
+        parts.push(part(text).ok_or_else(|| {
+            let rule = "; a part with other characters than letters, digits, `-` and `_` stands in quotes, as in \
+                        'boundary.\"in let\".condition=no-slip'";
+            format!(
+                "expected a dotted key before `=`, such as `time.step`{}",
+                if text.is_empty() { "" } else { rule }
+            )
+        })?);
         begin = end + 1;
     }
     Ok((parts, &text[equals + 1..]))

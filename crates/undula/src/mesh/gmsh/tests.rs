@@ -205,6 +205,53 @@ fn mutilated_files_do_not_panic() {
     }
 }
 
+/// Binary files of either version, cut off or with changed bytes, are read or refused.
+#[test]
+fn mutilated_binary_files_do_not_panic() {
+    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../undula-cli/tests/cli/faults/inputs/newcomer");
+    for name in ["fmt_v2.2_bin_o2.msh", "fmt_v4.1_bin_o1.msh"] {
+        let bytes = std::fs::read(inputs.join(name)).unwrap();
+        let mesh = parse(&bytes, Path::new(name)).unwrap();
+        mesh.check_orientation().unwrap();
+        for end in (0..bytes.len()).step_by(bytes.len() / 60).chain(bytes.len() - 40..bytes.len() - 14) {
+            assert!(parse(&bytes[..end], Path::new(name)).is_err(), "{name}: {end} bytes");
+        }
+        for at in (0..bytes.len()).step_by(bytes.len() / 150) {
+            for value in [0, 1, 0x7f, 0xff, b'\n', b'$'] {
+                let mut bytes = bytes.clone();
+                bytes[at] = value;
+                let _ = parse(&bytes, Path::new(name));
+            }
+        }
+    }
+}
+
+/// What other writers and transfers do to a file changes nothing.
+#[test]
+fn harmless_changes_of_a_file_are_read() {
+    for (text, ends) in [(V2, "$EndElements\n"), (V4, "$EndElements\n")] {
+        let plain = parsed(text).unwrap();
+        let moved = {
+            let (names, rest) = (text.find("$PhysicalNames").unwrap(), text.find("$EndPhysicalNames\n").unwrap() + 18);
+            format!("{}{}{}", &text[..names], &text[rest..], &text[names..rest])
+        };
+        for other in [
+            text.replace('\n', "\r\n"),
+            format!("\u{feff}{text}"),
+            format!("$Comments\n$Nodes\n1 2 3\n$EndComments\n{text}"),
+            text.replace(ends, "$EndElements\n$Periodic\n0\n$EndPeriodic\nthe end\n$ 3\n"),
+            text.replace(ends, "$EndElements\nno line more"),
+            moved,
+        ] {
+            let mesh = parsed(&other).unwrap_or_else(|e| panic!("{e}:\n{other}"));
+            assert!(mesh.nodes == plain.nodes && mesh.cell_nodes == plain.cell_nodes, "{other}");
+            assert!(mesh.regions == plain.regions && mesh.facets == plain.facets, "{other}");
+        }
+    }
+    let latin: Vec<u8> = V2.replace("walls", "W@nde").bytes().map(|b| if b == b'@' { 0xe4 } else { b }).collect();
+    assert_eq!(parse(latin, Path::new("own.msh")).unwrap().boundaries[0], "Wände");
+}
+
 /// Triangles of both degrees survive the way to a file and back; those numbered clockwise are turned.
 #[test]
 fn triangles_are_written_and_read() {
