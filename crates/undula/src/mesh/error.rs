@@ -38,6 +38,36 @@ impl fmt::Display for CellList {
     }
 }
 
+/// The smallest det(DX) of some cells, and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Least {
+    /// Number of the cell, from 0.
+    pub cell: usize,
+    /// The smallest det(DX) in it \[m^D\], the reference cell being of size 1.
+    pub det: f64,
+    /// The same, divided by the largest |det(DX)| in the cell.
+    pub relative: f64,
+    /// The place X(ξ) \[m\].
+    pub at: Vec<f64>,
+}
+
+impl fmt::Display for Least {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Six digits, however small the numbers are.
+        let digits = |x: &f64| format!("{x:.5e}").parse().unwrap_or(*x).to_string();
+        let at: Vec<_> = self.at.iter().map(digits).collect();
+        write!(
+            f,
+            "the smallest is {:.3e} m^{} in cell {} at ({}), {:.2e} of its largest",
+            self.det,
+            self.at.len(),
+            self.cell,
+            at.join(", "),
+            self.relative
+        )
+    }
+}
+
 /// Errors of mesh generation, reading and checking.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MeshError {
@@ -67,6 +97,16 @@ pub enum MeshError {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// A place of a binary mesh file that cannot be used.
+    #[error("{}: byte {byte}: {reason}", path.display())]
+    Binary {
+        /// The file.
+        path: PathBuf,
+        /// Number of the byte, from 0.
+        byte: usize,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
     /// Cells of a shape on which the finite elements do not live, in words.
     #[error("{0}")]
     WrongCells(String),
@@ -81,8 +121,8 @@ pub enum MeshError {
         known: String,
     },
     /// Cells whose map is not orientation-preserving.
-    #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}")]
-    Inverted(CellList),
+    #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}; {1}")]
+    Inverted(CellList, Least),
     /// A facet shared by more than two cells, or by two cells with different mid nodes.
     #[error(
         "cells that do not fit their neighbour (a facet used more than twice, or with two mid nodes): {0}"

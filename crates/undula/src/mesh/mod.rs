@@ -7,6 +7,7 @@ mod box_tree;
 mod curve;
 mod distance;
 mod error;
+mod fold;
 mod geometry;
 mod grade;
 mod locate;
@@ -19,7 +20,7 @@ mod triangulate;
 
 pub use curve::Curve;
 pub use distance::FacetDistance;
-pub use error::{CellAt, CellList, LISTED, MeshError};
+pub use error::{CellAt, CellList, LISTED, Least, MeshError};
 pub use locate::{Located, Locator};
 pub use quality::Quality;
 pub use refine::Refined;

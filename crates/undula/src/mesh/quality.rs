@@ -1,7 +1,7 @@
 //! Shape of the cells: orientation, scaled Jacobian, volume.
 
 use super::geometry::determinant;
-use super::{Mesh, MeshError};
+use super::Mesh;
 use crate::element::{Quadrature, Shape, lagrange};
 
 /// Three-point Gauss rule on `[0, 1]`: points and weights.
@@ -17,7 +17,7 @@ pub struct Quality {
     pub scaled_jacobian: Vec<f64>,
     /// Area or volume of each cell \[m^D\].
     pub volume: Vec<f64>,
-    /// Cells with `det DX <= 0` at one of these points.
+    /// Cells with `det DX <= 0` at one of these points; [`Mesh::check_orientation`] looks between them, too.
     pub inverted: Vec<usize>,
 }
 
@@ -98,14 +98,6 @@ impl<const D: usize> Mesh<D> {
             }
         }
         clockwise.len()
-    }
-
-    /// Refuses cells whose map is folded or numbered clockwise.
-    pub fn check_orientation(&self) -> Result<(), MeshError> {
-        match self.quality().inverted {
-            none if none.is_empty() => Ok(()),
-            cells => Err(MeshError::Inverted(self.list_cells(&cells))),
-        }
     }
 }
 

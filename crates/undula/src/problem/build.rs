@@ -80,8 +80,12 @@ impl Case {
                 (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
             }
             MeshSource::File(path) => {
-                let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
                 self.check_memory(Some(&mesh))?;
+                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
+                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
+                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
+                }
                 (mesh.refined(refine, &[]), vec![])
             }
         };

@@ -90,6 +90,8 @@ impl PartialEq for Record {
 pub struct MeshSpec {
     /// A built-in generator or a file.
     pub source: MeshSource,
+    /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
+    pub scale: f64,
     /// Number of uniform refinements.
     pub refine: u32,
     /// Number of nested rings of half size around the singular corners of the generator.

@@ -55,7 +55,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let title = root.string("title").unwrap_or_default();
     let reference = reference(&mut root);
     let mesh = body::mesh(root.section("mesh"), &root);
-    let space = body::space(root.section("space"));
+    let space = body::space(root.section("space"), mesh.as_ref());
     let fluid = body::fluid(root.section("fluid"));
     if fluid.is_some() {
         body::refuse_pair(&root.section("space"), &space);

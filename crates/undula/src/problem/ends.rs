@@ -38,7 +38,7 @@ impl Case {
                     at(&found.point),
                     self.when(found.time)
                 );
-                let key = format!("boundary.{name}.velocity");
+                let key = format!("{}.velocity", super::key::join("boundary", name));
                 errors.push(CaseError { place: self.place_of(&key), key, value: None, message });
             }
         }

@@ -2,6 +2,7 @@
 
 use super::case::{Case, Condition, FunctionalSpec};
 use super::error::{CaseError, CaseErrors, Place, suggestion};
+use super::key;
 use crate::mesh::{Facet, Facets, Mesh, Side};
 use std::collections::HashSet;
 
@@ -142,8 +143,8 @@ impl Case {
             if let Some(place) = self.record.places.get(part) {
                 return place.clone();
             }
-            match part.rsplit_once('.') {
-                Some((shorter, _)) => part = shorter,
+            match key::parent(part) {
+                Some(shorter) => part = shorter,
                 None => return Place::File { name: self.record.file_name.clone(), line: 1, column: 1 },
             }
         }
@@ -180,7 +181,7 @@ impl Fit<'_> {
         for name in self.case.boundary.keys() {
             if !self.names.boundaries.iter().any(|(n, _)| n == name) {
                 let message = self.absent_boundary(name);
-                self.error(&format!("boundary.{name}"), message);
+                self.error(&key::join("boundary", name), message);
             }
         }
         for (name, regions) in &self.names.boundaries {
@@ -188,7 +189,7 @@ impl Fit<'_> {
             if name == INTERFACE || !(fluid || solid) {
                 continue;
             }
-            let key = format!("boundary.{name}");
+            let key = key::join("boundary", name);
             let condition = self.case.boundary.get(name);
             if condition.is_some() && self.is_part(name) {
                 self.error(&key, self.part_of_interface(name));

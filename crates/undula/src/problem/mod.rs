@@ -1,6 +1,7 @@
 //! From a case file to a checked, runnable description.
 //!
-//! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
+//! `expression`, `error` and `key` stand alone; `raw` is the TOML with overrides, `read` reads one table (`synonyms` has
+//! other names of its keys),
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
 //! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid.
 //! `write` is the way back,
@@ -20,6 +21,7 @@ mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;
+mod key;
 mod lengths;
 pub mod manufactured;
 pub mod memory;
@@ -29,6 +31,7 @@ mod read;
 pub mod reference;
 mod regions;
 pub mod results;
+mod synonyms;
 mod write;
 
 pub use check::name_of_file;

@@ -75,7 +75,7 @@ impl Case {
         };
         let left: Vec<&String> = regions.iter().filter(|name| !known(name)).collect();
         if let [first, ..] = left[..] {
-            let given = format!("mesh.region.{first}");
+            let given = super::key::join("mesh.region", first);
             let key = if self.mesh.region.contains_key(first) { &given } else { mesh_key(self) };
             error(key, self.unused(&left));
         }
@@ -114,7 +114,7 @@ impl Case {
         for (name, inside) in &self.mesh.region {
             let cells = mesh
                 .assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
+                .map_err(|e| self.blame(&super::key::join("mesh.region", name), e))?;
             let shared: Vec<&str> =
                 cells.iter().filter_map(|cell| before.insert(*cell, name.as_str())).collect();
             if let Some(other) = shared.first() {

@@ -6,6 +6,7 @@ use super::case::{
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
+use super::key;
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::Walls;
 use std::path::{Component, Path, PathBuf};
@@ -81,7 +82,7 @@ impl Case {
         self.write_stabilization(&mut out);
         self.write_bodies(&mut out);
         for (name, condition) in &self.boundary {
-            out.table(&format!("boundary.{}", key(name)));
+            out.table(&key::join("boundary", name));
             write_condition(&mut out, condition);
             if self.directional.contains(name) {
                 out.word("backflow", "directional");
@@ -90,7 +91,7 @@ impl Case {
         self.write_time(&mut out);
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
-            out.table(&format!("functional.{}", key(name)));
+            out.table(&key::join("functional", name));
             write_functional(&mut out, functional);
         }
         out.table("output");
@@ -137,7 +138,10 @@ impl Case {
                 out.key("upper", pair(upper), "m");
                 out.key("cells", format!("{cells:?}"), "");
             }
-            MeshSource::File(path) => out.word("file", &path.to_string_lossy()),
+            MeshSource::File(path) => {
+                out.word("file", &path.to_string_lossy());
+                out.key("scale", number(self.mesh.scale), "m per unit of the file");
+            }
         }
         out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
         out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
@@ -148,7 +152,7 @@ impl Case {
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
             for (name, inside) in &self.mesh.region {
-                out.key(&key(name), expression(inside), "positive inside");
+                out.key(&key::quote(name), expression(inside), "positive inside");
             }
         }
         out.table("space");
@@ -358,11 +362,6 @@ fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
     let named = to[..common].iter().any(|part| matches!(part, Component::Normal(_)));
     let up = from[common..].iter().map(|_| Component::ParentDir);
     named.then(|| up.chain(to[common..].iter().copied()).collect::<PathBuf>().join(name))
-}
-
-/// A key, quoted if it must be.
-fn key(name: &str) -> String {
-    if super::check::is_name(name) { name.into() } else { string(name) }
 }
 
 fn write_condition(out: &mut Lines, condition: &Condition) {

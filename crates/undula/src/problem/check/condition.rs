@@ -44,7 +44,8 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         if kind == Some(Kind::Velocity) && !s.has("velocity") {
             s.missing("velocity", "two expressions [m/s], as velocity = [\"1.5*y\", \"0\"]");
         } else if kind.is_some_and(|k| k != Kind::Velocity) && s.has("velocity") {
-            let note = format!("boundary.{name}.velocity has no effect: the condition is not `velocity`");
+            let key = s.dotted("velocity");
+            let note = format!("{key} has no effect: the condition is not `velocity`");
             s.checker.notes.borrow_mut().push(note);
         }
         let against = s.choice("backflow", &[("none", false), ("directional", true)], &[]);
