@@ -8,7 +8,8 @@ use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::Case;
 use crate::space::State;
-use crate::time::{Adaptive, Clock, JacobianPoint, StepReport, Stepper};
+use crate::nonlinear::NewtonError;
+use crate::time::{Adaptive, Cause, Clock, JacobianPoint, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 
 /// A case in the course of being computed.
@@ -121,7 +122,8 @@ impl Simulation {
     /// Do the next step, or find the stationary solution.
     ///
     /// # Errors
-    /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
+    /// [`Error::Breakdown`], [`Error::Case`] for data that are not finite at the new time, [`Error::Solver`] if the
+    /// problem is too large; the solution is then the last one that succeeded.
     pub fn step(&mut self) -> Result<Row, Error> {
         self.install(Simulation::step_here)
     }
@@ -140,22 +142,23 @@ impl Simulation {
     }
 
     fn step_here(&mut self) -> Result<Row, Error> {
-        let report = match &self.case.time {
-            None => self.stepper.stationary()?,
+        let result = match &self.case.time {
+            None => self.stepper.stationary(),
             Some(time) => {
                 let now = self.stepper.time;
                 let target = self.next_output().map_or(time.end, |output| output.min(time.end));
                 match &mut self.adaptive {
-                    Some(adaptive) => adaptive.step(&mut self.stepper, target)?,
+                    Some(adaptive) => adaptive.step(&mut self.stepper, target),
                     None => {
-                        let k = time.step.eval(&[0.0; 3], now);
+                        let k = self.case.step_at(time, now)?;
                         let rest = target - now;
                         // Steps land on the target; a rest of a few per mille is not worth its own.
-                        self.stepper.step(if rest < 1.001 * k { rest } else { k })?
+                        self.stepper.step(if rest < 1.001 * k { rest } else { k })
                     }
                 }
             }
         };
+        let report = result.map_err(|failure| self.blame(failure))?;
         if self.case.time.is_some() {
             self.steps += 1;
         }
@@ -163,6 +166,15 @@ impl Simulation {
         self.history.push(row.clone());
         self.report = report;
         Ok(row)
+    }
+
+    /// What is to blame for a step without a solution: the data, the size of the problem, else the problem itself.
+    fn blame(&self, failure: StepFailure) -> Error {
+        match (&failure.details.cause, &failure.reason) {
+            (Cause::Data(fault), _) => self.case.blame_data(&self.stepper.assembler.space, fault),
+            (_, NewtonError::Linear(error)) if failure.is_too_large() => Error::Solver(error.clone()),
+            _ => Error::Breakdown(failure),
+        }
     }
 
     /// The next time of `output.fields-interval` \[s\].

@@ -215,6 +215,6 @@ pub enum SolverError {
     #[error("no memory for the factors: {0}")]
     Memory(String),
     /// A number of rows or entries does not fit.
-    #[error("the problem is too large: {0}")]
+    #[error("the problem is too large: {0}; fewer cells are needed, or cells of a lower degree")]
     TooLarge(String),
 }

@@ -1,11 +1,13 @@
 //! Numbers and small tensors; this layer knows nothing else of the library.
 
+mod decimal;
 pub mod dual;
 mod erf;
 pub(crate) mod lanes;
 pub mod scalar;
 pub mod tensor;
 
+pub use decimal::{rounded, shortest};
 pub use dual::Dual;
 pub use erf::erf;
 pub(crate) use lanes::Lanes;

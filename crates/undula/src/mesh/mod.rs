@@ -11,6 +11,7 @@ mod geometry;
 mod grade;
 mod locate;
 mod matching;
+mod place;
 mod quality;
 mod refine;
 mod regions;

@@ -192,6 +192,7 @@ impl Case {
     /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
     pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
         let space = Arc::new(self.build_space()?);
+        self.check_data(&space)?;
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
@@ -462,6 +463,7 @@ impl Case {
     /// As [`Case::build_mesh`].
     pub fn sizes(&self) -> Result<Sizes, Error> {
         let space = self.build_space()?;
+        self.check_data(&space)?;
         self.build_functionals(&space)?;
         Ok(Sizes { cells: space.mesh.n_cells(), unknowns: [space.n_v(), space.n_u(), space.n_p()] })
     }

@@ -1,5 +1,6 @@
 //! A computation with its files: history, fields, checkpoints, summary.
 
+mod breakdown;
 mod checkpoint;
 mod fields;
 
@@ -67,7 +68,9 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
         Ok(Flow::Continue) => (Status::Completed, None, None),
         Ok(Flow::Stop) => (Status::Interrupted, None, None),
         Err(Error::Breakdown(failure)) => {
-            (Status::Breakdown, Some(describe(&run.simulation, &failure)), None)
+            let breakdown = breakdown::describe(&run.simulation, &failure);
+            let written = run.directory.write_breakdown(Some(&breakdown::table(&breakdown, &failure)));
+            (Status::Breakdown, Some(breakdown), written.err().map(Error::Output))
         }
         Err(error) => (Status::Failed, None, Some(error)),
     };
@@ -125,6 +128,7 @@ impl Run {
         simulation.history = before.rows.iter().map(|row| read_row(row, n)).collect();
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
         directory.write_case(&simulation.case.to_toml())?;
+        directory.write_breakdown(None)?;
         Ok(Run {
             simulation,
             directory,
@@ -278,21 +282,5 @@ fn ends_later(path: &Path, case: &Case) -> bool {
     match (former.and_then(|former| former.time), &case.time) {
         (Some(former), Some(time)) => time.end > former.end,
         _ => false,
-    }
-}
-
-/// A breakdown in words.
-fn describe(simulation: &Simulation, failure: &crate::time::StepFailure) -> Breakdown {
-    let mesh = &simulation.stepper.assembler.space.mesh;
-    let centre = |&c: &u32| {
-        let x = mesh.centre(c as usize);
-        format!("cell {c} at ({:.4}, {:.4})", x[0], x[1])
-    };
-    let cells: Vec<String> = failure.worst.cells.iter().map(centre).collect();
-    Breakdown {
-        time: failure.time,
-        min_j: failure.worst.min_j,
-        r#where: cells.join(", "),
-        reason: failure.to_string(),
     }
 }

@@ -72,13 +72,14 @@ impl Adaptive {
         if self.memory.past.is_empty() {
             self.remember(stepper);
         }
-        let mut spent = StepReport::default();
+        let mut spent = StepReport::none();
         loop {
             let k = self.length(target - stepper.time);
             let before = self.save(stepper);
-            let mut report = stepper.step(k)?;
-            report.newton_steps += spent.newton_steps;
-            report.jacobians += spent.jacobians;
+            let of_last = stepper.step(k)?;
+            let (parts, min_j) = (of_last.parts, of_last.min_j);
+            spent.add(of_last);
+            let report = StepReport { parts, min_j, ..spent };
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
             let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
             if !rejected || k <= self.settings.min_step {

@@ -11,9 +11,11 @@ impl<const D: usize> Stepper<D> {
     /// [`StepFailure`]; everything is then as before the step, whatever its parts had reached.
     pub fn step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
         self.damping = self.settings.scheme.damping(self.damping, self.time - self.start);
-        let result = self.step_or_halves(k);
-        if result.is_ok() {
-            self.damping.left = self.damping.left.saturating_sub(1);
+        self.attempts.clear();
+        let mut result = self.step_or_halves(k);
+        match &mut result {
+            Ok(_) => self.damping.left = self.damping.left.saturating_sub(1),
+            Err(failure) => failure.details.attempts = std::mem::take(&mut self.attempts),
         }
         result
     }
@@ -23,7 +25,7 @@ impl<const D: usize> Stepper<D> {
             Ok(report) => return Ok(report),
             Err(failure) => failure,
         };
-        if self.settings.max_halvings == 0 {
+        if self.settings.max_halvings == 0 || failure.is_final() {
             return Err(failure);
         }
         let (clock, states) = (self.clock(), (self.new.clone(), self.old.clone()));
@@ -46,23 +48,16 @@ impl<const D: usize> Stepper<D> {
     fn divided(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
         match self.whole(k) {
             Ok(report) => Ok(report),
-            Err(failure) if halvings == 0 => Err(failure),
+            Err(failure) if halvings == 0 || failure.is_final() => Err(failure),
             Err(_) => self.halves(k, halvings),
         }
     }
 
     fn halves(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
         self.newton.forget();
-        let first = self.divided(0.5 * k, halvings - 1)?;
-        let second = self.divided(0.5 * k, halvings - 1)?;
+        let mut total = self.divided(0.5 * k, halvings - 1)?;
+        total.add(self.divided(0.5 * k, halvings - 1)?);
         self.newton.forget();
-        Ok(StepReport {
-            newton_steps: first.newton_steps + second.newton_steps,
-            jacobians: first.jacobians + second.jacobians,
-            parts: first.parts + second.parts,
-            norms: second.norms,
-            min_j: first.min_j.min(second.min_j),
-            residuals: [first.residuals, second.residuals].concat(),
-        })
+        Ok(total)
     }
 }

@@ -39,7 +39,7 @@ impl<const D: usize> Stepper<D> {
         parts.states[0].copy_from(&self.new);
         parts.old.copy_from(&self.old);
         (parts.length, parts.times[0]) = (k, self.time);
-        let mut total = StepReport { min_j: f64::INFINITY, ..StepReport::default() };
+        let mut total = StepReport::none();
         for (i, part) in FRACTIONAL.iter().enumerate() {
             match self.attempt(part.length * k, i) {
                 Ok(report) => total.add(report),
