@@ -33,5 +33,5 @@ fn report(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error> {
         }
         None => At::Random { seed: u64::from(args.seed) },
     };
-    Ok(compare(&mut simulation, at))
+    Ok(compare(&mut simulation, at)?)
 }

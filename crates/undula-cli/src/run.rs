@@ -129,12 +129,17 @@ impl Observer for Display {
     }
 }
 
-/// The scaled residuals of a step, from its start value on.
+/// The scaled residuals of a step, from its start value on; those of its parts apart.
 fn iterations(simulation: &Simulation, row: &Row) -> String {
-    let residuals: Vec<String> = simulation.report.residuals.iter().map(|r| format!("{r:.2e}")).collect();
+    let residuals = |part: &[f64]| part.iter().map(|r| format!("{r:.2e}")).collect::<Vec<_>>().join(" ");
+    let parts: Vec<String> = simulation.report.residuals_of_parts().map(residuals).collect();
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let jacobians = count(row.jacobians, "Jacobian");
-    format!("t = {} s: {jacobians}, residuals {}", fixed(row.time, row.time, 4), residuals.join(" "))
+    let of = match simulation.case.time {
+        Some(_) => format!("t = {} s", fixed(row.time, row.time, 4)),
+        None => "stationary".into(),
+    };
+    format!("{of}: {jacobians}, residuals {}", parts.join(" | "))
 }
 
 /// The end of a run that has a summary.
@@ -150,14 +155,17 @@ fn finish(
     }
     if let Some(breakdown) = &summary.breakdown {
         say(format_args!("breakdown: {}", breakdown.reason));
-        say(format_args!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where));
-        say(format_args!("what was computed so far is in {}", directory.display()));
+        if !breakdown.remedy.is_empty() {
+            say(format_args!("{}", breakdown.remedy));
+        }
+        let directory = directory.display();
+        say(format_args!("what was computed so far is in {directory}, residuals in {directory}/breakdown.txt"));
     }
     if let Some(part) = summary.mass_balance.filter(|&part| part > Summary::BALANCED) {
-        eprintln!(
+        say(format_args!(
             "warning: the flow through the boundaries of the fluid does not balance: at some step {part:.1e} of the \
              largest flow is gained or lost (mass_balance in summary.json)"
-        );
+        ));
     }
     let code = match summary.status {
         Status::Breakdown => ExitCode::from(BREAKDOWN),
@@ -210,6 +218,7 @@ pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
         Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
             bad_input(error)
         }
+        _ if error.is_too_large() => bad_input(error),
         Error::Load(e) if e.is_bad_input() => bad_input(error),
         _ => Err(error.into()),
     }

@@ -9,7 +9,8 @@ use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::{Case, TimeSpec};
 use crate::space::State;
-use crate::time::{Adaptive, Clock, JacobianPoint, Schedule, StepReport, Stepper};
+use crate::nonlinear::NewtonError;
+use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 
 /// A case in the course of being computed.
@@ -154,7 +155,8 @@ impl Simulation {
     /// Do the next step, or find the stationary solution.
     ///
     /// # Errors
-    /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
+    /// [`Error::Breakdown`], [`Error::Case`] for data that are not finite at the new time, [`Error::Solver`] if the
+    /// problem is too large; the solution is then the last one that succeeded.
     pub fn step(&mut self) -> Result<Row, Error> {
         self.install(Simulation::step_here)
     }
@@ -195,22 +197,29 @@ impl Simulation {
 
     /// The next step of the schedule.
     fn step_in_time(&mut self) -> Result<StepReport, Error> {
-        let Some(time) = &self.case.time else { return Ok(self.stepper.stationary()?) };
+        let Some(time) = &self.case.time else { return self.stepper.stationary().map_err(|failure| self.blame(failure)) };
         let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
         let (k, counted) = (self.wanted_step(time), time.step.is_constant());
         if let Some(adaptive) = &mut self.adaptive {
-            return Ok(adaptive.step(&mut self.stepper, schedule.target(now))?);
+            let result = adaptive.step(&mut self.stepper, schedule.target(now));
+            return result.map_err(|failure| self.blame(failure));
         }
-        if !(k > 0.0 && k.is_finite()) {
-            let message = format!("expected a value above 0 at all times, it is {k} at t = {now} s");
-            return Err(self.case.refuse("time.step", message));
-        }
+        self.case.step_at(time, now)?;
         let next = schedule.next(now, k, counted);
         if next.time <= now {
             let message = format!("the step of {k} s at t = {now} s is below the rounding of t");
             return Err(self.case.refuse("time.step", message));
         }
-        Ok(self.stepper.step_to(next.length, next.time)?)
+        self.stepper.step_to(next.length, next.time).map_err(|failure| self.blame(failure))
+    }
+
+    /// What is to blame for a step without a solution: the data, the size of the problem, else the problem itself.
+    fn blame(&self, failure: StepFailure) -> Error {
+        match (&failure.details.cause, &failure.reason) {
+            (Cause::Data(fault), _) => self.case.blame_data(&self.stepper.assembler.space, fault),
+            (_, NewtonError::Linear(error)) if failure.is_too_large() => Error::Solver(error.clone()),
+            _ => Error::Breakdown(failure),
+        }
     }
 
     /// Whether the present time is one of `output.fields-interval`.

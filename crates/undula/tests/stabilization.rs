@@ -80,7 +80,7 @@ fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, thread
     let options = Options { lanes, threads, quadrature: space.nodes.degree + 1 + usize::from(bubbles) };
     let physics = if coupled { FSI } else { FLOW };
     let mut assembler = Assembler::new(space.clone(), physics, &conditions, &|_| 1.0, &options);
-    assembler.stabilize(how, &options);
+    assembler.stabilize(how, &options).unwrap();
     assembler.set_force(Region::Fluid, End::New, Some(&|x| [x[0] - 0.3, 2.0 * x[1]]));
     assembler.set_force(Region::Fluid, End::Old, Some(&|x| [x[1], 0.7 - x[0]]));
     assembler

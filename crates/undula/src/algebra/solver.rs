@@ -219,7 +219,10 @@ pub enum SolverError {
         /// The largest accepted.
         allowed: f64,
     },
-    /// Memory is short, or an index does not fit.
+    /// Memory is short.
     #[error("no memory for the factors: {0}")]
     Memory(String),
+    /// A number of rows or entries does not fit.
+    #[error("the problem is too large: {0}; fewer cells are needed, or cells of a lower degree")]
+    TooLarge(String),
 }

@@ -1,7 +1,7 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::batch::Batches;
-use super::chunks::{Copies, Writes};
+use super::chunks::{Copies, Writes, for_each_piece};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::folds::Corners;
 use super::interior::Interior;
@@ -9,6 +9,7 @@ use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
 use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
 use super::tensor::TensorScratch;
+use crate::algebra::SolverError;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
@@ -99,13 +100,16 @@ where
     Lanes<L>: Width,
 {
     /// Prepare the loops of `region` for `threads` threads.
+    ///
+    /// # Errors
+    /// If there are too many unknowns to be numbered.
     pub fn new(
         form: F,
         space: &FsiSpace<D>,
         region: Region,
         batches: Batches<D, L>,
         threads: usize,
-    ) -> Kernel<F, D, L> {
+    ) -> Result<Kernel<F, D, L>, SolverError> {
         let (n, m, q) = (batches.n_basis, batches.n_pressure, batches.n_points);
         let components = Fields::<f64, D>::COMPONENTS;
         let vectors = || vec![Vector::zero(); n];
@@ -143,9 +147,9 @@ where
                 width,
             },
         );
-        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes);
+        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes)?;
         let pieces = pieces(&form.couplings(), D, space.deforms);
-        Kernel {
+        Ok(Kernel {
             form,
             batches,
             force: vec![],
@@ -172,7 +176,7 @@ where
             watched: vec![],
             only_watched: false,
             threads,
-        }
+        })
     }
 
     /// Call `visit(row, column)` for every entry the element matrices write, [`DROP`]ped ones included.
@@ -183,7 +187,7 @@ where
         let n_v = constraints.v.len() * D;
         let pressure = |dof: u32| {
             let given =
-                |at: u32| constraints.p.get((at - self.first_pressure as u32) as usize) == Some(&true);
+                |at: u32| constraints.p.get((at - self.first_pressure) as usize) == Some(&true);
             if dof == DROP || given(dof) { DROP } else { dof }
         };
         for batch in 0..self.batches.len() {
@@ -221,12 +225,15 @@ where
     }
 
     /// Remember where every entry of the element matrices goes.
+    ///
+    /// # Errors
+    /// If they are too many to be numbered.
     pub fn set_slots(
         &mut self,
         constraints: &Constraints<D>,
         n_entries: usize,
         find: impl Fn(u32, u32) -> u32,
-    ) {
+    ) -> Result<(), SolverError> {
         let mut slots: Vec<[u32; L]> = vec![];
         self.entries(constraints, |_, l, row, col| {
             if l == 0 {
@@ -239,8 +246,9 @@ where
         self.slots_per_batch = if self.batches.is_empty() { 0 } else { slots.len() / self.batches.len() };
         let per_batch = self.slots_per_batch * L;
         let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
-        self.slot_copies = Copies::new(n_entries, &self.batches.chunks, &mut writes);
+        self.slot_copies = Copies::new(n_entries, &self.batches.chunks, &mut writes)?;
         self.slots = slots;
+        Ok(())
     }
 
     /// Note which batches have one of the watched `nodes`.
@@ -263,6 +271,16 @@ where
         } else {
             chunks.par_iter().with_max_len(1).for_each(|chunk| chunk.clone().for_each(&work));
         }
+    }
+
+    /// The same with the piece of `size` entries of `array` that belongs to each batch.
+    pub(super) fn for_each_batch_of<T: Send>(
+        &self,
+        array: &mut [T],
+        size: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) {
+        for_each_piece(&self.batches.chunks, array, size, self.threads > 1, &work);
     }
 
     /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.

@@ -179,7 +179,7 @@ fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
 }
 
 fn condensed(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
-    let system = at.assembler.condensed();
+    let system = at.assembler.try_condensed()?;
     let mut matrix = Csr::zeros(&system.pattern);
     kernels.condensed_by_hand = Some(timing(|| at.condensed_matrix(Tangent::Analytic, &mut matrix)));
     kernels.condensed_dual = Some(timing(|| at.condensed_matrix(Tangent::Automatic, &mut matrix)));

@@ -195,7 +195,7 @@ impl Determinant {
 /// Calls `visit` with the indices of every line in direction `axis` of an array of `n^dim` numbers.
 fn lines(n: usize, dim: usize, axis: usize, mut visit: impl FnMut(std::iter::StepBy<std::ops::Range<usize>>)) {
     let stride = n.pow(axis as u32);
-    for first in (0..n.pow(dim as u32)).filter(|i| i / stride % n == 0) {
+    for first in (0..n.pow(dim as u32)).filter(|i| (i / stride).is_multiple_of(n)) {
         visit((first..first + n * stride).step_by(stride));
     }
 }
@@ -241,6 +241,7 @@ mod tests {
             cell_region: vec![0],
             regions: vec!["fluid".into()],
             facets: vec![],
+            parts: vec![],
             boundaries: vec![],
         }
     }

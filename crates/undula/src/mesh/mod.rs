@@ -12,6 +12,7 @@ mod geometry;
 mod grade;
 mod locate;
 mod matching;
+mod place;
 mod quality;
 mod refine;
 mod regions;

@@ -79,11 +79,23 @@ pub struct NewtonReport {
 /// Why a solve failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
-    /// The iteration no longer reduces the residual.
-    #[error("Newton's method stalled: scaled residuals {}", list(.norms))]
+    /// The iteration no longer reduces the residual, or not within the iterations allowed.
+    #[error("the nonlinear iteration does not converge")]
     Stalled {
         /// Scaled residual after each iteration.
         norms: Vec<f64>,
+    },
+    /// The iteration is linear, and too slow to end within the iterations allowed.
+    #[error("the nonlinear iteration converges too slowly: by the factor {rate:.3} per iteration")]
+    Slow {
+        /// Scaled residual after each iteration.
+        norms: Vec<f64>,
+        /// Mean factor of the last iterations.
+        rate: f64,
+        /// Iterations that would be left at this rate, infinite from 1 on.
+        left: f64,
+        /// Iterations allowed.
+        allowed: usize,
     },
     /// The start value, or every shortened update, is not admissible.
     #[error("the iterate is not admissible (the domain map folds or a value is not finite)")]
@@ -101,9 +113,39 @@ fn is_rounding(rate: f64, size: f64, exact: bool) -> bool {
     if exact { rate > 0.5 && size < ROUNDING } else { rate > 0.9 && size < STAGNATION }
 }
 
-fn list(norms: &[f64]) -> String {
-    let shown: Vec<String> = norms.iter().map(|n| format!("{n:.2e}")).collect();
-    shown.join(", ")
+impl NewtonError {
+    /// Scaled residuals at the start and after each iteration, as far as there are any.
+    pub fn norms(&self) -> &[f64] {
+        match self {
+            NewtonError::Stalled { norms } | NewtonError::Slow { norms, .. } => norms,
+            NewtonError::Inadmissible | NewtonError::Stopped | NewtonError::Linear(_) => &[],
+        }
+    }
+}
+
+/// Iterations over which the rate of a linear iteration is estimated. Before twice as many it is not judged.
+const WINDOW: usize = 10;
+/// From here on, and before with this margin, an iteration that will not end within those allowed is given up.
+const JUDGED: usize = 6 * WINDOW;
+const MARGIN: f64 = 1.5;
+
+/// Why an iteration with the residuals `norms` is given up before the `allowed` iterations: extrapolated at the better
+/// of its last two mean rates it would need more to reach `target`.
+fn too_slow(norms: &[f64], target: f64, allowed: usize) -> Option<NewtonError> {
+    let done = norms.len() - 1;
+    if done < 2 * WINDOW {
+        return None;
+    }
+    let mean = |end: usize| (norms[end] / norms[end - WINDOW]).powf(1.0 / WINDOW as f64);
+    let rate = mean(done).min(mean(done - WINDOW));
+    let left = if rate < 1.0 { (target / norms[done]).ln() / rate.ln() } else { f64::INFINITY };
+    let margin = if done < JUDGED { MARGIN } else { 1.0 };
+    (left > margin * (allowed - done) as f64).then(|| NewtonError::Slow {
+        norms: norms.to_vec(),
+        rate,
+        left: left.ceil(),
+        allowed,
+    })
 }
 
 /// Newton's method; keeps the factorised Jacobian from one solve to the next.
@@ -125,6 +167,8 @@ pub struct Newton {
     pub worsening: f32,
     /// Set from outside to end a solve before its next iteration.
     pub stop: Option<Arc<AtomicBool>>,
+    /// Give an iteration up that is known to converge linearly, and too slowly.
+    pub gives_up: bool,
 }
 
 /// How far a solve has come.
@@ -178,6 +222,7 @@ impl Newton {
             age: Age::default(),
             worsening: 1.0,
             stop: None,
+            gives_up: false,
         }
     }
 
@@ -211,6 +256,11 @@ impl Newton {
         Ok(())
     }
 
+    /// The residual that was evaluated last.
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
+    }
+
     /// Scaled residual of `system` at its iterate.
     pub fn norm(&mut self, system: &mut impl NonlinearSystem) -> Option<f64> {
         let start = Instant::now();
@@ -241,6 +291,10 @@ impl Newton {
             }
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
+            }
+            let allowed = self.settings.max_steps;
+            if let Some(slow) = self.gives_up.then(|| too_slow(&report.norms, target, allowed)).flatten() {
+                return Err(slow);
             }
             self.prepare(system, &mut state, &mut report)?;
             if let Err(error) = self.correct(system, &mut report) {

@@ -10,7 +10,7 @@ const SUBDIRECTORIES: [(&str, &[&str]); 3] =
     [("fields", &["vtu", "tmp"]), ("checkpoints", &["npz", "tmp"]), ("plots", &["png", "svg", "tmp"])];
 
 /// Files of a run besides `summary.json`.
-const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
+const FILES: [&str; 4] = ["case.toml", "history.csv", "fields.pvd", "breakdown.txt"];
 
 /// The directory of one run, locked against other processes while this value lives.
 ///
@@ -19,6 +19,7 @@ const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
 /// | `case.toml` | the case with all defaults resolved |
 /// | `history.csv` | functionals and solver counts, a row per step |
 /// | `summary.json` | status, sizes, times, statistics |
+/// | `breakdown.txt` | after a breakdown: its cause, and the residuals of all that was tried |
 /// | `fields.pvd`, `fields/*.vtu` | the solution on the deformed mesh |
 /// | `checkpoints/*.npz` | exact restart data, the last two |
 /// | `plots/*.png`, `plots/*.svg` | pictures |
@@ -112,6 +113,11 @@ impl RunDirectory {
         self.path.join("summary.json")
     }
 
+    /// `breakdown.txt`.
+    pub fn breakdown(&self) -> PathBuf {
+        self.path.join("breakdown.txt")
+    }
+
     /// `fields.pvd`, the collection of all field files.
     pub fn collection(&self) -> PathBuf {
         self.path.join("fields.pvd")
@@ -150,6 +156,19 @@ impl RunDirectory {
                 Err(OutputError::Lost { path: self.path.clone(), content: "into this directory" })
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Writes what there is to say of a breakdown, and removes the file of a former one for `None`.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn write_breakdown(&self, text: Option<&str>) -> Result<(), OutputError> {
+        let path = self.breakdown();
+        match text {
+            Some(text) => write_atomic(path, |file| file.write_all(text.as_bytes())),
+            None if path.exists() => fs::remove_file(&path).map_err(OutputError::io("remove", &path)),
+            None => Ok(()),
         }
     }
 

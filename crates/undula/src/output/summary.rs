@@ -151,8 +151,14 @@ pub struct Breakdown {
     pub min_j: f64,
     /// Where it occurs, for people.
     pub r#where: String,
-    /// What happened, for people.
+    /// What happened, a sentence for people.
     pub reason: String,
+    /// Its cause, a word for programs: `folding`, `divergence`, `slow`, `singular`, `not-finite`, `solver`.
+    #[serde(default)]
+    pub cause: String,
+    /// What to try, for people; empty where nothing is known.
+    #[serde(default)]
+    pub remedy: String,
 }
 
 impl Summary {

@@ -215,6 +215,7 @@ impl Case {
         let (mesh, mut notes) = self.marked_mesh()?;
         let space = Arc::new(self.space_on(&mesh)?);
         drop(mesh);
+        self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         Ok((self.stepper_on(space, threads)?, notes))
     }
@@ -224,11 +225,11 @@ impl Case {
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
-        let mut assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let mut assembler = Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
         assembler.current_force = current.and_then(|f| current_force(&f.body_force));
-        assembler.stabilize(&self.stabilization, &options);
+        assembler.stabilize(&self.stabilization, &options)?;
         let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
         // What is left of data on the solid is rounding, see `check_ends`.
@@ -460,6 +461,7 @@ impl Case {
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
         let (mesh, mut notes) = self.marked_mesh()?;
         let space = self.space_on(&mesh)?;
+        self.check_data(&space)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));

@@ -208,7 +208,8 @@ impl Fit<'_> {
                         }
                     };
                     let message = format!(
-                        "boundary `{name}` of the mesh has no condition: add [{key}] with condition = {allowed}"
+                        "boundary `{name}` of the mesh has no condition: add [boundary.{}] with condition = {allowed}",
+                        toml_key(name)
                     );
                     self.error("boundary", message);
                 }
@@ -278,6 +279,12 @@ impl Fit<'_> {
             self.error(key, message);
         }
     }
+}
+
+/// `name` as a key of TOML, in quotes where it needs them.
+fn toml_key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !name.is_empty() && name.chars().all(bare) { name.into() } else { format!("{name:?}") }
 }
 
 fn absent<'a>(kind: &str, name: &str, all: impl Iterator<Item = &'a str> + Clone) -> String {

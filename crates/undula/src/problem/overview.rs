@@ -141,7 +141,7 @@ impl Case {
             let nodes: Vec<[f64; 2]> =
                 space.boundary_nodes(name).iter().map(|&node| space.nodes.points[node as usize]).collect();
             let at = |t: f64| (flow(&points, data, t), largest_speed(&nodes, data, t));
-            for (flow, speed) in self.times().into_iter().map(at) {
+            for (flow, speed) in self.looked_at().into_iter().map(at) {
                 largest = largest.max(speed);
                 if found.as_ref().is_none_or(|(most, ..)| flow > *most) && flow > 0.0 {
                     found = Some((flow, name.clone(), whole));
@@ -169,7 +169,7 @@ impl Case {
     }
 
     /// Times between the start and the end of the case.
-    fn times(&self) -> Vec<f64> {
+    fn looked_at(&self) -> Vec<f64> {
         let Some(time) = &self.time else { return vec![self.at_time] };
         let at = |i: u32| time.start + (time.end - time.start) * f64::from(i) / f64::from(TIMES);
         (0..=TIMES).map(at).collect()

@@ -48,23 +48,16 @@ pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow>
     found
 }
 
-/// What to say of a breakdown after `state` that flow through an outlet explains: the mesh did not fold, and hardly
-/// anywhere is the flow faster than where it comes in.
+/// The flow through an outlet that explains a breakdown after `state`: the mesh did not fold, and hardly anywhere is
+/// the flow faster than where it comes in.
 pub(super) fn explains(
     case: &Case,
     space: &FsiSpace<2>,
     state: &State,
     failure: &StepFailure,
-) -> Option<String> {
+) -> Option<Inflow> {
     let speeds = state.v.chunks_exact(2).map(|v| v[0].hypot(v[1]));
     let largest = speeds.fold(0.0, f64::max);
     let folded = failure.worst.min_j <= 0.0;
-    let Inflow { boundary, speed, point } =
-        inflow(case, space, state).filter(|found| !folded && found.speed >= SHARE * largest)?;
-    let when = case.time.as_ref().map_or(String::new(), |_| format!(" before t = {:.6} s", failure.time));
-    Some(format!(
-        "the flow comes back in through the outlet `{boundary}`, with {speed:.4} m/s at ({:.6}, {:.6}){when}; \
-         boundary.{boundary}.backflow = \"directional\" computes through it",
-        point[0], point[1]
-    ))
+    inflow(case, space, state).filter(|found| !folded && found.speed >= SHARE * largest)
 }

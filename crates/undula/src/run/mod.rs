@@ -1,5 +1,6 @@
 //! A computation with its files: history, fields, checkpoints, summary.
 
+mod breakdown;
 mod checkpoint;
 mod fields;
 mod identity;
@@ -88,7 +89,9 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
         Ok(Flow::Stop) => (Status::Interrupted, None, None),
         Err(Error::Breakdown(failure)) if failure.is_stop() => (Status::Interrupted, None, None),
         Err(Error::Breakdown(failure)) => {
-            (Status::Breakdown, Some(describe(&run.simulation, &failure)), None)
+            let breakdown = breakdown::describe(&run.simulation, &failure);
+            let written = run.directory.write_breakdown(Some(&breakdown::table(&breakdown, &failure)));
+            (Status::Breakdown, Some(breakdown), written.err().map(Error::Output))
         }
         Err(error) => (Status::Failed, None, Some(error)),
     };
@@ -132,6 +135,7 @@ impl Run {
         let collection = Collection::create(directory.collection())?;
         let run = Run::new(simulation, directory, history, collection);
         run.write_case()?;
+        run.directory.write_breakdown(None)?;
         Ok(run)
     }
 
@@ -194,6 +198,7 @@ impl Run {
             run.collection.remove(&name)?;
         }
         run.write_case()?;
+        run.directory.write_breakdown(None)?;
         Ok(run)
     }
 
@@ -451,27 +456,5 @@ fn is_on_the_way(case: &Case, metadata: &Metadata) -> Result<(), Unfit> {
             time.end
         ))),
         _ => Ok(()),
-    }
-}
-
-/// A breakdown in words.
-fn describe(simulation: &Simulation, failure: &crate::time::StepFailure) -> Breakdown {
-    let space = &simulation.stepper.assembler.space;
-    let centre = |&c: &u32| {
-        let x = space.mesh.centre(c as usize);
-        format!("cell {c} at ({:.4}, {:.4})", x[0], x[1])
-    };
-    let cells: Vec<String> = failure.worst.cells.iter().map(centre).collect();
-    let assembler = &simulation.stepper.assembler;
-    let overfilled = simulation.case.overfilled(&assembler.space, &assembler.constraints, failure.time);
-    Breakdown {
-        time: failure.time,
-        min_j: failure.worst.min_j,
-        r#where: cells.join(", "),
-        reason: match overfilled {
-            Some(cause) => format!("{cause} ({failure})"),
-            None => inflow::explains(&simulation.case, space, &simulation.stepper.new, failure)
-                .unwrap_or_else(|| failure.to_string()),
-        },
     }
 }

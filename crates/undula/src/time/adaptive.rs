@@ -92,15 +92,16 @@ impl Adaptive {
         stepper: &mut Stepper<D>,
         target: f64,
     ) -> Result<StepReport, StepFailure> {
-        let mut spent = StepReport::default();
+        let mut spent = StepReport::none();
         loop {
             let rest = target - stepper.time;
             let k = self.length(rest);
             let before = self.save(stepper);
             let end = if k == rest { target } else { decimal(stepper.time, k) };
-            let mut report = stepper.step_to(k, end)?;
-            report.newton_steps += spent.newton_steps;
-            report.jacobians += spent.jacobians;
+            let of_last = stepper.step_to(k, end)?;
+            let (parts, min_j) = (of_last.parts, of_last.min_j);
+            spent.add(of_last);
+            let report = StepReport { parts, min_j, ..spent };
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
             let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
             if !rejected || k <= self.settings.min_step {

@@ -21,10 +21,14 @@ impl<const D: usize> Stepper<D> {
     pub fn step_to(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
         let damping = self.damping;
         self.damping = self.settings.scheme.damping(damping, self.time - self.start);
-        let result = self.step_or_halves(k, end);
-        match result {
+        self.attempts.clear();
+        let mut result = self.step_or_halves(k, end);
+        match &mut result {
             Ok(_) => self.damping.left = self.damping.left.saturating_sub(1),
-            Err(_) => self.damping = damping,
+            Err(failure) => {
+                self.damping = damping;
+                failure.details.attempts = std::mem::take(&mut self.attempts);
+            }
         }
         result
     }
@@ -62,11 +66,11 @@ impl<const D: usize> Stepper<D> {
         }
     }
 
-    /// Whether smaller parts of a step to `end` may help after `failure`: not where the user stops, nor where they have
-    /// no length.
+    /// Whether smaller parts of a step to `end` may help after `failure`: not where the user stops, where something else
+    /// is to blame, nor where they have no length.
     fn can_halve(&self, failure: &StepFailure, end: f64) -> bool {
         let middle = self.middle(end);
-        !failure.is_stop() && self.time < middle && middle < end
+        !failure.is_stop() && !failure.is_final() && self.time < middle && middle < end
     }
 
     fn middle(&self, end: f64) -> f64 {
@@ -75,16 +79,9 @@ impl<const D: usize> Stepper<D> {
 
     fn halves(&mut self, k: f64, end: f64, halvings: u32) -> Result<StepReport, StepFailure> {
         self.newton.forget();
-        let first = self.divided(0.5 * k, self.middle(end), halvings - 1)?;
-        let second = self.divided(0.5 * k, end, halvings - 1)?;
+        let mut total = self.divided(0.5 * k, self.middle(end), halvings - 1)?;
+        total.add(self.divided(0.5 * k, end, halvings - 1)?);
         self.newton.forget();
-        Ok(StepReport {
-            newton_steps: first.newton_steps + second.newton_steps,
-            jacobians: first.jacobians + second.jacobians,
-            parts: first.parts + second.parts,
-            norms: second.norms,
-            min_j: first.min_j.min(second.min_j),
-            residuals: [first.residuals, second.residuals].concat(),
-        })
+        Ok(total)
     }
 }

@@ -287,7 +287,7 @@ impl Full {
         mut solver: Box<dyn LinearSolver>,
         krylov: Option<KrylovSettings>,
     ) -> Result<Full, SolverError> {
-        let pattern = assembler.pattern();
+        let pattern = assembler.try_pattern()?;
         solver.analyse(&pattern, &assembler.unknowns())?;
         let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n));
         let matrix = Csr::zeros(&pattern);

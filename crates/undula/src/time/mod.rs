@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 mod attempt;
+pub mod cause;
 mod condensed;
 mod extension;
 mod halves;
@@ -18,9 +19,10 @@ pub mod system;
 
 pub use crate::tangent::Linearization;
 pub use adaptive::{Adaptive, AdaptiveSettings};
+pub use cause::{Cause, DataFault, DataKind};
 pub use krylov::KrylovSettings;
 pub use linear::{Linear, MakeSolver, Purpose};
-pub use report::{StepFailure, StepReport};
+pub use report::{Attempt, Details, StepFailure, StepReport};
 pub use restart::{Clock, JacobianPoint};
 pub use schedule::{Next, Schedule};
 pub use scheme::{Damping, DomainMotion, Scheme};

@@ -38,7 +38,7 @@ impl<const D: usize> Stepper<D> {
         parts.states[0].copy_from(&self.new);
         parts.old.copy_from(&self.old);
         (parts.length, parts.times[0]) = (k, self.time);
-        let mut total = StepReport { min_j: f64::INFINITY, ..StepReport::default() };
+        let mut total = StepReport::none();
         for (i, part) in FRACTIONAL.iter().enumerate() {
             let t = if i == 2 { end } else { self.time + part.length * k };
             match self.attempt(part.length * k, t, i) {
