@@ -147,7 +147,8 @@ impl Simulation {
     /// Do the next step, or find the stationary solution.
     ///
     /// # Errors
-    /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
+    /// [`Error::Breakdown`], also where the user stops it; [`Error::Case`] if `time.step` has no value that can be
+    /// used. The solution is then the last one that succeeded.
     pub fn step(&mut self) -> Result<Row, Error> {
         self.install(Simulation::step_here)
     }
