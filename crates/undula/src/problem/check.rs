@@ -8,7 +8,7 @@ mod condition;
 mod solver;
 pub(super) mod stabilization;
 
-use super::case::{Case, OutputSpec, Record, TimeScheme, TimeSpec};
+use super::case::{Case, Record, TimeScheme, TimeSpec};
 use super::error::CaseErrors;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
@@ -126,7 +126,7 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
 }
 
 /// Settings of output that only matter where there are steps in time.
-fn note_steps(checker: &Checker<'_>, output: &OutputSpec) {
+fn note_steps(checker: &Checker<'_>, output: &super::case::OutputSpec) {
     let minutes = output.checkpoint_minutes;
     for (key, given) in [
         ("fields-every", output.fields_every > 0),
