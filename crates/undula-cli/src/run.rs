@@ -171,9 +171,11 @@ fn finish(
         Status::Breakdown => ExitCode::from(BREAKDOWN),
         Status::Interrupted => {
             if !quiet {
-                // A stationary solution has no state on the way that would be worth keeping.
-                let flag = if resumable { "--resume" } else { "--force, from the beginning" };
-                say(format_args!("go on with the same command and {flag}"));
+                say(match resumable {
+                    true => "go on with the same command and --resume",
+                    // On the way to a stationary solution there is no state that would be worth keeping.
+                    false => "nothing of a stationary solution is kept: start again with --force",
+                });
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -182,6 +184,9 @@ fn finish(
     };
     if !quiet {
         show_results(summary, directory);
+    }
+    for file in ["summary.json", "history.csv"].map(|name| directory.join(name)) {
+        anyhow::ensure!(file.exists(), "{}: was removed as soon as the run had ended", file.display());
     }
     Ok(code)
 }

@@ -63,6 +63,11 @@ impl Checkpoint {
         }
     }
 
+    /// The file of step `step` in `directory`.
+    pub fn path(directory: impl AsRef<Path>, step: u64) -> PathBuf {
+        directory.as_ref().join(format!("checkpoint_{step:08}.npz"))
+    }
+
     /// Saves the state after step `step` into `directory`, atomically, and removes all but the last two
     /// checkpoints there; those of later steps, left over from before a restart, go too.
     ///
@@ -83,7 +88,7 @@ impl Checkpoint {
         instead_of: Option<u64>,
     ) -> Result<PathBuf, OutputError> {
         let directory = directory.as_ref();
-        let path = directory.join(format!("checkpoint_{step:08}.npz"));
+        let path = Checkpoint::path(directory, step);
         // A zip archive is finished by going back in it, and complains where that fails: make it in memory.
         let mut bytes = io::Cursor::new(Vec::new());
         self.write(&mut bytes).map_err(OutputError::io("write", &path))?;

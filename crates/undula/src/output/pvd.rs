@@ -101,6 +101,14 @@ impl Collection {
         Ok(())
     }
 
+    /// Writes the file again if it is not there.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn restore(&self) -> Result<(), OutputError> {
+        if self.path.exists() { Ok(()) } else { self.write() }
+    }
+
     /// The first field file of the collection that is not there.
     pub fn missing(&self) -> Option<PathBuf> {
         self.entries.iter().map(|(_, file)| self.resolve(file)).find(|path| !path.exists())

@@ -85,6 +85,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let (functional, names) =
         condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
     let output = solver::output(root.section("output"), &names, &functional);
+    if time.is_none() {
+        note_steps(checker, &output);
+    }
     let case = Case {
         name,
         title,
@@ -123,6 +126,22 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
     if how.pressure == PressureTerm::Pspg || how.transport == TransportTerm::Supg {
         let message = "the residuals of pspg and supg take forces on the reference domain; expected `reference`, or lps";
         fluid.wrong("body-force-at", message);
+    }
+}
+
+/// Settings of output that only matter where there are steps in time.
+fn note_steps(checker: &Checker<'_>, output: &super::case::OutputSpec) {
+    let minutes = output.checkpoint_minutes;
+    for (key, given) in [
+        ("fields-every", output.fields_every > 0),
+        ("fields-interval", output.fields_interval.is_some()),
+        ("checkpoint-every", output.checkpoint_every > 0),
+        ("checkpoint-minutes", minutes != 0.0 && minutes != solver::CHECKPOINT_MINUTES),
+    ] {
+        if given {
+            let note = format!("output.{key} has no effect: the case is stationary");
+            checker.notes.borrow_mut().push(note);
+        }
     }
 }
 

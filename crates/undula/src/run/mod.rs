@@ -13,8 +13,8 @@ pub use inflow::{Inflow, inflow};
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
-    Breakdown, Collection, HistoryWriter, Phases, Precision, RunDirectory, Status, Summary, peak_memory,
-    write_vtu,
+    Breakdown, Checkpoint, Collection, HistoryWriter, Phases, Precision, RunDirectory, Status, Summary,
+    peak_memory, write_vtu,
 };
 use crate::output::{OutputError, text_of};
 use crate::problem::case::Case;
@@ -281,7 +281,8 @@ impl Run {
 
     fn write_checkpoint(&mut self) -> Result<(), Error> {
         let step = self.simulation.steps;
-        if self.last_checkpoint == Some(step) {
+        if self.last_checkpoint == Some(step) && Checkpoint::path(self.directory.checkpoints(), step).exists()
+        {
             return Ok(());
         }
         self.verify()?;
@@ -373,11 +374,12 @@ impl Run {
         Ok(())
     }
 
-    /// Checks that no file of the run was removed; the case is written again.
+    /// Checks that no file of the run was removed; the case and the list of fields are written again.
     fn check_files(&self) -> Result<(), Error> {
         if !self.directory.case().exists() {
             self.write_case()?;
         }
+        self.collection.restore()?;
         match self.collection.missing() {
             Some(path) => Err(OutputError::Lost { path, content: "others beside it" }.into()),
             None => Ok(()),

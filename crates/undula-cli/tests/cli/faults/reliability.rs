@@ -317,7 +317,13 @@ fn an_extended_run_has_the_bits_of_a_straight_one() {
     check("bdf2", &["time.scheme=bdf2", "output.checkpoint-every=1"], ["0.045", "0.1"]);
     check("rannacher", &["time.scheme=rannacher", "time.rannacher-interval=0.05"], ["0.06", "0.12"]);
     check("fractional", &["time.scheme=fractional-step-theta"], ["0.043", "0.08"]);
-    let adaptive = ["time.step=0.004", "time.adaptive.tolerance=1e-3", "output.checkpoint-every=1"];
+    let adaptive = [
+        "time.step=0.004",
+        "time.adaptive.tolerance=1e-3",
+        "time.adaptive.min-step=0.001",
+        "solid.body-force=[0,0]",
+        "output.checkpoint-every=1",
+    ];
     check("adaptive", &adaptive, ["0.05", "0.1"]);
 }
 

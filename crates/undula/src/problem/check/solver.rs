@@ -16,7 +16,7 @@ const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number 
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
 /// Minutes of computation that a run may lose when it is killed.
-const CHECKPOINT_MINUTES: f64 = 10.0;
+pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
 /// Best in the study of section 5.2.3.
 const EPSILON: f64 = 1e-6;
 
