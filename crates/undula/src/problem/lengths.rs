@@ -7,8 +7,9 @@ use crate::mesh::Mesh;
 use crate::space::FsiSpace;
 use crate::time::Scales;
 
-/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0 is much smaller,
-/// a few cells far away take all of the motion; where it is larger than the body is thick, those at its corners fold.
+/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0
+/// is much smaller, a few cells far away take all of the motion; where it is larger than the body is thick, those at
+/// its corners fold.
 const OFFSET: f64 = 0.05;
 
 /// L as a part of the smaller extent of the mesh.
