@@ -2,13 +2,14 @@
 
 use super::case::{Case, MeshSpec, MotionModel, MotionSpec};
 use crate::element::Quadrature;
-use crate::math::Tensor;
+use crate::math::{Tensor, rounded};
 use crate::mesh::Mesh;
 use crate::space::FsiSpace;
 use crate::time::Scales;
 
-/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0 is much smaller,
-/// a few cells far away take all of the motion; where it is larger than the body is thick, those at its corners fold.
+/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0
+/// is much smaller, a few cells far away take all of the motion; where it is larger than the body is thick, those at
+/// its corners fold.
 const OFFSET: f64 = 0.05;
 
 /// L as a part of the smaller extent of the mesh.
@@ -35,9 +36,9 @@ impl Case {
         let [fluid, solid, both] =
             [of(&[&fluid.region]), of(&[&solid.region]), of(&[&fluid.region, &solid.region])];
         if offset {
-            motion.offset = Some(OFFSET * fluid[0].min(solid[1]));
+            motion.offset = Some(decimal(OFFSET * fluid[0].min(solid[1])));
         } else {
-            motion.scale = Some(SCALE * both[0]);
+            motion.scale = Some(decimal(SCALE * both[0]));
         }
         motion
     }
@@ -76,6 +77,11 @@ impl Case {
         let viscosity = fluid.map_or(0.0, |f| f.kinematic_viscosity);
         Scales { mass: density * size * size, size, stiffness, viscosity, wave: modulus / density }
     }
+}
+
+/// `x` without the rounding of a difference of coordinates: 0.01, not 0.010000000000000002.
+fn decimal(x: f64) -> f64 {
+    rounded(x, x, 12)
 }
 
 /// The smaller and the larger side of the box around the cells of `regions` \[m\].
