@@ -151,8 +151,8 @@ fn parts_of_a_wall_converge() {
             let (residual, surface) = (errors(0), errors(1));
             println!("{element} {n}: residual {residual:?}, surface {surface:?}");
             assert!(residual[2] < surface[2], "{element} {n}: {residual:?} {surface:?}");
-            // Of third order at least: here and there an error passes through zero.
-            assert!(residual[0] / residual[2] > 64.0, "{element} {n}: {residual:?}");
+            // Of order 3 with P2 and above with Q2, on finer meshes; the surface integral has 2.
+            assert!(residual[0] / residual[2] > 32.0, "{element} {n}: {residual:?}");
         }
     }
 }
