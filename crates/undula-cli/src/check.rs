@@ -7,16 +7,14 @@ use std::process::ExitCode;
 use undula::output::{OutputError, RunDirectory};
 use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
 use undula::problem::error::LoadError;
+use undula::problem::overview::Overview;
 
 /// Loads the case and prints its summary, or all its mistakes.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match of(args)? {
         Ok(case) if args.toml => print(&case.to_toml()),
-        Ok(case) => match case.sizes() {
-            Ok(sizes) => {
-                let size = Size { cells: sizes.cells, unknowns: sizes.unknowns.iter().sum() };
-                print(&summary(&case, Some(size))?)
-            }
+        Ok(case) => match case.check_mesh_and_measure() {
+            Ok(overview) => print(&summary(&case, Some(&overview))?),
             Err(error) => bad_input(error),
         },
         Err(code) => Ok(code),
@@ -70,26 +68,16 @@ pub fn load(args: &CaseArgs) -> anyhow::Result<Result<Case, ExitCode>> {
     }
 }
 
-/// Size of the discrete problem, for callers that have made the mesh.
-#[derive(Copy, Clone, Debug)]
-pub struct Size {
-    /// Cells after refinement.
-    pub cells: usize,
-    /// Unknowns of one time step.
-    pub unknowns: usize,
-}
-
 /// The case in physical terms, with its size if that is known.
 ///
 /// # Errors
 /// None in practice; writing to a string does not fail.
-pub fn summary(case: &Case, size: Option<Size>) -> Result<String, std::fmt::Error> {
+pub fn summary(case: &Case, overview: Option<&Overview>) -> Result<String, std::fmt::Error> {
     let mut out = String::new();
     writeln!(out, "{}: {}\n", case.name, case.title)?;
-    write!(out, "mesh      {}, refine {}, grading {}", source(case), case.mesh.refine, case.mesh.grading)?;
-    match size {
-        Some(Size { cells, unknowns }) => writeln!(out, ", {cells} cells, {unknowns} unknowns")?,
-        None => writeln!(out)?,
+    writeln!(out, "mesh      {}, refine {}, grading {}", source(case), case.mesh.refine, case.mesh.grading)?;
+    if let Some(overview) = overview {
+        write!(out, "{overview}")?;
     }
     writeln!(out, "space     {}/{}", case.space.velocity.name(), case.space.pressure.name())?;
     if case.stabilization.acts() {
@@ -123,20 +111,8 @@ fn write_fluid(out: &mut String, case: &Case, fluid: &FluidSpec) -> std::fmt::Re
         let Condition::Velocity(velocity) = condition else { continue };
         writeln!(out, "          {name}: v = ({}, {}) m/s", velocity[0], velocity[1])?;
     }
-    if let Some(speed) = mean_inflow(case) {
-        writeln!(
-            out,
-            "          Re = {:.4} with the mean inflow {speed:.4} m/s and {DIAMETER} m",
-            speed * DIAMETER / nu
-        )?;
-    }
     Ok(())
 }
-
-/// Diameter of the cylinder in the built-in channels \[m\].
-const DIAMETER: f64 = 0.1;
-/// Their height \[m\].
-const HEIGHT: f64 = 0.41;
 
 fn source(case: &Case) -> String {
     match &case.mesh.source {
@@ -148,23 +124,6 @@ fn source(case: &Case) -> String {
     }
 }
 
-/// Largest mean over time of the velocity at the inflow of the built-in channels \[m/s\].
-fn mean_inflow(case: &Case) -> Option<f64> {
-    if !matches!(case.mesh.source, MeshSource::TurekHron | MeshSource::SchaeferTurek) {
-        return None;
-    }
-    let Some(Condition::Velocity([vx, _])) = case.boundary.get("inflow") else { return None };
-    let (start, end) = case.time.as_ref().map_or((case.at_time, case.at_time), |time| (time.start, time.end));
-    // Simpson's rule over the height, exact for the parabola.
-    let mean = |t: f64| {
-        let weight = |i: u32| if i == 0 || i == 40 { 1.0 } else { 2.0 + 2.0 * f64::from(i % 2) };
-        (0..=40).map(|i| weight(i) * vx.eval(&[0.0, HEIGHT * f64::from(i) / 40.0, 0.0], t)).sum::<f64>()
-            / 120.0
-    };
-    let times = (0..=200).map(|i| start + (end - start) * f64::from(i) / 200.0);
-    times.map(mean).max_by(f64::total_cmp).filter(|speed| *speed > 0.0)
-}
-
 fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
     let (rho, mu, lambda) = (solid.density, solid.mu, solid.lambda);
     writeln!(out, "solid     density {rho} kg/m³, {}", solid.law.name())?;
@@ -172,7 +131,7 @@ fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
         writeln!(out, "          c1 {:.4e} Pa, c2 {:.4e} Pa", 0.5 * mu - solid.c2, solid.c2)?;
     }
     if lambda.is_infinite() {
-        writeln!(out, "          mu {mu:.4e} Pa (Young {:.4e} Pa), volume kept", 3.0 * mu)?;
+        writeln!(out, "          mu {mu:.4e} Pa (Young {:.4e} Pa), incompressible", 3.0 * mu)?;
         return writeln!(out, "          waves {:.4} m/s (shear)", (mu / rho).sqrt());
     }
     let poisson = lambda / (2.0 * (lambda + mu));

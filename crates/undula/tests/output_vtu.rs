@@ -128,3 +128,43 @@ fn collections_of_curved_cells() {
         assert_eq!(Collection::read(directory.join("fields.pvd")).unwrap().entries().len(), 2);
     }
 }
+
+/// Twice the area of the polygon through the corners of a cell of degree 1.
+fn twice_area(snapshot: &FieldSnapshot, cell: &[u32]) -> f64 {
+    let round: &[usize] = if snapshot.kind == CellKind::Triangle { &[0, 1, 2] } else { &[0, 1, 3, 2] };
+    let at = |i: usize| snapshot.points[cell[round[i % round.len()]] as usize];
+    (0..round.len()).map(|i| at(i)[0] * at(i + 1)[1] - at(i + 1)[0] * at(i)[1]).sum()
+}
+
+#[test]
+fn straight_pieces_keep_points_and_values_and_cover_every_cell_once() {
+    for (whole, area) in (1..=4)
+        .map(|degree| (curved_mesh(degree, 4, 3), None))
+        .chain((1..=3).map(|degree| (two_triangles(degree), Some(degree as f64 * degree as f64))))
+    {
+        let (k, n) = (whole.degree, whole.n_cells());
+        let pieces = whole.clone().linear();
+        assert_eq!((&pieces.points, &pieces.point_data), (&whole.points, &whole.point_data));
+        assert_eq!((pieces.degree, pieces.n_cells()), (1, n * k * k));
+        let cells = || pieces.cells.chunks_exact(pieces.points_per_cell());
+        assert!(cells().all(|cell| twice_area(&pieces, cell) > 0.0), "degree {k}");
+        if let Some(area) = area {
+            let sum: f64 = cells().map(|cell| 0.5 * twice_area(&pieces, cell)).sum();
+            assert!((sum - area).abs() < 1e-12, "degree {k}: {sum}");
+        }
+        for (piece, cell) in cells().enumerate() {
+            let parent = pieces.in_cells("cell").unwrap().values[piece] as usize;
+            assert_eq!(parent, piece / (k * k));
+            let nodes = &whole.cells[parent * whole.points_per_cell()..][..whole.points_per_cell()];
+            assert!(cell.iter().all(|point| nodes.contains(point)));
+            assert_eq!(
+                pieces.in_cells("solid").unwrap().values[piece],
+                whole.in_cells("solid").unwrap().values[parent]
+            );
+        }
+        let path = scratch(&format!("vtu-linear-{:?}-{k}", whole.kind)).join("a.vtu");
+        write_vtu(&path, &pieces, 0.5, Precision::Double).unwrap();
+        assert_eq!(read_vtu(&path).unwrap(), (pieces, 0.5));
+        assert!(!String::from_utf8_lossy(&fs::read(&path).unwrap()).contains("NumberOfComponents=\"1\""));
+    }
+}

@@ -316,6 +316,10 @@ impl Raster {
 struct Edge {
     nodes: Vec<[f64; 2]>,
     beside: Vec<bool>,
+    /// The cell of which the first of them is a part.
+    part_of: f64,
+    /// Whether all cells beside it are parts of one.
+    within: bool,
 }
 
 /// Edges of the cells as curves.
@@ -333,19 +337,26 @@ impl Edges {
         let unit = 1e-8 * (x.1 - x.0).max(y.1 - y.0);
         let key = |p: [f64; 2]| p.map(|c| (c / unit).round() as i64);
         let (k, sides) = (snapshot.degree, Reference::of(snapshot).sides());
+        let parts = snapshot.in_cells("cell");
         let mut found: HashMap<[[i64; 2]; 2], Edge> = HashMap::new();
         for (n, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
             for side in &sides {
                 let at = |i: usize| snapshot.points[cell[i] as usize];
                 let nodes: Vec<[f64; 2]> = side.iter().map(|&i| [at(i)[0], at(i)[1]]).collect();
                 let (a, b) = (key(nodes[0]), key(nodes[k]));
-                let edge = found.entry([a.min(b), a.max(b)]).or_insert(Edge { beside: Vec::new(), nodes });
+                let part_of = parts.map_or(n as f64, |parts| parts.values[n]);
+                let new = Edge { beside: Vec::new(), nodes, part_of, within: true };
+                let edge = found.entry([a.min(b), a.max(b)]).or_insert(new);
                 edge.beside.push(solid[n]);
+                edge.within &= edge.part_of == part_of;
             }
         }
         let mut edges = Edges { inner: Vec::new(), outline: Vec::new() };
-        for Edge { beside, nodes } in found.into_values() {
+        for Edge { beside, nodes, within, .. } in found.into_values() {
             let inside = beside.len() > 1 && beside.iter().all(|&kind| kind == beside[0]);
+            if inside && within {
+                continue;
+            }
             (if inside { &mut edges.inner } else { &mut edges.outline }).push(curve(&nodes));
         }
         edges

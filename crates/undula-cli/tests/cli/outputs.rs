@@ -91,10 +91,43 @@ fn cases_new_and_check() {
     }
     here.run("new fsi3", &[]).expect(2, &["fsi3.toml exists already", "--force"]);
     here.run("new fsi3 --force", &[]).expect(0, &[]);
-    here.run("check fsi3", &[]).expect(0, &["Re = 200", "Poisson 0.4000", "2000 steps", "density ratio"]);
+    here.run("check fsi3", &[]).expect(0, &["Re = 200 ", "Poisson 0.4000", "2000 steps", "density ratio"]);
     let resolved = here.run("check fsi3 --toml", &["time.step=0.002"]).expect(0, &["step = 0.002"]);
     here.write("resolved.toml", &resolved.out);
     assert_eq!(here.run("check resolved.toml --toml", &[]).out, resolved.out);
+}
+
+/// One quadrilateral of 100 by 50, as a mesh in millimetres is.
+const LARGE: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"wall\"\n1 2 \"inlet\"\n2 3 \"fluid\"\n\
+                     $EndPhysicalNames\n$Nodes\n4\n1 0 0 0\n2 100 0 0\n3 100 50 0\n4 0 50 0\n$EndNodes\n$Elements\n5\n\
+                     1 1 2 1 1 1 2\n2 1 2 1 1 3 4\n3 1 2 1 1 2 3\n4 1 2 2 2 4 1\n5 3 2 3 3 1 2 3 4\n$EndElements\n";
+
+#[test]
+fn check_tells_extents_regions_boundaries_and_the_flow() {
+    let here = Place::new("overview");
+    let told = [
+        "x from 0 to 2.5 m, y from 0 to 0.41 m",
+        "region    fluid: ",
+        "region    solid: ",
+        "boundary  inflow: velocity, 0.41 m (fluid)",
+        "boundary  interface: coupling, 0.7",
+        "inflow    inflow: mean velocity up to 2 m/s, largest 3 m/s",
+        "Re = 200 with that mean and 0.1 m, the diameter of the cylinder",
+        "CFL = ",
+    ];
+    here.run("check fsi3", &["mesh.refine=0"]).expect(0, &told);
+    here.write("large.msh", LARGE);
+    let case = "[mesh]\nfile = \"large.msh\"\n[fluid]\ndensity = 1000\nkinematic-viscosity = 1e-6\n[boundary]\n\
+                wall.condition = \"do-nothing\"\ninlet = { condition = \"velocity\", velocity = [0.1, 0] }\n";
+    here.write("large.toml", case);
+    let said = here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
+    assert!(
+        said.out.contains("Re = 5000000 with that mean and 50 m, the length of that boundary"),
+        "{}",
+        said.out
+    );
+    let said = here.run("check large.toml", &["fluid.density=1e-3"]).expect(0, &[]);
+    assert!(!said.out.contains("millimetres"), "{}", said.out);
 }
 
 /// Constants of the case alone and of the state of a run, in words.

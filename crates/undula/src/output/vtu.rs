@@ -1,8 +1,10 @@
-//! VTU files: fields on the deformed mesh, as ParaView reads them.
+//! VTU files: fields on the deformed mesh as ParaView reads them.
 //!
 //! An `UnstructuredGrid` with appended raw data in zlib-compressed blocks, little endian, `UInt64`
-//! headers. Cells are curved: `VTK_BIQUADRATIC_QUAD` and `VTK_QUADRATIC_TRIANGLE` for degree 2. [`read_vtu`] reads what [`write_vtu`]
-//! writes, nothing else.
+//! headers. Cells of degree 1 are `VTK_QUAD` and `VTK_TRIANGLE`; curved cells of degree 2 are
+//! `VTK_BIQUADRATIC_QUAD` and `VTK_QUADRATIC_TRIANGLE`. VTK 9.2 to 9.7 cannot find a point in such a curved cell, so
+//! that lines through it have holes: [`FieldSnapshot::linear`]. [`read_vtu`] reads what [`write_vtu`] writes,
+//! nothing else.
 
 use super::history::number;
 use super::{OutputError, write_atomic};
@@ -72,6 +74,52 @@ impl FieldSnapshot {
     /// Number of cells.
     pub fn n_cells(&self) -> usize {
         self.cells.len() / self.points_per_cell()
+    }
+
+    /// The same points and values with each cell of degree k cut into k² cells of degree 1.
+    ///
+    /// The values at all points stay, and straight cells can be sampled and traced through. The cell data `cell` has the
+    /// number of the curved cell that a straight one is part of.
+    pub fn linear(self) -> FieldSnapshot {
+        let k = self.degree;
+        let n = self.points_per_cell();
+        let pieces = self.pieces();
+        let (per_cell, n_cells) = (k * k, self.n_cells());
+        let cells = self.cells.chunks_exact(n).flat_map(|cell| pieces.iter().map(|&i| cell[i])).collect();
+        let repeated = |field: Field| {
+            let tuples = field.values.chunks_exact(field.components);
+            let values =
+                tuples.flat_map(|tuple| std::iter::repeat_n(tuple, per_cell).flatten().copied()).collect();
+            Field { values, ..field }
+        };
+        let mut cell_data: Vec<Field> = self.cell_data.into_iter().map(repeated).collect();
+        let number = (0..n_cells).flat_map(|cell| std::iter::repeat_n(cell as f64, per_cell)).collect();
+        cell_data.push(Field::new("cell", 1, number));
+        FieldSnapshot { degree: 1, cells, cell_data, ..self }
+    }
+
+    /// The points of the k² straight pieces of a cell, all pieces one after the other, each in lexicographic order.
+    fn pieces(&self) -> Vec<usize> {
+        let k = self.degree;
+        let mut pieces = Vec::new();
+        match self.kind {
+            CellKind::Quadrilateral => {
+                for (j, i) in (0..k).flat_map(|j| (0..k).map(move |i| (j, i))) {
+                    let corner = i + (k + 1) * j;
+                    pieces.extend([corner, corner + 1, corner + k + 1, corner + k + 2]);
+                }
+            }
+            CellKind::Triangle => {
+                let number = |i: usize, j: usize| i + (0..j).map(|row| k + 1 - row).sum::<usize>();
+                for (j, i) in (0..k).flat_map(|j| (0..k - j).map(move |i| (j, i))) {
+                    pieces.extend([number(i, j), number(i + 1, j), number(i, j + 1)]);
+                    if i + j + 2 <= k {
+                        pieces.extend([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
+                    }
+                }
+            }
+        }
+        pieces
     }
 
     /// The point data called `name`.
@@ -202,9 +250,13 @@ impl Appended {
         self.bytes.extend(header.iter().flat_map(|&n| (n as u64).to_le_bytes()));
         blocks.iter().for_each(|block| self.bytes.extend(block));
         let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        // As VTK writes it: with one component stated, meshio 5.3.5 makes an array of shape (n, 1) of it.
+        let components = match components {
+            1 => String::new(),
+            n => format!(" NumberOfComponents=\"{n}\""),
+        };
         format!(
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
-             format=\"appended\" offset=\"{offset}\"/>\n"
+            "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"appended\" offset=\"{offset}\"/>\n"
         )
     }
 
@@ -317,8 +369,9 @@ fn array(tag: &str, appended: &[u8]) -> Result<Field, String> {
     let name = attribute("Name").ok_or("an array without name")?;
     let name = name.replace("&quot;", "\"").replace("&lt;", "<").replace("&amp;", "&");
     let integer = |key: &str| attribute(key).and_then(|v| v.parse::<usize>().ok());
-    let (Some(components), Some(offset)) = (integer("NumberOfComponents"), integer("offset")) else {
-        return Err(format!("array `{name}`: no components or offset"));
+    let components = integer("NumberOfComponents").unwrap_or(1);
+    let Some(offset) = integer("offset") else {
+        return Err(format!("array `{name}`: no offset"));
     };
     let raw = inflate(appended, offset).ok_or_else(|| format!("array `{name}` is damaged or truncated"))?;
     let values = match attribute("type") {

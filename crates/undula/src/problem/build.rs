@@ -8,6 +8,7 @@ use super::case::{
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::MeshNames;
+use super::overview::Overview;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
@@ -449,22 +450,14 @@ fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
     })))
 }
 
-/// Shown by `undula check`: sizes without computing anything.
-pub struct Sizes {
-    /// Cells.
-    pub cells: usize,
-    /// Velocity, deformation and pressure unknowns, given ones counted.
-    pub unknowns: [usize; 3],
-}
-
 impl Case {
-    /// Build mesh and spaces and count.
+    /// Builds mesh, spaces and functionals without computing anything, and says what they are.
     ///
     /// # Errors
     /// As [`Case::build_mesh`].
-    pub fn sizes(&self) -> Result<Sizes, Error> {
+    pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
         let space = self.build_space()?;
         self.build_functionals(&space)?;
-        Ok(Sizes { cells: space.mesh.n_cells(), unknowns: [space.n_v(), space.n_u(), space.n_p()] })
+        Ok(self.overview(&space))
     }
 }

@@ -274,6 +274,19 @@ pub enum Condition {
     Clamped,
 }
 
+impl Condition {
+    /// The name in a case.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Condition::Velocity(_) => "velocity",
+            Condition::NoSlip => "no-slip",
+            Condition::DoNothing => "do-nothing",
+            Condition::TractionFree => "traction-free",
+            Condition::Clamped => "clamped",
+        }
+    }
+}
+
 /// Time interval and scheme.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeSpec {
@@ -524,6 +537,9 @@ pub struct OutputSpec {
     pub fields_interval: Option<f64>,
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
+    /// Write cells as curved as they are, not cut into straight ones.
+    ///
+    pub curved: bool,
     /// Write a checkpoint every this many steps (0: only when interrupted and at the end).
     pub checkpoint_every: usize,
     /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.

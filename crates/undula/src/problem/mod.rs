@@ -15,6 +15,7 @@ pub mod error;
 pub mod expression;
 pub mod fit;
 pub mod manufactured;
+pub mod overview;
 mod raw;
 mod read;
 pub mod reference;

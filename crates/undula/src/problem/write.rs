@@ -95,6 +95,7 @@ impl Case {
             out.key("fields-interval", number(interval), "s; steps end there");
         }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
+        out.word("cells", if self.output.curved { "curved" } else { "linear" });
         out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
@@ -323,15 +324,9 @@ fn key(name: &str) -> String {
 }
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
-    match condition {
-        Condition::Velocity(velocity) => {
-            out.word("condition", "velocity");
-            out.key("velocity", expressions(velocity), "m/s");
-        }
-        Condition::NoSlip => out.word("condition", "no-slip"),
-        Condition::DoNothing => out.word("condition", "do-nothing"),
-        Condition::TractionFree => out.word("condition", "traction-free"),
-        Condition::Clamped => out.word("condition", "clamped"),
+    out.word("condition", condition.name());
+    if let Condition::Velocity(velocity) = condition {
+        out.key("velocity", expressions(velocity), "m/s");
     }
 }
 

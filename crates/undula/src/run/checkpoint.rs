@@ -107,6 +107,7 @@ pub(super) fn identity(case: &Case) -> String {
         fields_every: 0,
         fields_interval: case.output.fields_interval,
         deformed: true,
+        curved: false,
         checkpoint_every: 0,
         leading: None,
     };

@@ -180,7 +180,9 @@ impl Run {
         }
         let name = self.directory.field_name(step);
         let stepper = &self.simulation.stepper;
-        let snapshot = snapshot(&stepper.assembler.space, &stepper.new, self.simulation.case.output.deformed);
+        let output = &self.simulation.case.output;
+        let snapshot = snapshot(&stepper.assembler.space, &stepper.new, output.deformed);
+        let snapshot = if output.curved { snapshot } else { snapshot.linear() };
         write_vtu(self.directory.path().join(&name), &snapshot, stepper.time, Precision::Auto)?;
         self.collection.add(stepper.time, name)?;
         self.last_fields = Some(step);

@@ -319,6 +319,7 @@ pub(super) fn output(
     let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
     let fields_interval = s.optional_number("fields-interval", POSITIVE);
     let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
+    let curved = s.choice("cells", &[("linear", false), ("curved", true)], &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
     let leading = s.string("leading");
     if let Some(name) = &leading
@@ -329,5 +330,5 @@ pub(super) fn output(
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec { fields_every, fields_interval, deformed, checkpoint_every, leading }
+    OutputSpec { fields_every, fields_interval, deformed, curved, checkpoint_every, leading }
 }
