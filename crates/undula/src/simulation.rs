@@ -91,7 +91,9 @@ impl Simulation {
             let first = time.step.eval(&[0.0; 3], time.start);
             time.adaptive.map(|settings| Adaptive::new(settings, first))
         });
-        let balance = Balance::new(&stepper.assembler.space, &stepper.new, stepper.time);
+        let (assembler, state) = (&stepper.assembler, &stepper.new);
+        let fluid = assembler.physics.fluid;
+        let balance = fluid.map(|f| Balance::new(&assembler.space, f.rho, state, stepper.time));
         Ok(Simulation {
             case,
             adaptive,

@@ -10,7 +10,8 @@ use crate::physics::kinematics::cofactor;
 use crate::space::{FluidBoundary, FsiSpace, State};
 use serde::{Deserialize, Serialize};
 
-/// Flows below this part of the largest velocity times the size of the boundary are rounding.
+/// Flows below this part of the largest velocity times the size of the boundary are rounding. A fluid at rest under
+/// its weight moves by the rounding of its pressure, so √(|p|/ρ) counts as a velocity.
 const NOTHING: f64 = 1e-10;
 
 /// Largest flows of a run so far, per unit depth \[m²/s\].
@@ -20,7 +21,7 @@ pub struct Largest {
     pub net: f64,
     /// ½ ∫ |v · n|.
     pub through: f64,
-    /// The largest component of v at a node, times the size of the boundary.
+    /// The largest coefficient of v, or √(|p|/ρ), times the size of the boundary.
     pub speed: f64,
     /// |(|F(t)| − |F(t⁻)|)/k − mean of ∫ v · n over the interface|; `None` before the first step.
     pub swept: Option<f64>,
@@ -33,6 +34,7 @@ pub struct Balance<const D: usize> {
     faces: Vec<Face<D>>,
     /// Size of the boundary on the reference domain.
     size: f64,
+    density: f64,
     deforms: bool,
     time: f64,
     last: Flow,
@@ -68,37 +70,14 @@ struct Flow {
 }
 
 impl<const D: usize> Balance<D> {
-    /// For a run that starts from `state` at `time` \[s\]; `None` without fluid.
-    pub fn new(space: &FsiSpace<D>, state: &State, time: f64) -> Option<Balance<D>> {
-        let boundary = FluidBoundary::new(space);
-        let degree = space.nodes.degree.max(space.mesh.degree);
-        let mut origin = None;
-        let mut faces = vec![];
-        for facet in &boundary.facets {
-            let on_cell = space.mesh.shape.facet_nodes(space.nodes.degree, facet.side.local as usize);
-            let of = |p: crate::assembly::facets::FacetPoint<D>| {
-                let from = *origin.get_or_insert(p.x);
-                let along = |a: &usize| {
-                    let grad = Vector(p.grad[*a]);
-                    (grad - p.normal * grad.dot(p.normal)).0
-                };
-                Point {
-                    weight: p.weight,
-                    x: Vector(p.x) - Vector(from),
-                    normal: p.normal,
-                    value: on_cell.iter().map(|&a| p.value[a]).collect(),
-                    grad: on_cell.iter().map(along).collect(),
-                }
-            };
-            let points = facet_points(space, &facet.facet(), degree + D - 2).into_iter().map(of).collect();
-            let nodes = space.facet_nodes(&facet.facet());
-            faces.push(Face { nodes, points, at_solid: facet.at_solid });
-        }
+    /// For a run of a fluid of `density` \[kg/m³\] that starts from `state` at `time` \[s\].
+    pub fn new(space: &FsiSpace<D>, density: f64, state: &State, time: f64) -> Balance<D> {
+        let faces = faces(space);
         let size = faces.iter().flat_map(|face| &face.points).map(|point| point.weight).sum();
         let (largest, last, deforms) = (Largest::default(), Flow::default(), space.deforms);
-        let mut balance = Balance { largest, faces, size, deforms, time, last };
+        let mut balance = Balance { largest, faces, size, density, deforms, time, last };
         balance.last = balance.flow(state);
-        (!balance.faces.is_empty()).then_some(balance)
+        balance
     }
 
     /// Go on from `state` at `time` \[s\].
@@ -112,7 +91,9 @@ impl<const D: usize> Balance<D> {
         let largest = &mut self.largest;
         largest.net = largest.net.max(flow.net.abs());
         largest.through = largest.through.max(flow.through);
-        largest.speed = largest.speed.max(state.v.iter().fold(0.0, |max, v| v.abs().max(max)) * self.size);
+        let largest_of = |values: &[f64]| values.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
+        let speed = largest_of(&state.v).max((largest_of(&state.p) / self.density).sqrt());
+        largest.speed = largest.speed.max(speed * self.size);
         if self.deforms && k > 0.0 {
             let mean = 0.5 * (flow.interface + self.last.interface);
             let gap = ((flow.volume - self.last.volume) / k - mean).abs();
@@ -160,6 +141,34 @@ impl<const D: usize> Balance<D> {
     }
 }
 
+/// The facets of the boundary of the fluid.
+fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
+    let degree = space.nodes.degree.max(space.mesh.degree);
+    let mut origin = None;
+    let mut faces = vec![];
+    for facet in &FluidBoundary::new(space).facets {
+        let on_cell = space.mesh.shape.facet_nodes(space.nodes.degree, facet.side.local as usize);
+        let of = |p: crate::assembly::facets::FacetPoint<D>| {
+            let from = *origin.get_or_insert(p.x);
+            let along = |a: &usize| {
+                let grad = Vector(p.grad[*a]);
+                (grad - p.normal * grad.dot(p.normal)).0
+            };
+            Point {
+                weight: p.weight,
+                x: Vector(p.x) - Vector(from),
+                normal: p.normal,
+                value: on_cell.iter().map(|&a| p.value[a]).collect(),
+                grad: on_cell.iter().map(along).collect(),
+            }
+        };
+        let points = facet_points(space, &facet.facet(), degree + D - 2).into_iter().map(of).collect();
+        let nodes = space.facet_nodes(&facet.facet());
+        faces.push(Face { nodes, points, at_solid: facet.at_solid });
+    }
+    faces
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -190,10 +199,16 @@ mod tests {
     fn what_comes_in_and_does_not_go_out_is_told() {
         let space = space();
         let still = state(&space, |_| [0.0; 2], |_| [0.0; 2]);
-        let mut balance = Balance::new(&space, &still, 0.0).unwrap();
+        let mut balance = Balance::new(&space, 1e3, &still, 0.0);
         assert!((balance.last.volume - 1.0).abs() < 1e-14, "{:?}", balance.last);
         balance.observe(&still, 0.1);
         assert_eq!((balance.mass(), balance.swept()), (None, None));
+        // Rounding under a pressure of 1e4 Pa.
+        let mut rounding = state(&space, |x| [1e-13 * (x[1] - 5.3), 1e-13], |_| [0.0; 2]);
+        rounding.p.fill(1e4);
+        let mut resting = Balance::new(&space, 1e3, &still, 0.0);
+        resting.observe(&rounding, 0.1);
+        assert_eq!(resting.mass(), None);
         // Along all walls but the left one, where 0.3 come in.
         balance.observe(&state(&space, |x| [0.3 * (4.0 - x[0]), 0.0], |_| [0.0; 2]), 0.2);
         assert!((balance.mass().unwrap() - 2.0).abs() < 1e-13, "0.3 lost of ½ 0.3 through");
@@ -211,7 +226,7 @@ mod tests {
             state(&space, |x| bump(x).map(|u| u / t.max(1e-300)), bump)
         };
         let still = state(&space, |_| [0.0; 2], |_| [0.0; 2]);
-        let mut balance = Balance::new(&space, &still, 0.0).unwrap();
+        let mut balance = Balance::new(&space, 1e3, &still, 0.0);
         balance.observe(&moved(0.1), 0.1);
         assert!((balance.last.volume - 1.05).abs() < 1e-14, "{:?}", balance.last);
         assert!((balance.last.interface - 0.5).abs() < 1e-14);
@@ -220,7 +235,7 @@ mod tests {
         assert!(balance.swept().unwrap() < 1e-13, "v is ∂_t u: {:?}", balance.swept());
         // A run that is resumed goes on from the same numbers.
         let (largest, last) = (balance.largest, balance.last);
-        let mut resumed = Balance::new(&space, &still, 0.0).unwrap();
+        let mut resumed = Balance::new(&space, 1e3, &still, 0.0);
         resumed.restart(&moved(0.2), 0.2);
         resumed.largest = largest;
         assert_eq!(resumed.last, last);

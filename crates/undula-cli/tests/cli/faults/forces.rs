@@ -144,16 +144,16 @@ fn parts_of_a_wall_converge() {
             let names = ["start_x", "start_y", "end_x", "end_y"];
             values.push(names.map(|n| [of(n), of(&format!("{n}_surface"))]));
         }
-        for n in 0..4 {
-            // By the residual on the finest mesh the error is far below that of the surface integral on all.
-            let right = values[3][n][0];
-            let errors = |method: usize| [0, 1, 2].map(|refine| (values[refine][n][method] - right).abs());
-            let (residual, surface) = (errors(0), errors(1));
-            println!("{element} {n}: residual {residual:?}, surface {surface:?}");
-            assert!(residual[2] < surface[2], "{element} {n}: {residual:?} {surface:?}");
-            // Of third order at least: here and there an error passes through zero.
-            assert!(residual[0] / residual[2] > 64.0, "{element} {n}: {residual:?}");
-        }
+        // By the residual on the finest mesh the error is far below that of the surface integral on all. One force may
+        // pass through its value on the way, so that the largest of the four errors counts.
+        let error = |refine: usize, method: usize| {
+            let of = |n: usize| (values[refine][n][method] - values[3][n][0]).abs();
+            (0..4).map(of).fold(0.0, f64::max)
+        };
+        let [residual, surface] = [0, 1].map(|method| [0, 1, 2].map(|refine| error(refine, method)));
+        println!("{element}: residual {residual:?}, surface {surface:?}");
+        // Of order 3 with P2 and above with Q2; the surface integral has 2.
+        assert!(residual[0] / residual[2] > 64.0 && residual[2] < surface[2] / 8.0, "{element}");
     }
 }
 
