@@ -1,6 +1,5 @@
 //! Dirichlet data.
 
-use super::ends::{End, EndKind, ends};
 use super::{FsiSpace, PsiOwner};
 use std::sync::Arc;
 
@@ -15,8 +14,8 @@ pub enum BoundaryCondition<const D: usize> {
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// Of the fluid: v free, u = 0, or n·u = 0 where the solid ends at the boundary, see [`super::ends`].
-    /// Of the solid: as `Free`.
+    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is free there,
+    /// too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
@@ -61,6 +60,7 @@ impl<const D: usize> Constraints<D> {
         let (v, u) = (vec![false; n], vec![[false; D]; n]);
         let mut c = Constraints { v, u, data: vec![], load: 1.0, follows: false };
         let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
+        let moves = super::ends::moving(space, conditions);
         for facet in &space.mesh.facets {
             for node in space.facet_nodes(facet) {
                 let node = node as usize;
@@ -72,27 +72,21 @@ impl<const D: usize> Constraints<D> {
                     BoundaryCondition::Fixed => {
                         (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    // The nodes of the solid among those of an outflow follow below.
-                    BoundaryCondition::Outflow { .. } if space.owner[node] == PsiOwner::Extension => {
+                    // Nodes of the solid are free, as both u and v.
+                    BoundaryCondition::Outflow { .. }
+                        if space.owner[node] == PsiOwner::Extension && !moves[facet.boundary as usize] =>
+                    {
                         c.u[node] = [true; D];
                     }
                     BoundaryCondition::Outflow { .. } | BoundaryCondition::Free => {}
                 }
             }
         }
-        let mut sliding = vec![space.walls == Walls::Sliding; space.mesh.boundaries.len()];
-        for End { node, boundary, kind } in ends(space, conditions) {
-            match kind {
-                EndKind::Free => sliding[boundary as usize] = true,
-                EndKind::Outflow => (c.v[node as usize], c.u[node as usize]) = (true, [true; D]),
-                EndKind::Inflow | EndKind::Wall => {}
-            }
-        }
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
-        if sliding.contains(&true) {
-            for (node, normal) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some((axis, _)) = normal.filter(|&(_, boundary)| sliding[boundary as usize]) {
+        if space.walls == Walls::Sliding {
+            for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
+                if let Some(axis) = axis.filter(|_| c.u[node] == [true; D]) {
                     c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }
