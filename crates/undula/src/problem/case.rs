@@ -276,8 +276,8 @@ pub enum Condition {
     Velocity([Expression; 2]),
     /// v = 0, u = 0.
     NoSlip,
-    /// ρν ∇v n − p n = 0 for the fluid; its boundary slides in its plane where a free end of the solid meets it, else it
-    /// does not move. For the solid σ n = 0.
+    /// ρν ∇v n − p n = 0 for the fluid; its boundary moves where a free end of the solid meets it, else it does not. For the
+    /// solid σ n = 0.
     DoNothing,
     /// σ n = 0. The boundary of the fluid moves as with `DoNothing`; that of the solid is free.
     TractionFree,

@@ -45,14 +45,14 @@ impl Case {
         if errors.is_empty() { Ok(()) } else { Err(CaseErrors(errors)) }
     }
 
-    /// Where the solid is clamped by a condition of the fluid, and which outlets slide.
+    /// Where the solid is clamped by a condition of the fluid, and which outlets move.
     ///
     /// Empty without fluid or solid.
     pub fn notes_on(&self, space: &FsiSpace<2>) -> Vec<String> {
         let mut notes = vec![];
         let ends = ends(space, &self.conditions(&space.mesh));
         for (boundary, name) in space.mesh.boundaries.iter().enumerate() {
-            for kind in [EndKind::Free, EndKind::Outflow, EndKind::Inflow, EndKind::Wall] {
+            for kind in [EndKind::Free, EndKind::Inflow, EndKind::Wall] {
                 let here = ends.iter().filter(|end| (end.boundary as usize, end.kind) == (boundary, kind));
                 let nodes: Vec<u32> = here.map(|end| end.node).collect();
                 if !nodes.is_empty() {
@@ -134,14 +134,9 @@ impl Case {
 
 fn note(kind: EndKind, name: &str, places: &str) -> String {
     match kind {
-        EndKind::Free => format!(
-            "boundary.{name}: the solid ends here at {places} and is free to move; the nodes of the fluid slide along the \
-             boundary"
-        ),
-        EndKind::Outflow => format!(
-            "boundary.{name} is not straight and parallel to an axis, so that it cannot slide with the end of the solid: \
-             the solid is clamped at {places}"
-        ),
+        EndKind::Free => {
+            format!("boundary.{name}: the solid ends free at {places}, and the outlet moves along with it")
+        }
         EndKind::Inflow => {
             format!("boundary.{name} with given velocity ends at the solid: the solid is clamped at {places}")
         }

@@ -1,6 +1,5 @@
 //! Dirichlet data.
 
-use super::ends::{End, EndKind, ends};
 use super::{FsiSpace, PsiOwner};
 use std::sync::Arc;
 
@@ -15,8 +14,8 @@ pub enum BoundaryCondition<const D: usize> {
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// Of the fluid: v free, u = 0, or n·u = 0 where the solid ends at the boundary, see [`super::ends`].
-    /// Of the solid: as `Free`.
+    /// Of the fluid: v free, u = 0; where a free end of the solid meets the boundary, all of it moves along, see
+    /// [`FsiSpace::move_outlets`]. Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
@@ -74,7 +73,7 @@ impl<const D: usize> Constraints<D> {
                     BoundaryCondition::Fixed => {
                         (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    // The nodes of the solid among those of an outflow follow below.
+                    // Nodes of the solid are free, both u and v, and with them those of an outlet that moves.
                     BoundaryCondition::Outflow { .. } if space.owner[node] == PsiOwner::Extension => {
                         c.u[node] = [true; D];
                     }
@@ -82,19 +81,11 @@ impl<const D: usize> Constraints<D> {
                 }
             }
         }
-        let mut sliding = vec![space.walls == Walls::Sliding; space.mesh.boundaries.len()];
-        for End { node, boundary, kind } in ends(space, conditions) {
-            match kind {
-                EndKind::Free => sliding[boundary as usize] = true,
-                EndKind::Outflow => (c.v[node as usize], c.u[node as usize]) = (true, [true; D]),
-                EndKind::Inflow | EndKind::Wall => {}
-            }
-        }
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
-        if sliding.contains(&true) {
-            for (node, normal) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some((axis, _)) = normal.filter(|&(_, boundary)| sliding[boundary as usize]) {
+        if space.walls == Walls::Sliding {
+            for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
+                if let Some(axis) = axis {
                     c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }

@@ -1,6 +1,5 @@
 //! Where a boundary of the fluid ends at the solid.
 
-use super::sliding::axis;
 use super::{BoundaryCondition, FsiSpace, PsiOwner, Region};
 
 /// What becomes of a node of the solid on a boundary of the fluid, where no condition of the solid holds it; from the
@@ -9,10 +8,8 @@ use super::{BoundaryCondition, FsiSpace, PsiOwner, Region};
 /// u and v of a node of the solid are one thing (∂_t u = v): both are free, or both are given.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EndKind {
-    /// On an outflow that slides in its plane: u and v are free, n·u = 0 in the fluid beside it.
+    /// On an outflow: u and v are free, and the outflow moves along, see [`FsiSpace::move_outlets`].
     Free,
-    /// On an outflow that cannot slide, being curved or inclined: u = 0, v = 0.
-    Outflow,
     /// On a boundary with velocity data, which must vanish there: u = 0.
     Inflow,
     /// On a fixed wall: u = 0, v = 0.
@@ -51,15 +48,13 @@ pub fn ends<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition
     let held = held(space, conditions);
     let mut found: Vec<Option<(EndKind, u16)>> = vec![None; space.nodes.len()];
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
-        let nodes = space.facet_nodes(facet);
         let kind = match &conditions[facet.boundary as usize] {
             BoundaryCondition::Fixed => EndKind::Wall,
             BoundaryCondition::Velocity(_) => EndKind::Inflow,
-            BoundaryCondition::Outflow { .. } if axis(space, &nodes).is_some() => EndKind::Free,
-            BoundaryCondition::Outflow { .. } => EndKind::Outflow,
+            BoundaryCondition::Outflow { .. } => EndKind::Free,
             BoundaryCondition::Free => continue,
         };
-        for node in nodes.into_iter().map(|node| node as usize) {
+        for node in space.facet_nodes(facet).into_iter().map(|node| node as usize) {
             if space.owner[node] == PsiOwner::Relation && !held[node] {
                 found[node] = found[node].max(Some((kind, facet.boundary)));
             }
@@ -69,4 +64,42 @@ pub fn ends<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition
         found.map(|(kind, boundary)| End { node: node as u32, boundary, kind })
     };
     found.into_iter().enumerate().filter_map(end).collect()
+}
+
+/// For each boundary whether it is an outflow that moves along with a free end of the solid.
+fn moving<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<bool> {
+    let mut free = vec![false; space.nodes.len()];
+    for end in ends(space, conditions).iter().filter(|end| end.kind == EndKind::Free) {
+        free[end.node as usize] = true;
+    }
+    let mut moving = vec![false; space.mesh.boundaries.len()];
+    for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
+        let outflow = matches!(conditions[facet.boundary as usize], BoundaryCondition::Outflow { .. });
+        if outflow && space.facet_nodes(facet).iter().any(|&node| free[node as usize]) {
+            moving[facet.boundary as usize] = true;
+        }
+    }
+    moving
+}
+
+impl<const D: usize> FsiSpace<D> {
+    /// Gives outflow boundaries at which the solid ends free to [`PsiOwner::Outlet`]: they move along.
+    ///
+    /// Nodes that lie on another boundary of the fluid, too, stay where they are. In the plane only, `D` = 2.
+    pub fn move_outlets(&mut self, conditions: &[BoundaryCondition<D>]) {
+        let moving = moving(self, conditions);
+        if D != 2 || !moving.contains(&true) {
+            return;
+        }
+        let (mut on, mut off) = (vec![false; self.nodes.len()], vec![false; self.nodes.len()]);
+        for facet in self.mesh.facets.iter().filter(|f| self.regions[f.cell as usize] == Region::Fluid) {
+            let of = if moving[facet.boundary as usize] { &mut on } else { &mut off };
+            self.facet_nodes(facet).into_iter().for_each(|node| of[node as usize] = true);
+        }
+        for (node, owner) in self.owner.iter_mut().enumerate() {
+            if on[node] && !off[node] && *owner == PsiOwner::Extension {
+                *owner = PsiOwner::Outlet;
+            }
+        }
+    }
 }
