@@ -4,11 +4,11 @@ use crate::assembly::StepView;
 use crate::error::Error;
 use crate::functional::statistics::{leading_window, statistics};
 use crate::functional::{Functional, Snapshot};
+use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::Case;
 use crate::space::State;
-use crate::nonlinear::NewtonError;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 
