@@ -90,7 +90,8 @@ fn two_threads_read_one_assembler() {
     };
     let expected = values();
     std::thread::scope(|scope| {
-        let all: Vec<_> = (0..4).map(|_| scope.spawn(|| (0..5).map(|_| values()).collect::<Vec<_>>())).collect();
+        let all: Vec<_> =
+            (0..4).map(|_| scope.spawn(|| (0..5).map(|_| values()).collect::<Vec<_>>())).collect();
         all.into_iter().flat_map(|t| t.join().unwrap()).for_each(|found| assert!(found == expected));
     });
 }

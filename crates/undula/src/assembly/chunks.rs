@@ -90,11 +90,7 @@ impl Copies {
     ///
     /// # Errors
     /// [`SolverError::TooLarge`] if entries and copies together are too many for 31 bits.
-    pub fn new(
-        n: usize,
-        chunks: &[Range<usize>],
-        writes: &mut [Writes<'_>],
-    ) -> Result<Copies, SolverError> {
+    pub fn new(n: usize, chunks: &[Range<usize>], writes: &mut [Writes<'_>]) -> Result<Copies, SolverError> {
         Self::within(COPY, n, chunks, writes)
     }
 

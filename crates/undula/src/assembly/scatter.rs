@@ -19,7 +19,8 @@ pub struct Shared<'a> {
     copies: &'a [AtomicU64],
 }
 
-const _: () = assert!(align_of::<f64>() == align_of::<AtomicU64>() && size_of::<f64>() == size_of::<AtomicU64>());
+const _: () =
+    assert!(align_of::<f64>() == align_of::<AtomicU64>() && size_of::<f64>() == size_of::<AtomicU64>());
 
 /// The same memory as atomic numbers.
 fn atomic(array: &mut [f64]) -> &[AtomicU64] {

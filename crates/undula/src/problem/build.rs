@@ -227,7 +227,8 @@ impl Case {
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
-        let mut assembler = Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
+        let mut assembler =
+            Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
         assembler.current_force = current.and_then(|f| current_force(&f.body_force));

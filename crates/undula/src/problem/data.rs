@@ -135,7 +135,8 @@ struct Found {
 impl Found {
     fn message(&self, case: &Case, space: &FsiSpace<2>, in_time: bool) -> String {
         let value = self.value.map(|x| shortest(rounded(x, x, 4))).join(", ");
-        let mut message = format!("expected finite values; it is ({value}) at {}", space.mesh.shown(&self.at));
+        let mut message =
+            format!("expected finite values; it is ({value}) at {}", space.mesh.shown(&self.at));
         if in_time || case.time.is_some() {
             message += &format!(", t = {} s", shortest(self.time));
         }

@@ -89,7 +89,10 @@ impl StepFailure {
     pub fn headline(&self) -> String {
         match self.details.load {
             Some(load) if load > 0.0 && load < 1.0 => {
-                format!("no stationary solution with more than {} of the load", shortest(rounded(load, load, 3)))
+                format!(
+                    "no stationary solution with more than {} of the load",
+                    shortest(rounded(load, load, 3))
+                )
             }
             Some(_) => "no stationary solution".into(),
             None => {

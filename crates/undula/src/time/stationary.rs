@@ -53,7 +53,12 @@ impl<const D: usize> Stepper<D> {
                 Err(mut failure) => {
                     spent += failure.reason.norms().len().saturating_sub(1);
                     failure.details.load = Some(load);
-                    if increment < 1e-3 || failure.is_stop() || failure.is_final() || self.gives_up(&mut failure, spent) {
+                    if failure.is_stop() || failure.is_final() {
+                        return Err(failure);
+                    }
+                    let slow = matches!(failure.reason, NewtonError::Slow { .. }) || spent >= PATIENCE;
+                    if increment < 1e-3 || self.newton.gives_up && slow {
+                        self.blame_rate(&mut failure, spent);
                         return Err(failure);
                     }
                     increment = 0.5 * increment.min(1.0 - load);
@@ -64,28 +69,15 @@ impl<const D: usize> Stepper<D> {
         Ok(total)
     }
 
-    /// Whether a linear iteration that failed after `spent` iterations, all in all, is given up; then that is its cause.
-    fn gives_up(&self, failure: &mut StepFailure, spent: usize) -> bool {
-        let slow = matches!(failure.reason, NewtonError::Slow { .. });
-        if !self.newton.gives_up || !(slow || spent >= PATIENCE) {
-            return false;
+    /// A linear iteration that failed after `spent` iterations, all in all: its rate is the cause.
+    fn blame_rate(&self, failure: &mut StepFailure, spent: usize) {
+        if let Cause::Slow { done, .. } = &mut failure.details.cause {
+            *done = spent;
+        } else if let (true, [first, .., last]) = (self.newton.gives_up, failure.reason.norms()) {
+            let rate = (last / first).powf(1.0 / (failure.reason.norms().len() - 1) as f64);
+            let allowed = self.newton.settings.max_steps;
+            failure.details.cause = Cause::Slow { rate, done: spent, left: f64::INFINITY, allowed };
         }
-        let (first, last, n) = match failure.reason.norms() {
-            norms @ [.., last] if norms.len() > 1 => {
-                let n = 10.min(norms.len() - 1);
-                (norms[norms.len() - 1 - n], *last, n)
-            }
-            _ => (1.0, f64::INFINITY, 1),
-        };
-        let allowed = self.newton.settings.max_steps;
-        match &mut failure.details.cause {
-            Cause::Slow { done, .. } => *done = spent,
-            other => {
-                let rate = (last / first).powf(1.0 / n as f64);
-                *other = Cause::Slow { rate, done: spent, left: f64::INFINITY, allowed };
-            }
-        }
-        true
     }
 
     /// Parameters of the stabilisation come from the state before: repeat until they are those of the solution.

@@ -29,19 +29,25 @@ const IN_TIME: [&str; 2] = ["time.step=0.1", "time.end=1"];
 /// The word for a cause and the place in `summary.json`.
 fn cause(place: &super::Place, directory: &str) -> (String, String) {
     let summary = place.json(&format!("{directory}/summary.json"));
-    let text = |key: &str| summary["breakdown"][key].as_str().unwrap_or_else(|| panic!("{summary}")).to_string();
+    let text =
+        |key: &str| summary["breakdown"][key].as_str().unwrap_or_else(|| panic!("{summary}")).to_string();
     assert_eq!(summary["status"], "breakdown");
     (text("cause"), text("where"))
 }
 
 #[test]
 fn a_velocity_that_is_not_finite_is_refused_with_its_place() {
-    let here = place("nan", &["newcomer/nan_inflow.toml", "newcomer/g_ok.msh", "reliability/nan-velocity.toml"]);
+    let here =
+        place("nan", &["newcomer/nan_inflow.toml", "newcomer/g_ok.msh", "reliability/nan-velocity.toml"]);
     for command in ["check", "run -o out --threads 1"] {
         let said = undula(&here, &format!("{command} nan_inflow.toml"), &[]);
-        said.expect(2, &["nan_inflow.toml:", "boundary.inflow.velocity", "sqrt(y-0.5)", "(NaN, 0)", "t = 0 s"]);
+        said.expect(
+            2,
+            &["nan_inflow.toml:", "boundary.inflow.velocity", "sqrt(y-0.5)", "(NaN, 0)", "t = 0 s"],
+        );
         let said = undula(&here, &format!("{command} nan-velocity.toml"), &[]);
-        let said = said.expect(2, &["nan-velocity.toml:", "boundary.inflow.velocity", "(NaN, 0) at (0, ", ") m"]);
+        let said =
+            said.expect(2, &["nan-velocity.toml:", "boundary.inflow.velocity", "(NaN, 0) at (0, ", ") m"]);
         assert!(!said.err.contains("t ="), "{said:?}");
     }
     assert!(!here.file("out").exists());
@@ -105,7 +111,13 @@ fn a_mesh_that_folds_is_named_with_its_place_and_the_ways_out() {
         ["mesh.refine=0", "motion.model=harmonic", "solid.mu=1e3", "solid.lambda=4e3", "time.step=0.02"];
     let said = undula(&here, "run fsi3 -o out --threads 1 --quiet", &soft).expect(
         3,
-        &["the mesh of the fluid folds, smallest J = ", " in cell ", "motion.model", "motion.offset", "time.step"],
+        &[
+            "the mesh of the fluid folds, smallest J = ",
+            " in cell ",
+            "motion.model",
+            "motion.offset",
+            "time.step",
+        ],
     );
     // One sentence and one of what to try; the residuals are in a file.
     assert_eq!(said.err.lines().count(), 3, "{}", said.err);
@@ -152,7 +164,10 @@ fn a_linear_iteration_that_is_too_slow_says_so_early() {
             if said.code == Some(0) {
                 continue;
             }
-            said.expect(3, &["no stationary solution", "by the factor ", "newton.linearization = \"newton\""]);
+            said.expect(
+                3,
+                &["no stationary solution", "by the factor ", "newton.linearization = \"newton\""],
+            );
             assert_eq!(cause(&here, "out").0, "slow");
             let iterations = here.read("out/breakdown.txt").lines().filter(|l| l.starts_with("   ")).count();
             assert!(iterations <= 100 + 10, "{iterations} iterations");
@@ -168,7 +183,10 @@ fn a_verbose_run_tells_the_residuals_of_all_parts() {
         let said = said.expect(0, &["residuals "]);
         let lines: Vec<String> =
             said.err.lines().filter(|l| l.contains("residuals")).map(String::from).collect();
-        assert!(lines.iter().all(|l| l.split("residuals ").nth(1).is_some_and(|r| r.contains("e"))), "{lines:?}");
+        assert!(
+            lines.iter().all(|l| l.split("residuals ").nth(1).is_some_and(|r| r.contains("e"))),
+            "{lines:?}"
+        );
         lines
     };
     let parts = [&SMALL[..], &["time.scheme=fractional-step-theta"]].concat();
@@ -185,7 +203,8 @@ fn a_verbose_run_tells_the_residuals_of_all_parts() {
 fn stationary_breakdowns_do_not_speak_of_time() {
     let here = place("stationary", &[]);
     let sets = ["mesh.refine=0", "solid.body-force=[0,-20000]"];
-    let said = undula(&here, "run csm1 -o out --threads 1 --quiet", &sets).expect(3, &["no stationary solution"]);
+    let said =
+        undula(&here, "run csm1 -o out --threads 1 --quiet", &sets).expect(3, &["no stationary solution"]);
     for word in ["t = ", "k = ", "0.000e0"] {
         assert!(!said.err.contains(word), "`{word}` was said: {}", said.err);
     }

@@ -93,7 +93,8 @@ impl Symbolic {
     /// Analyses a pattern.
     pub fn new(pattern: &Pattern, unknowns: &[Unknown], definite: bool) -> Result<Self, SolverError> {
         if u32::try_from(pattern.nnz()).is_err() {
-            let message = format!("a matrix of {} entries, at most {} can be numbered", pattern.nnz(), u32::MAX);
+            let message =
+                format!("a matrix of {} entries, at most {} can be numbered", pattern.nnz(), u32::MAX);
             return Err(SolverError::TooLarge(message));
         }
         let (graph, members) = lump(pattern, unknowns);
