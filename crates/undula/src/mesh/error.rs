@@ -58,7 +58,7 @@ impl fmt::Display for Least {
         let at: Vec<_> = self.at.iter().map(digits).collect();
         write!(
             f,
-            "the smallest is {:.3e} m^{} in cell {} at ({}), {:.2e} of its largest",
+            "the smallest det(DX) is {:.3e} m^{} in cell {} at ({}), {:.2e} of its largest",
             self.det,
             self.at.len(),
             self.cell,

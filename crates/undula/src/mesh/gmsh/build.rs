@@ -5,6 +5,7 @@ use super::source::{At, Source, error};
 use crate::element::Shape;
 use crate::mesh::topology::FacetKey;
 use crate::mesh::{Mesh, MeshError, Side};
+use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// Cells that Gmsh has a type for.
@@ -79,15 +80,19 @@ pub(super) fn mesh(raw: Raw, source: &Source) -> Result<Mesh<2>, MeshError> {
     let number = nodes(&raw, &surfaces, &mut mesh, source)?;
     let regions = Groups::new(&raw, 2, source);
     mesh.regions = regions.names.clone();
-    let mut once: HashMap<Vec<u64>, &Element> = HashMap::new();
+    let mut once: HashMap<Vec<u64>, (&Element, u16)> = HashMap::new();
     for element in &surfaces {
-        mesh.cell_nodes.extend(kind.order.iter().map(|&i| number[&element.nodes[i]]));
-        mesh.cell_region.push(regions.index(element)?);
+        let region = regions.index(element)?;
         let mut key = element.nodes.clone();
         key.sort_unstable();
-        if let Some(before) = once.insert(key, element) {
-            return Err(regions.twice(before, element)?);
+        match once.entry(key) {
+            Entry::Vacant(free) => drop(free.insert((element, region))),
+            // A field that was appended to the file may have brought its mesh once more.
+            Entry::Occupied(before) if before.get().1 == region => continue,
+            Entry::Occupied(before) => return Err(regions.twice(before.get().0, element)?),
         }
+        mesh.cell_nodes.extend(kind.order.iter().map(|&i| number[&element.nodes[i]]));
+        mesh.cell_region.push(region);
     }
     mesh.turn_clockwise_cells();
     let boundaries = Groups::new(&raw, 1, source);
@@ -108,8 +113,10 @@ fn nodes(
     let refuse = |at: At, reason: String| Err(error(source.path, at, reason));
     let mut at: HashMap<u64, &Node> = HashMap::new();
     for node in &raw.nodes {
-        if let Some(before) = at.insert(node.tag, node) {
-            return refuse(node.at, format!("node {} is in {} already", node.tag, before.at));
+        if let Some(before) = at.insert(node.tag, node)
+            && before.x != node.x
+        {
+            return refuse(node.at, format!("node {} is in {} already, at another place", node.tag, before.at));
         }
     }
     let mut used: HashSet<u64> = HashSet::new();
@@ -121,8 +128,10 @@ fn nodes(
     }
     let mut number = HashMap::new();
     for node in raw.nodes.iter().filter(|node| used.contains(&node.tag)) {
-        number.insert(node.tag, mesh.nodes.len() as u32);
-        mesh.nodes.push([node.x[0], node.x[1]]);
+        if let Entry::Vacant(free) = number.entry(node.tag) {
+            free.insert(mesh.nodes.len() as u32);
+            mesh.nodes.push([node.x[0], node.x[1]]);
+        }
     }
     let mut used = raw.nodes.iter().filter(|node| used.contains(&node.tag));
     let level = used.next().map_or(0.0, |node| node.x[2]);
@@ -233,17 +242,13 @@ impl<'a> Groups<'a> {
     /// What is wrong with an element that is in the file twice, as version 2.2 has those of several groups.
     fn twice(&self, before: &Element, element: &Element) -> Result<MeshError, MeshError> {
         let what = if self.dim == 1 { "line" } else { "cell" };
-        let [one, two] = [before, element].map(|e| self.raw.group(e, self.source));
-        let (one, two) = (one?, two?);
-        let reason = if one == two {
-            format!("a {what} that is in {} already", before.at)
-        } else {
-            let [one, two] = [one, two].map(|tag| self.raw.name(self.dim, tag));
-            format!(
-                "a {what} in physical groups {one} and {two} (it is in {} already); it can be in one only",
-                before.at
-            )
-        };
+        let name = |e: &Element| self.raw.group(e, self.source).map(|group| self.raw.name(self.dim, group));
+        let reason = format!(
+            "a {what} in physical groups {} and {} (it is in {} already); it can be in one only",
+            name(before)?,
+            name(element)?,
+            before.at
+        );
         Ok(error(self.source.path, element.at, reason))
     }
 }

@@ -155,7 +155,7 @@ fn broken_files_are_refused_with_line_and_advice() {
         ("20 1 0 0", "20 1", "own.msh:14: y is missing"),
         ("20 1 0 0", "20 1 inf 0", "own.msh:14: y is inf, not a finite number"),
         ("20 1 0 0", "20 1 0 0.5", "own.msh:14: node 20 at z = 0.5, others at z = 0"),
-        ("20 1 0 0", "10 1 0 0", "own.msh:14: node 10 is in line 13 already"),
+        ("20 1 0 0", "10 1 0 0", "own.msh:14: node 10 is in line 13 already, at another place"),
         ("20 1 0 0", "21 1 0 0", "node 20 is not in section `$Nodes`"),
         ("$Nodes\n8", "$Nodes\n9", "own.msh:21: expected the tag of a node, found `$EndNodes`"),
         ("$EndElements\n", "", "own.msh:33: the file ends where `$EndElements` should follow"),
@@ -241,6 +241,7 @@ fn harmless_changes_of_a_file_are_read() {
             format!("$Comments\n$Nodes\n1 2 3\n$EndComments\n{text}"),
             text.replace(ends, "$EndElements\n$Periodic\n0\n$EndPeriodic\nthe end\n$ 3\n"),
             text.replace(ends, "$EndElements\nno line more"),
+            format!("{text}{text}"),
             moved,
         ] {
             let mesh = parsed(&other).unwrap_or_else(|e| panic!("{e}:\n{other}"));
