@@ -159,7 +159,9 @@ fn finish(
             say(format_args!("{}", breakdown.remedy));
         }
         let directory = directory.display();
-        say(format_args!("what was computed so far is in {directory}, residuals in {directory}/breakdown.txt"));
+        say(format_args!(
+            "what was computed so far is in {directory}, residuals in {directory}/breakdown.txt"
+        ));
     }
     if let Some(part) = summary.mass_balance.filter(|&part| part > Summary::BALANCED) {
         say(format_args!(

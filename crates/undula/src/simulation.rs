@@ -5,11 +5,11 @@ use crate::error::Error;
 use crate::functional::Snapshot;
 use crate::functional::balance::Balance;
 use crate::functional::statistics::{self, Series, Statistics};
+use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
 use crate::problem::case::{Case, TimeSpec};
 use crate::space::State;
-use crate::nonlinear::NewtonError;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 
@@ -199,7 +199,9 @@ impl Simulation {
 
     /// The next step of the schedule.
     fn step_in_time(&mut self) -> Result<StepReport, Error> {
-        let Some(time) = &self.case.time else { return self.stepper.stationary().map_err(|failure| self.blame(failure)) };
+        let Some(time) = &self.case.time else {
+            return self.stepper.stationary().map_err(|failure| self.blame(failure));
+        };
         let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
         let (k, counted) = (self.wanted_step(time), time.step.is_constant());
         if let Some(adaptive) = &mut self.adaptive {

@@ -186,8 +186,7 @@ where
             |first: u32, i: usize, given: bool| if given || first == DROP { DROP } else { first + i as u32 };
         let n_v = constraints.v.len() * D;
         let pressure = |dof: u32| {
-            let given =
-                |at: u32| constraints.p.get((at - self.first_pressure) as usize) == Some(&true);
+            let given = |at: u32| constraints.p.get((at - self.first_pressure) as usize) == Some(&true);
             if dof == DROP || given(dof) { DROP } else { dof }
         };
         for batch in 0..self.batches.len() {

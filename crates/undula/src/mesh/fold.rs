@@ -25,7 +25,9 @@ impl<const D: usize> Mesh<D> {
         let mut cells = self.quality().inverted;
         let weights: Vec<Vec<f64>> = (0..self.shape.n_nodes(self.degree)).map(|n| self.weights(n)).collect();
         let curved = |&cell: &usize| D > 2 || (self.degree > 1 && !self.is_straight(cell, &weights));
-        cells.extend((0..self.n_cells()).filter(curved).filter(|&c| polynomial.sign(self, c) != Sign::Positive));
+        cells.extend(
+            (0..self.n_cells()).filter(curved).filter(|&c| polynomial.sign(self, c) != Sign::Positive),
+        );
         cells.sort_unstable();
         cells.dedup();
         let least = cells.iter().map(|&cell| polynomial.least(self, cell));
@@ -201,7 +203,12 @@ impl Determinant {
 }
 
 /// Calls `visit` with the indices of every line in direction `axis` of an array of `n^dim` numbers.
-fn lines(n: usize, dim: usize, axis: usize, mut visit: impl FnMut(std::iter::StepBy<std::ops::Range<usize>>)) {
+fn lines(
+    n: usize,
+    dim: usize,
+    axis: usize,
+    mut visit: impl FnMut(std::iter::StepBy<std::ops::Range<usize>>),
+) {
     let stride = n.pow(axis as u32);
     for first in (0..n.pow(dim as u32)).filter(|i| (i / stride).is_multiple_of(n)) {
         visit((first..first + n * stride).step_by(stride));
@@ -268,7 +275,9 @@ mod tests {
         pushed(0.2499).check_orientation().unwrap();
         pushed(-0.2499).check_orientation().unwrap();
         for by in [0.2501, -0.2501] {
-            let Err(MeshError::Inverted(cells, least)) = pushed(by).check_orientation() else { panic!("{by}") };
+            let Err(MeshError::Inverted(cells, least)) = pushed(by).check_orientation() else {
+                panic!("{by}")
+            };
             assert_eq!((cells.count, least.cell), (1, 0));
             assert!((least.det + 4e-4).abs() < 1e-12, "{least}");
             assert_eq!(least.at, [if by > 0.0 { 1.0 } else { 0.0 }, 0.0]);
@@ -297,7 +306,8 @@ mod tests {
         // The place is in the cell, and no sample is below.
         for i in 0..=200 {
             for j in 0..=200 {
-                let det = super::determinant(mesh.map_gradient(0, [f64::from(i) / 200.0, f64::from(j) / 200.0]));
+                let det =
+                    super::determinant(mesh.map_gradient(0, [f64::from(i) / 200.0, f64::from(j) / 200.0]));
                 assert!(det > least.det * 1.002, "{det} {least}");
             }
         }
@@ -333,7 +343,10 @@ mod tests {
                 };
                 folded += 1;
                 missed += usize::from(mesh.quality().inverted.is_empty());
-                assert!(low < 1e-3 * high && least.det < low + 1e-3 * high && least.det > low - 5e-3 * high, "{low} {high} {least}");
+                assert!(
+                    low < 1e-3 * high && least.det < low + 1e-3 * high && least.det > low - 5e-3 * high,
+                    "{low} {high} {least}"
+                );
             }
             assert!(folded > 50 && folded < 350 && missed > 0, "{shape:?}: {folded}, {missed}");
         }

@@ -3,8 +3,8 @@
 use super::inflow;
 use crate::math::{rounded, shortest};
 use crate::output::Breakdown;
-use crate::problem::key;
 use crate::problem::case::{Case, Linearization, MotionModel};
+use crate::problem::key;
 use crate::simulation::Simulation;
 use crate::space::Region;
 use crate::time::{Attempt, Cause, StepFailure};
@@ -48,7 +48,10 @@ fn backflow(simulation: &Simulation, failure: &StepFailure) -> Option<Special> {
     let key = key::join("boundary", &found.boundary);
     Some(Special {
         cause: "backflow",
-        sentence: format!("the flow comes back in through the outlet `{}`, with {speed} m/s at {point}", found.boundary),
+        sentence: format!(
+            "the flow comes back in through the outlet `{}`, with {speed} m/s at {point}",
+            found.boundary
+        ),
         remedy: format!("{key}.backflow = \"directional\" computes through it"),
         place: format!("boundary `{}` at {point}", found.boundary),
     })

@@ -99,7 +99,9 @@ impl Scales {
         p.fill(1.0 / self.size.powi(D as i32 - 1));
         for (u, owner) in u.chunks_exact_mut(D).zip(&space.owner) {
             u.fill(match owner {
-                PsiOwner::Extension | PsiOwner::Outlet => 1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2)),
+                PsiOwner::Extension | PsiOwner::Outlet => {
+                    1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2))
+                }
                 PsiOwner::Relation => 1.0 / self.size.powi(D as i32),
             });
         }

@@ -101,5 +101,8 @@ fn names_do_not_matter_to_a_compliant_channel() {
         close(value(&channel, name), value(&tube, name), 1e-6);
     }
     let said = undula(&channel, "check case.toml", &[]);
-    said.expect(0, &["boundary.right: the solid ends free at (4.000000, 1.000000)", "boundary.left", "clamped"]);
+    said.expect(
+        0,
+        &["boundary.right: the solid ends free at (4.000000, 1.000000)", "boundary.left", "clamped"],
+    );
 }

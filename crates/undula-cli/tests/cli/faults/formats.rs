@@ -30,7 +30,9 @@ fn sections_in_other_places_and_parameters_of_nodes_are_read() {
     let (nodes, elements) = (text.find("$Nodes").unwrap(), text.find("$Elements").unwrap());
     let swapped = [&text[..nodes], &text[elements..], &text[nodes..elements]].concat();
     here.write("swapped.msh", &format!("{swapped}$Periodic\n0\n$EndPeriodic\n$Unknown\n1 2\n$EndUnknown\n"));
-    for mesh in ["base22.msh", "param22.msh", "comments.msh", "trail.msh", "crlf.msh", "last.msh", "swapped.msh"] {
+    for mesh in
+        ["base22.msh", "param22.msh", "comments.msh", "trail.msh", "crlf.msh", "last.msh", "swapped.msh"]
+    {
         gives_the_right_values(&here, mesh);
     }
 }
@@ -82,7 +84,8 @@ fn binary_files_of_gmsh_are_checked() {
     let files = ["newcomer/flap.toml", "newcomer/fmt_v2.2_bin_o2.msh", "newcomer/fmt_v4.1_bin_o1.msh"];
     let here = place("gmsh-binary", &files);
     for file in ["fmt_v2.2_bin_o2.msh", "fmt_v4.1_bin_o1.msh"] {
-        undula(&here, "check flap.toml", &[&format!("mesh.file={file}")]).expect(0, &["space     P2/P1", file]);
+        undula(&here, "check flap.toml", &[&format!("mesh.file={file}")])
+            .expect(0, &["space     P2/P1", file]);
     }
 }
 
@@ -91,7 +94,11 @@ fn names_with_spaces_and_dots_are_named_by_quoted_keys() {
     let here = place("names", &["formats/names.toml", "formats/names22.msh"]);
     undula(&here, "run names.toml --threads 1 -q -o out", &[]).expect(0, &[]);
     undula(&here, "check out/case.toml", &[]).expect(0, &["velocity", "Einströmung"]);
-    let quoted = ["boundary.\"out let\"=none", "boundary.'out let'.condition=no-slip", "fluid.region=\"Fluid domain\""];
+    let quoted = [
+        "boundary.\"out let\"=none",
+        "boundary.'out let'.condition=no-slip",
+        "fluid.region=\"Fluid domain\"",
+    ];
     undula(&here, "check names.toml --toml", &quoted)
         .expect(0, &["[boundary.\"out let\"]\ncondition = \"no-slip\"", "region = \"solid.flap\""]);
     undula(&here, "check names.toml", &["boundary.\"out let\"=none"])
@@ -122,7 +129,12 @@ fn mixed_cells_are_counted_and_the_remedy_named() {
     let here = place("mixed", &["newcomer/flap.toml", "newcomer/mixed.msh"]);
     undula(&here, "check flap.toml", &["mesh.file=mixed.msh"]).expect(
         2,
-        &["mixed.msh:", "48 triangles and 155 quadrilaterals", "Mesh.SubdivisionAlgorithm = 1", "Mesh.RecombineAll"],
+        &[
+            "mixed.msh:",
+            "48 triangles and 155 quadrilaterals",
+            "Mesh.SubdivisionAlgorithm = 1",
+            "Mesh.RecombineAll",
+        ],
     );
 }
 
@@ -137,7 +149,8 @@ fn the_element_follows_the_cells_of_the_file() {
     undula(&here, "check flap.toml", &["space.pressure=P2"]).expect(0, &["space     P2/P2", "stabilisation"]);
     undula(&here, "check flap.toml", &["space.pressure=P1dc"]).expect(2, &["P2-bubble with P1dc"]);
     // A file that is not there is the only thing to be told.
-    let said = undula(&here, "check flap.toml", &["mesh.file=none.msh", "space.pressure=P1"]).expect(2, &["none.msh"]);
+    let said = undula(&here, "check flap.toml", &["mesh.file=none.msh", "space.pressure=P1"])
+        .expect(2, &["none.msh"]);
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
 }
 
@@ -148,11 +161,14 @@ fn meshes_in_other_units_are_scaled() {
     let (begin, end) = (text.find("$Nodes").unwrap() + 7, text.find("$EndNodes").unwrap());
     let millimetres = |line: &str| {
         let words: Vec<&str> = line.split(' ').collect();
-        let x: Vec<String> = words[1..].iter().map(|w| (1e3 * w.parse::<f64>().unwrap()).to_string()).collect();
+        let x: Vec<String> =
+            words[1..].iter().map(|w| (1e3 * w.parse::<f64>().unwrap()).to_string()).collect();
         format!("{} {}\n", words[0], x.join(" "))
     };
-    let nodes: String =
-        text[begin..end].lines().map(|l| if l.contains(' ') { millimetres(l) } else { format!("{l}\n") }).collect();
+    let nodes: String = text[begin..end]
+        .lines()
+        .map(|l| if l.contains(' ') { millimetres(l) } else { format!("{l}\n") })
+        .collect();
     here.write("mm.msh", &format!("{}{nodes}{}", &text[..begin], &text[end..]));
     let sets = ["mesh.file=mm.msh", "mesh.scale=1e-3"];
     undula(&here, "run case.toml --threads 1 -q -o out", &sets).expect(0, &[]);
@@ -175,7 +191,8 @@ fn meshes_given_as_cases_are_told_in_one_line() {
             ("fmt_v4.1_bin_o1.msh", "a mesh, not a case"),
             ("own.geo", "gmsh -2 own.geo"),
         ] {
-            let said = undula(&here, &format!("{command} {file}"), &[]).expect(2, &[words, "[mesh] with file"]);
+            let said =
+                undula(&here, &format!("{command} {file}"), &[]).expect(2, &[words, "[mesh] with file"]);
             assert_eq!(said.err.lines().count(), 1, "{}", said.err);
         }
     }
@@ -194,13 +211,21 @@ fn keys_of_other_programs_are_understood() {
             "density = 1000\ndynamic-viscosity = 1e-3",
             &["fluid.dynamic-viscosity", "write kinematic-viscosity = 1.0e-6 [m²/s], which is mu/density"][..],
         ),
-        ("kinematic-viscosity", "viscosity", &["`kinematic-viscosity` [m²/s] is needed", "kinematic-viscosity = 0.1"]),
+        (
+            "kinematic-viscosity",
+            "viscosity",
+            &["`kinematic-viscosity` [m²/s] is needed", "kinematic-viscosity = 0.1"],
+        ),
         ("kinematic-viscosity", "nu", &["fluid.nu: unknown key; did you mean `kinematic-viscosity`?"]),
         ("poisson = 0.3", "poisson = 0.5", &["incompressible-neo-hookean", "incompressible-mooney-rivlin"]),
         ("poisson = 0.3", "nu = 0.3", &["solid.nu: unknown key; did you mean `poisson`?"]),
         ("young = 1e3", "youngs-modulus = 1e3", &["did you mean `young`?"]),
         ("young = 1e3", "E = 1e3", &["solid.E: unknown key; did you mean `young`?"]),
-        ("condition = \"clamped\"", "type = \"clamped\"", &["boundary.foot.type", "did you mean `condition`?"]),
+        (
+            "condition = \"clamped\"",
+            "type = \"clamped\"",
+            &["boundary.foot.type", "did you mean `condition`?"],
+        ),
         ("file = ", "filename = ", &["mesh.filename", "did you mean `file`?"]),
     ] {
         assert!(case.contains(from), "{from}");
@@ -226,7 +251,10 @@ fn curved_cells_that_fold_between_their_nodes_are_refused() {
     }
     undula(&here, "check own.toml", &[]).expect(2, &["the smallest det(DX) is -1.4", "m^2 in cell 0 at ("]);
     // A mesh that is curved and does not fold.
-    here.write("q9b.msh", &here.read("q9b.msh").replace("1 -1.3212981241621475 -1.4376359272451693", "1 -1 -0.8"));
+    here.write(
+        "q9b.msh",
+        &here.read("q9b.msh").replace("1 -1.3212981241621475 -1.4376359272451693", "1 -1 -0.8"),
+    );
     undula(&here, "check own.toml", &["mesh.refine=2"]).expect(0, &["16 cells"]);
 }
 
@@ -266,7 +294,8 @@ impl Base {
     fn read() -> Base {
         let text = fs::read_to_string(input("formats/base22.msh")).unwrap();
         let section = |name: &str| {
-            let (begin, end) = (text.find(&format!("${name}")).unwrap(), text.find(&format!("$End{name}")).unwrap());
+            let (begin, end) =
+                (text.find(&format!("${name}")).unwrap(), text.find(&format!("$End{name}")).unwrap());
             text[begin..end].lines().skip(2).map(|l| l.split(' ').collect::<Vec<_>>()).collect::<Vec<_>>()
         };
         let ints = |words: &[&str]| words.iter().map(|w| w.parse().unwrap()).collect::<Vec<i32>>();

@@ -371,5 +371,13 @@ pub(super) fn output(
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec { fields_every, fields_interval, deformed, curved, checkpoint_every, checkpoint_minutes, leading }
+    OutputSpec {
+        fields_every,
+        fields_interval,
+        deformed,
+        curved,
+        checkpoint_every,
+        checkpoint_minutes,
+        leading,
+    }
 }
