@@ -10,6 +10,9 @@ mod check;
 #[path = "../src/compare.rs"]
 #[allow(dead_code)]
 mod compare;
+#[path = "../src/digits.rs"]
+#[allow(dead_code)]
+mod digits;
 #[path = "../src/new.rs"]
 mod new;
 
