@@ -1,6 +1,6 @@
 //! Nodes at which boundaries of different bodies meet, and flow back in through outlets.
 
-use super::{close, input, last, place, undula};
+use super::{close, last, place, undula};
 use crate::Place;
 
 /// ½ ρ ∫ (4 y (1 − y))² over the channel of 4 m × 1 m \[J/m\].

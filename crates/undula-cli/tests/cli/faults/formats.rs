@@ -324,14 +324,14 @@ impl Base {
             // Nodes on points, curves and surfaces have 0, 1 and 2 parameters.
             let dim = n % 3;
             if parametric {
-                [dim as i32, 1].map(|i| out.int(i));
+                [dim as i32, 1].into_iter().for_each(|i| out.int(i));
                 (0..dim).for_each(|_| out.real(0.5));
             }
             out.next();
         }
         out.line(&format!("\n$End{section}\n$Elements\n{}", self.elements.len()));
         for (k, (kind, group, entity, nodes)) in self.elements.iter().enumerate() {
-            [*kind, 1, 2, k as i32 + 1, *group, *entity].map(|i| out.int(i));
+            [*kind, 1, 2, k as i32 + 1, *group, *entity].into_iter().for_each(|i| out.int(i));
             nodes.iter().for_each(|n| out.int(*n));
         }
         out.line("\n$EndElements");
@@ -351,7 +351,7 @@ impl Base {
         }
         out.line("$Nodes");
         out.sizes(&[1, self.nodes.len(), 1, self.nodes.len()]);
-        [2, 1, i32::from(parametric)].map(|i| out.int(i));
+        [2, 1, i32::from(parametric)].into_iter().for_each(|i| out.int(i));
         out.sizes(&[self.nodes.len()]);
         self.nodes.iter().for_each(|(tag, _)| out.sizes(&[*tag as usize]));
         for (_, x) in &self.nodes {
@@ -364,7 +364,9 @@ impl Base {
         let mut tag = 0;
         for (d, entity, _) in entities {
             let here = self.elements.iter().filter(|e| (dim(e.0), e.2) == (d, entity));
-            [d, entity + if parts { 100 } else { 0 }, here.clone().next().unwrap().0].map(|i| out.int(i));
+            [d, entity + if parts { 100 } else { 0 }, here.clone().next().unwrap().0]
+                .into_iter()
+                .for_each(|i| out.int(i));
             out.sizes(&[here.clone().count()]);
             for (_, _, _, nodes) in here {
                 tag += 1;
@@ -442,7 +444,7 @@ impl Out {
         if parts {
             self.sizes(&[2]);
             self.sizes(&[1]);
-            [77, 1].map(|i| self.int(i));
+            [77, 1].into_iter().for_each(|i| self.int(i));
             self.next();
         }
         let count = |dim: i32| entities.iter().filter(|e| e.0 == dim).count();
@@ -450,7 +452,7 @@ impl Out {
         for (n, (dim, tag, group)) in entities.iter().enumerate() {
             self.int(tag + if parts { 100 } else { 0 });
             if parts {
-                [*dim, *tag].map(|i| self.int(i));
+                [*dim, *tag].into_iter().for_each(|i| self.int(i));
                 self.put("1".into(), 1_u64.to_le_bytes().to_vec());
                 self.int(1);
             }
