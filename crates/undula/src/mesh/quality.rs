@@ -1,7 +1,7 @@
 //! Shape of the cells: orientation, scaled Jacobian, volume.
 
-use super::geometry::determinant;
 use super::Mesh;
+use super::geometry::determinant;
 use crate::element::{Quadrature, Shape, lagrange};
 
 /// Three-point Gauss rule on `[0, 1]`: points and weights.

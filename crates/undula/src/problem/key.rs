@@ -87,7 +87,9 @@ mod tests {
 
     #[test]
     fn parts_survive_quoting() {
-        for name in ["walls", "in let", "solid.flap", "a=b", "\"", "\\", "Einströmung", "a'b", "tab\t", "in|et"] {
+        for name in
+            ["walls", "in let", "solid.flap", "a=b", "\"", "\\", "Einströmung", "a'b", "tab\t", "in|et"]
+        {
             let text = format!("{}.condition=no-slip", join("boundary", name));
             let (parts, value) = split_override(&text).unwrap();
             assert_eq!((parts, value), (vec!["boundary".into(), name.into(), "condition".into()], "no-slip"));

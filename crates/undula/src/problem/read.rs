@@ -183,7 +183,9 @@ impl<'c, 'd> Section<'c, 'd> {
                 self.checker.error(&item.key, &self.dotted(key), None, format!("unknown key; {message}"));
                 continue;
             }
-            let hint = match synonyms::meant(&self.path, key).filter(|meant| self.known.iter().any(|k| k == meant)) {
+            let hint = match synonyms::meant(&self.path, key)
+                .filter(|meant| self.known.iter().any(|k| k == meant))
+            {
                 Some(meant) => format!("; did you mean `{meant}`?"),
                 None => did_you_mean(key, self.known.iter().map(String::as_str)),
             };

@@ -30,7 +30,9 @@ fn sections_in_other_places_and_parameters_of_nodes_are_read() {
     let (nodes, elements) = (text.find("$Nodes").unwrap(), text.find("$Elements").unwrap());
     let swapped = [&text[..nodes], &text[elements..], &text[nodes..elements]].concat();
     here.write("swapped.msh", &format!("{swapped}$Periodic\n0\n$EndPeriodic\n$Unknown\n1 2\n$EndUnknown\n"));
-    for mesh in ["base22.msh", "param22.msh", "comments.msh", "trail.msh", "crlf.msh", "last.msh", "swapped.msh"] {
+    for mesh in
+        ["base22.msh", "param22.msh", "comments.msh", "trail.msh", "crlf.msh", "last.msh", "swapped.msh"]
+    {
         gives_the_right_values(&here, mesh);
     }
 }
@@ -82,7 +84,8 @@ fn binary_files_of_gmsh_are_checked() {
     let files = ["newcomer/flap.toml", "newcomer/fmt_v2.2_bin_o2.msh", "newcomer/fmt_v4.1_bin_o1.msh"];
     let here = place("gmsh-binary", &files);
     for file in ["fmt_v2.2_bin_o2.msh", "fmt_v4.1_bin_o1.msh"] {
-        undula(&here, "check flap.toml", &[&format!("mesh.file={file}")]).expect(0, &["space     P2/P1", file]);
+        undula(&here, "check flap.toml", &[&format!("mesh.file={file}")])
+            .expect(0, &["space     P2/P1", file]);
     }
 }
 
@@ -90,8 +93,12 @@ fn binary_files_of_gmsh_are_checked() {
 fn names_with_spaces_and_dots_are_named_by_quoted_keys() {
     let here = place("names", &["formats/names.toml", "formats/names22.msh"]);
     undula(&here, "run names.toml --threads 1 -q -o out", &[]).expect(0, &[]);
-    undula(&here, "check out/case.toml", &[]).expect(0, &["velocity", "Einströmung"]);
-    let quoted = ["boundary.\"out let\"=none", "boundary.'out let'.condition=no-slip", "fluid.region=\"Fluid domain\""];
+    undula(&here, "check out/case.toml", &[]).expect(0, &["P2/P1", "Einströmung"]);
+    let quoted = [
+        "boundary.\"out let\"=none",
+        "boundary.'out let'.condition=no-slip",
+        "fluid.region=\"Fluid domain\"",
+    ];
     undula(&here, "check names.toml --toml", &quoted)
         .expect(0, &["[boundary.\"out let\"]\ncondition = \"no-slip\"", "region = \"solid.flap\""]);
     undula(&here, "check names.toml", &["boundary.\"out let\"=none"])
@@ -111,8 +118,8 @@ fn groups_that_the_file_lost_or_has_twice_are_told() {
         .expect(2, &["twosurf22.msh:", "a cell in physical groups `", "it can be in one only"]);
     let base = Base::read();
     let text = String::from_utf8(base.version_4(Out::text(), false, false)).unwrap();
-    let line = text.lines().find(|l| l.ends_with(" 1 11 0")).unwrap();
-    here.write("two4.msh", &text.replace(line, &line.replace(" 1 11 0", " 2 11 12 0")));
+    let line = text.lines().find(|l| l.ends_with(" 1 11 0 ")).unwrap();
+    here.write("two4.msh", &text.replace(line, &line.replace(" 1 11 0 ", " 2 11 12 0 ")));
     undula(&here, "check case.toml", &["mesh.file=two4.msh"])
         .expect(2, &["is in physical groups `fluid` and `solid`; it can be in one only"]);
 }
@@ -122,7 +129,12 @@ fn mixed_cells_are_counted_and_the_remedy_named() {
     let here = place("mixed", &["newcomer/flap.toml", "newcomer/mixed.msh"]);
     undula(&here, "check flap.toml", &["mesh.file=mixed.msh"]).expect(
         2,
-        &["mixed.msh:", "48 triangles and 155 quadrilaterals", "Mesh.SubdivisionAlgorithm = 1", "Mesh.RecombineAll"],
+        &[
+            "mixed.msh:",
+            "48 triangles and 155 quadrilaterals",
+            "Mesh.SubdivisionAlgorithm = 1",
+            "Mesh.RecombineAll",
+        ],
     );
 }
 
@@ -137,7 +149,8 @@ fn the_element_follows_the_cells_of_the_file() {
     undula(&here, "check flap.toml", &["space.pressure=P2"]).expect(0, &["space     P2/P2", "stabilisation"]);
     undula(&here, "check flap.toml", &["space.pressure=P1dc"]).expect(2, &["P2-bubble with P1dc"]);
     // A file that is not there is the only thing to be told.
-    let said = undula(&here, "check flap.toml", &["mesh.file=none.msh", "space.pressure=P1"]).expect(2, &["none.msh"]);
+    let said = undula(&here, "check flap.toml", &["mesh.file=none.msh", "space.pressure=P1"])
+        .expect(2, &["none.msh"]);
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
 }
 
@@ -148,11 +161,14 @@ fn meshes_in_other_units_are_scaled() {
     let (begin, end) = (text.find("$Nodes").unwrap() + 7, text.find("$EndNodes").unwrap());
     let millimetres = |line: &str| {
         let words: Vec<&str> = line.split(' ').collect();
-        let x: Vec<String> = words[1..].iter().map(|w| (1e3 * w.parse::<f64>().unwrap()).to_string()).collect();
+        let x: Vec<String> =
+            words[1..].iter().map(|w| (1e3 * w.parse::<f64>().unwrap()).to_string()).collect();
         format!("{} {}\n", words[0], x.join(" "))
     };
-    let nodes: String =
-        text[begin..end].lines().map(|l| if l.contains(' ') { millimetres(l) } else { format!("{l}\n") }).collect();
+    let nodes: String = text[begin..end]
+        .lines()
+        .map(|l| if l.contains(' ') { millimetres(l) } else { format!("{l}\n") })
+        .collect();
     here.write("mm.msh", &format!("{}{nodes}{}", &text[..begin], &text[end..]));
     let sets = ["mesh.file=mm.msh", "mesh.scale=1e-3"];
     undula(&here, "run case.toml --threads 1 -q -o out", &sets).expect(0, &[]);
@@ -175,7 +191,8 @@ fn meshes_given_as_cases_are_told_in_one_line() {
             ("fmt_v4.1_bin_o1.msh", "a mesh, not a case"),
             ("own.geo", "gmsh -2 own.geo"),
         ] {
-            let said = undula(&here, &format!("{command} {file}"), &[]).expect(2, &[words, "[mesh] with file"]);
+            let said =
+                undula(&here, &format!("{command} {file}"), &[]).expect(2, &[words, "[mesh] with file"]);
             assert_eq!(said.err.lines().count(), 1, "{}", said.err);
         }
     }
@@ -194,13 +211,21 @@ fn keys_of_other_programs_are_understood() {
             "density = 1000\ndynamic-viscosity = 1e-3",
             &["fluid.dynamic-viscosity", "write kinematic-viscosity = 1.0e-6 [m²/s], which is mu/density"][..],
         ),
-        ("kinematic-viscosity", "viscosity", &["`kinematic-viscosity` [m²/s] is needed", "kinematic-viscosity = 0.1"]),
+        (
+            "kinematic-viscosity",
+            "viscosity",
+            &["`kinematic-viscosity` [m²/s] is needed", "kinematic-viscosity = 0.1"],
+        ),
         ("kinematic-viscosity", "nu", &["fluid.nu: unknown key; did you mean `kinematic-viscosity`?"]),
         ("poisson = 0.3", "poisson = 0.5", &["incompressible-neo-hookean", "incompressible-mooney-rivlin"]),
         ("poisson = 0.3", "nu = 0.3", &["solid.nu: unknown key; did you mean `poisson`?"]),
         ("young = 1e3", "youngs-modulus = 1e3", &["did you mean `young`?"]),
         ("young = 1e3", "E = 1e3", &["solid.E: unknown key; did you mean `young`?"]),
-        ("condition = \"clamped\"", "type = \"clamped\"", &["boundary.foot.type", "did you mean `condition`?"]),
+        (
+            "condition = \"clamped\"",
+            "type = \"clamped\"",
+            &["boundary.foot.type", "did you mean `condition`?"],
+        ),
         ("file = ", "filename = ", &["mesh.filename", "did you mean `file`?"]),
     ] {
         assert!(case.contains(from), "{from}");
@@ -226,7 +251,11 @@ fn curved_cells_that_fold_between_their_nodes_are_refused() {
     }
     undula(&here, "check own.toml", &[]).expect(2, &["the smallest det(DX) is -1.4", "m^2 in cell 0 at ("]);
     // A mesh that is curved and does not fold.
-    here.write("q9b.msh", &here.read("q9b.msh").replace("1 -1.3212981241621475 -1.4376359272451693", "1 -1 -0.8"));
+    let text = here.read("q9b.msh");
+    let (begin, end) = (text.find("$Nodes").unwrap(), text.find("$EndNodes").unwrap());
+    let nodes = "$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.5 0.1 0\n6 1.1 0.5 0\n7 0.5 1 0\n8 0 0.5 0\n\
+        9 0.5 0.5 0\n";
+    here.write("q9b.msh", &format!("{}{nodes}{}", &text[..begin], &text[end..]));
     undula(&here, "check own.toml", &["mesh.refine=2"]).expect(0, &["16 cells"]);
 }
 
@@ -266,13 +295,14 @@ impl Base {
     fn read() -> Base {
         let text = fs::read_to_string(input("formats/base22.msh")).unwrap();
         let section = |name: &str| {
-            let (begin, end) = (text.find(&format!("${name}")).unwrap(), text.find(&format!("$End{name}")).unwrap());
+            let (begin, end) =
+                (text.find(&format!("${name}")).unwrap(), text.find(&format!("$End{name}")).unwrap());
             text[begin..end].lines().skip(2).map(|l| l.split(' ').collect::<Vec<_>>()).collect::<Vec<_>>()
         };
         let ints = |words: &[&str]| words.iter().map(|w| w.parse().unwrap()).collect::<Vec<i32>>();
         let (begin, end) = (text.find("$Phys").unwrap(), text.find("$Nodes").unwrap());
         let node = |words: Vec<&str>| {
-            (words[0].parse().unwrap(), [1, 2, 3].map(|i: usize| words[i].parse().unwrap()))
+            (words[0].parse::<i32>().unwrap(), [1, 2, 3].map(|i: usize| words[i].parse::<f64>().unwrap()))
         };
         let element = |words: Vec<&str>| {
             let numbers = ints(&words);
@@ -295,14 +325,14 @@ impl Base {
             // Nodes on points, curves and surfaces have 0, 1 and 2 parameters.
             let dim = n % 3;
             if parametric {
-                [dim as i32, 1].map(|i| out.int(i));
+                [dim as i32, 1].into_iter().for_each(|i| out.int(i));
                 (0..dim).for_each(|_| out.real(0.5));
             }
             out.next();
         }
         out.line(&format!("\n$End{section}\n$Elements\n{}", self.elements.len()));
         for (k, (kind, group, entity, nodes)) in self.elements.iter().enumerate() {
-            [*kind, 1, 2, k as i32 + 1, *group, *entity].map(|i| out.int(i));
+            [*kind, 1, 2, k as i32 + 1, *group, *entity].into_iter().for_each(|i| out.int(i));
             nodes.iter().for_each(|n| out.int(*n));
         }
         out.line("\n$EndElements");
@@ -322,7 +352,7 @@ impl Base {
         }
         out.line("$Nodes");
         out.sizes(&[1, self.nodes.len(), 1, self.nodes.len()]);
-        [2, 1, i32::from(parametric)].map(|i| out.int(i));
+        [2, 1, i32::from(parametric)].into_iter().for_each(|i| out.int(i));
         out.sizes(&[self.nodes.len()]);
         self.nodes.iter().for_each(|(tag, _)| out.sizes(&[*tag as usize]));
         for (_, x) in &self.nodes {
@@ -335,11 +365,13 @@ impl Base {
         let mut tag = 0;
         for (d, entity, _) in entities {
             let here = self.elements.iter().filter(|e| (dim(e.0), e.2) == (d, entity));
-            [d, entity + if parts { 100 } else { 0 }, here.clone().next().unwrap().0].map(|i| out.int(i));
+            [d, entity + if parts { 100 } else { 0 }, here.clone().next().unwrap().0]
+                .into_iter()
+                .for_each(|i| out.int(i));
             out.sizes(&[here.clone().count()]);
             for (_, _, _, nodes) in here {
                 tag += 1;
-                out.sizes(&[&[tag], &nodes.iter().map(|n| *n as usize).collect::<Vec<_>>()[..]].concat());
+                out.sizes(&[&[tag][..], &nodes.iter().map(|n| *n as usize).collect::<Vec<_>>()[..]].concat());
             }
         }
         out.line("\n$EndElements");
@@ -413,7 +445,7 @@ impl Out {
         if parts {
             self.sizes(&[2]);
             self.sizes(&[1]);
-            [77, 1].map(|i| self.int(i));
+            [77, 1].into_iter().for_each(|i| self.int(i));
             self.next();
         }
         let count = |dim: i32| entities.iter().filter(|e| e.0 == dim).count();
@@ -421,12 +453,12 @@ impl Out {
         for (n, (dim, tag, group)) in entities.iter().enumerate() {
             self.int(tag + if parts { 100 } else { 0 });
             if parts {
-                [*dim, *tag].map(|i| self.int(i));
+                [*dim, *tag].into_iter().for_each(|i| self.int(i));
                 self.put("1".into(), 1_u64.to_le_bytes().to_vec());
                 self.int(1);
             }
             (0..6).for_each(|_| self.real(0.0));
-            let groups = if parts && n % 2 == 0 { &[][..] } else { &[*group] };
+            let groups: Vec<i32> = if parts && n % 2 == 0 { vec![] } else { vec![*group] };
             self.put(groups.len().to_string(), (groups.len() as u64).to_le_bytes().to_vec());
             groups.iter().for_each(|g| self.int(*g));
             self.put("0".into(), 0_u64.to_le_bytes().to_vec());

@@ -115,7 +115,10 @@ fn nodes(
         if let Some(before) = at.insert(node.tag, node)
             && before.x != node.x
         {
-            return refuse(node.at, format!("node {} is in {} already, at another place", node.tag, before.at));
+            return refuse(
+                node.at,
+                format!("node {} is in {} already, at another place", node.tag, before.at),
+            );
         }
     }
     let mut used: HashSet<u64> = HashSet::new();
@@ -255,6 +258,8 @@ impl<'a> Groups<'a> {
 impl Raw {
     /// Whether the file has groups but was written without saying which elements are in them.
     fn has_lost_groups(&self) -> bool {
-        self.version == Version::V2 && !self.names.is_empty() && self.elements.iter().all(|e| e.is_in_no_group())
+        self.version == Version::V2
+            && !self.names.is_empty()
+            && self.elements.iter().all(|e| e.is_in_no_group())
     }
 }

@@ -215,7 +215,8 @@ fn entities_4(source: &mut Source, raw: &mut Raw, parts: bool) -> Result<(), Mes
             let tag = record.int("the tag of an entity")?;
             let mut parent = None;
             if parts {
-                let (dim, tag) = (record.int("the dimension of the parent")?, record.int("the tag of the parent")?);
+                let (dim, tag) =
+                    (record.int("the dimension of the parent")?, record.int("the tag of the parent")?);
                 parent = usize::try_from(dim).ok().map(|dim| (dim, tag));
                 let n = record.size("the number of partitions")?;
                 record.ints(n, "a partition")?;
@@ -315,7 +316,9 @@ fn elements_2_binary(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError
         let kind = head.int("the type of elements")?;
         let (n, n_tags) = (head.int("the number of elements")?, head.int("the number of tags")?);
         let (true, Ok(n_tags)) = (n > 0 && n <= left, u64::try_from(n_tags)) else {
-            return Err(head.error(format!("a block of {n} elements with {n_tags} tags each where {left} are left")));
+            return Err(
+                head.error(format!("a block of {n} elements with {n_tags} tags each where {left} are left"))
+            );
         };
         for _ in 0..n {
             let mut record = source.record("an element")?;

@@ -194,7 +194,9 @@ impl<'a> Line<'a> {
                 let latin = |_| name.iter().map(|&b| char::from(b)).collect();
                 Ok(std::str::from_utf8(name).map(String::from).unwrap_or_else(latin))
             }
-            None => Err(self.error(format!("expected a name in double quotes, found `{}`", shown(self.text)))),
+            None => {
+                Err(self.error(format!("expected a name in double quotes, found `{}`", shown(self.text))))
+            }
         }
     }
 

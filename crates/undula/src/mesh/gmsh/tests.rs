@@ -170,7 +170,11 @@ fn broken_files_are_refused_with_line_and_advice() {
         ("10 3 2 1 1", "10 3 2 3 1", "own.msh:33: a cell in physical group 3, which has no name"),
         ("2 1 2 7 1 10 20", "2 1 2 8 1 10 20", "Physical Curve(\"walls\")"),
         ("2 1 2 7 1 10 20", "2 1 2 7 1 10 50", "own.msh:25: a line that is no edge of a cell"),
-        ("3 1 2 7 2 20 30", "3 1 2 9 2 10 20", "own.msh:26: a line in physical groups `walls` and `interface` (it is in line 25 already)"),
+        (
+            "3 1 2 7 2 20 30",
+            "3 1 2 9 2 10 20",
+            "own.msh:26: a line in physical groups `walls` and `interface` (it is in line 25 already)",
+        ),
         ("9 3 2 4 2", "9 3 2 1 2", "own.msh:31: a line inside of region `fluid`"),
         ("1 7 \"walls\"", "1 7 walls", "own.msh:6: expected a name in double quotes"),
         ("9 3 2 4 2 20 50 60 30", "9 10 2 4 2 20 50 60 30 10 10 10 10 10", "all must be alike"),
@@ -178,8 +182,11 @@ fn broken_files_are_refused_with_line_and_advice() {
         let found = message(V2, from, to);
         assert!(found.contains(expected), "{to}: {found}");
     }
-    assert!(message(V4, "1 1 1 1\n$End", "2 1 3 1 1\n$End").contains("surface 1 is in physical groups `fluid` and 3; it can be in one only"));
-    assert!(message(V4, "2 1 10 1", "2 1 99 1").contains("elements of type 99"));
+    assert!(
+        message(V4, "1 1 1 1\n$End", "2 1 3 1 1\n$End")
+            .contains("surface 1 is in physical groups `fluid` and 3; it can be in one only")
+    );
+    assert!(message(V4, "2 1 10 1", "2 1 200 1").contains("elements of type 200"));
     assert!(parsed("").is_err() && parsed("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n").is_err());
     assert!(matches!(read(Path::new("no such file.msh")), Err(MeshError::Unreadable { .. })));
 }
@@ -232,7 +239,8 @@ fn harmless_changes_of_a_file_are_read() {
     for (text, ends) in [(V2, "$EndElements\n"), (V4, "$EndElements\n")] {
         let plain = parsed(text).unwrap();
         let moved = {
-            let (names, rest) = (text.find("$PhysicalNames").unwrap(), text.find("$EndPhysicalNames\n").unwrap() + 18);
+            let (names, rest) =
+                (text.find("$PhysicalNames").unwrap(), text.find("$EndPhysicalNames\n").unwrap() + 18);
             format!("{}{}{}", &text[..names], &text[rest..], &text[names..rest])
         };
         for other in [
@@ -249,7 +257,8 @@ fn harmless_changes_of_a_file_are_read() {
             assert!(mesh.regions == plain.regions && mesh.facets == plain.facets, "{other}");
         }
     }
-    let latin: Vec<u8> = V2.replace("walls", "W@nde").bytes().map(|b| if b == b'@' { 0xe4 } else { b }).collect();
+    let latin: Vec<u8> =
+        V2.replace("walls", "W@nde").bytes().map(|b| if b == b'@' { 0xe4 } else { b }).collect();
     assert_eq!(parse(latin, Path::new("own.msh")).unwrap().boundaries[0], "Wände");
 }
 

@@ -4,8 +4,8 @@ use super::resolve;
 use crate::element::Shape;
 use crate::mesh::gmsh;
 use crate::problem::case::{
-    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw, SolidSpec, SpaceSpec,
-    VelocityElement,
+    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw, SolidSpec,
+    SpaceSpec, VelocityElement,
 };
 use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
 use crate::problem::expression::Expression;
@@ -57,7 +57,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
-    } else if !s.has("generator") && !s.has("file") {
+    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
         s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
     }
     let is_box = generator == Some(Generator::Box);
@@ -187,7 +187,9 @@ fn explain_viscosity(s: &mut Section<'_, '_>) {
         let message = if s.has("kinematic-viscosity") {
             "`kinematic-viscosity` is given; remove this".into()
         } else if matches!(&*key.to_lowercase(), "viscosity" | "kinematic") {
-            format!("`kinematic-viscosity` [m²/s] is needed; if this is the dynamic viscosity mu [Pa s], write {nu}")
+            format!(
+                "`kinematic-viscosity` [m²/s] is needed; if this is the dynamic viscosity mu [Pa s], write {nu}"
+            )
         } else {
             format!("the kinematic viscosity is needed: write {nu}")
         };
@@ -305,8 +307,10 @@ fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
 /// μ and λ \[Pa\], given as such or as Young's modulus and Poisson ratio.
 fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
     let is = |key: &str, x: f64| s.look_at_number(key) == Some(x);
-    let (finite, below) =
-        (if is("lambda", f64::INFINITY) { FINITE } else { ANY }, if is("poisson", 0.5) { KEPT } else { POISSON });
+    let (finite, below) = (
+        if is("lambda", f64::INFINITY) { FINITE } else { ANY },
+        if is("poisson", 0.5) { KEPT } else { POISSON },
+    );
     let mu = s.optional_number("mu", POSITIVE);
     let lambda = s.optional_number("lambda", finite);
     let young = s.optional_number("young", POSITIVE);
