@@ -329,7 +329,7 @@ mod tests {
                     [0.5 * at[0] as f64, 0.5 * at[1] as f64]
                 };
                 let nodes = (0..shape.n_nodes(2)).map(place);
-                let mesh = one_cell(shape, nodes.map(|x| x.map(|x| x + 0.3 * random())).collect());
+                let mesh = one_cell(shape, nodes.map(|x| x.map(|x| x + 0.4 * random())).collect());
                 let is_in = |i: &(u32, u32)| shape == Shape::Quadrilateral || i.0 + i.1 <= 100;
                 let points = (0..=100).flat_map(|i| (0..=100).map(move |j| (i, j))).filter(is_in);
                 let dets = points.map(|(i, j)| {
@@ -348,7 +348,8 @@ mod tests {
                     "{low} {high} {least}"
                 );
             }
-            assert!(folded > 50 && folded < 350 && missed > 0, "{shape:?}: {folded}, {missed}");
+            let is_missed = missed > 0 || shape == Shape::Triangle;
+            assert!(folded > 50 && folded < 350 && is_missed, "{shape:?}: {folded}, {missed}");
         }
     }
 

@@ -58,7 +58,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
-    } else if !s.has("generator") && !s.has("file") {
+    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
         s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
     }
     let is_box = generator == Some(Generator::Box);
