@@ -67,12 +67,12 @@ fn expressions_that_fail_at_a_point_or_time_are_found_by_check() {
         ("y*(1-y)/(1-t)", "t = 1 s"),
     ] {
         let set = format!("boundary.left.velocity=[\"{source}\", 0]");
-        undula(&here, "check case.toml", &[&IN_TIME[..], &[&set]].concat())
+        undula(&here, "check case.toml", &[&IN_TIME[..], &[set.as_str()]].concat())
             .expect(2, &["boundary.left.velocity", source, "expected finite values", said]);
     }
     for (source, said) in [("[0, \"1/(x-1)\"]", "(0, -inf)"), ("[\"sqrt(0.3-t)\", 0]", "(NaN, 0)")] {
         let set = format!("fluid.body-force={source}");
-        undula(&here, "check case.toml", &[&IN_TIME[..], &[&set]].concat())
+        undula(&here, "check case.toml", &[&IN_TIME[..], &[set.as_str()]].concat())
             .expect(2, &["fluid.body-force", "expected finite values", said]);
     }
     // A branch that is not taken may be what it likes.
@@ -91,7 +91,7 @@ fn data_that_fail_in_the_course_of_a_run_end_it_as_bad_input() {
         ("fluid.body-force", format!("[0, \"{moment}\"]")),
     ] {
         let set = format!("{key}={value}");
-        let sets = [&IN_TIME[..], &[&set]].concat();
+        let sets = [&IN_TIME[..], &[set.as_str()]].concat();
         undula(&here, "check case.toml", &sets).expect(0, &[]);
         let said = undula(&here, "run case.toml -o out --threads 1 --force", &sets);
         said.expect(2, &[key, "expected finite values; it is (", "inf", "t = 0.4 s"]);
@@ -151,7 +151,7 @@ fn a_flow_that_does_not_converge_has_no_word_of_folding() {
     assert_eq!(cause(&here, "out").0, "divergence");
 }
 
-/// A solid that nothing holds, and a pressure that nothing determines, if they are not refused before.
+/// Loads at which the iteration converges are none of its business.
 #[test]
 fn a_linear_iteration_that_is_too_slow_says_so_early() {
     let here = place("slow", &[]);
@@ -159,7 +159,7 @@ fn a_linear_iteration_that_is_too_slow_says_so_early() {
         for load in [2, 8, 1000] {
             let inflow = format!("boundary.inflow.velocity=[\"{load}*1.5*0.2*y*(0.41-y)/(0.41/2)^2\", 0]");
             let way = format!("newton.linearization={linearization}");
-            let sets = ["mesh.refine=0", "mesh.grading=0", &inflow, &way];
+            let sets = ["mesh.refine=0", "mesh.grading=0", inflow.as_str(), way.as_str()];
             let said = undula(&here, "run fsi1 -o out --threads 1 --quiet --force", &sets);
             if said.code == Some(0) {
                 continue;
