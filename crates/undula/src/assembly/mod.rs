@@ -8,7 +8,6 @@ pub mod batch;
 pub mod biharmonic;
 pub mod chunks;
 mod condense;
-pub mod constant;
 pub mod contract;
 pub mod differences;
 pub mod evaluate;
@@ -32,7 +31,7 @@ use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::physics::{Extension, Fluid, Solid, Stabilization};
 use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
-use constant::ConstantRows;
+use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
 use facets::OutflowFacets;
 use force::CurrentForce;
@@ -103,8 +102,8 @@ pub struct Assembler<const D: usize> {
     pub current_force: Option<CurrentForce<D>>,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
-    /// Rows of the extension that are assembled once.
-    constant: ConstantRows,
+    /// The extension where it is of fourth order.
+    biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
     /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
@@ -151,13 +150,12 @@ impl<const D: usize> Assembler<D> {
         };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
-        let mut constant = match physics.fluid.map(|f| f.extension) {
+        let biharmonic = match physics.fluid.map(|f| f.extension) {
             Some(Extension::Biharmonic { hinged }) if space.deforms => {
-                biharmonic::biharmonic(&space, &constraints, hinged, options.quadrature)
+                Some(Biharmonic::new(&space, &constraints, hinged, options.quadrature))
             }
-            _ => ConstantRows::new(space.n_v()),
+            _ => None,
         };
-        constant.push_outlets(&space, &constraints, stiffness);
         Assembler {
             space,
             constraints,
@@ -165,7 +163,7 @@ impl<const D: usize> Assembler<D> {
             current_force: None,
             kernels,
             outflow,
-            constant,
+            biharmonic,
             given,
             full: None,
             condensed: None,
@@ -192,7 +190,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
     pub fn pattern(&mut self) -> Arc<Pattern> {
-        let Self { space, constraints, kernels, outflow, constant, given, full, .. } = self;
+        let Self { space, constraints, kernels, outflow, biharmonic, given, full, .. } = self;
         if let Some((pattern, _)) = full {
             return Arc::clone(pattern);
         }
@@ -207,15 +205,19 @@ impl<const D: usize> Assembler<D> {
         let mut free: Vec<u32> = (0..space.n_unknowns() as u32).collect();
         given.iter().for_each(|&row| free[row as usize] = DROP);
         kernels.stabilization_entries(Columns::All, &free, &mut |row, col| rows[row as usize].push(col));
-        constant.visit(&mut |row, col, _| {
-            if free[col as usize] != DROP {
-                rows[row as usize].push(col);
-            }
-        });
+        if let Some(b) = biharmonic {
+            b.visit(&mut |row, col, _| {
+                if free[col as usize] != DROP {
+                    rows[row as usize].push(col);
+                }
+            });
+        }
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        constant.set_slots(find);
+        if let Some(b) = biharmonic {
+            b.set_slots(find);
+        }
         kernels.set_slots(constraints, pattern.nnz(), &find);
         kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find);
         outflow.set_slots(constraints, find);
@@ -283,23 +285,16 @@ impl<const D: usize> Assembler<D> {
         if !self.space.deforms || self.physics.fluid.is_none() {
             return None;
         }
-        Some(ExtensionSystem::new(&self.space, &self.constraints, |put: &mut dyn FnMut(u32, u32, f64)| {
-            self.visit_extension(step, put);
-        }))
-    }
-
-    /// Call `put(row, column, value)` for the entries of ψ against u in the fluid, by places in `[v, u, p]`.
-    fn visit_extension(&self, step: &StepView<'_>, put: &mut dyn FnMut(u32, u32, f64)) {
-        if !self.is_biharmonic() {
-            self.kernels.extension(step, put);
-        }
-        self.constant.visit(put);
+        let visit = |put: &mut dyn FnMut(u32, u32, f64)| match &self.biharmonic {
+            Some(b) => b.visit(put),
+            None => self.kernels.extension(step, put),
+        };
+        Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
     }
 
     /// Whether the extension is of fourth order.
     pub fn is_biharmonic(&self) -> bool {
-        let extension = self.physics.fluid.map(|fluid| fluid.extension);
-        self.space.deforms && matches!(extension, Some(Extension::Biharmonic { .. }))
+        self.biharmonic.is_some()
     }
 
     /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
@@ -307,7 +302,7 @@ impl<const D: usize> Assembler<D> {
     pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
         let changes = !self.extension_is_constant();
         if changes {
-            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.visit_extension(step, put));
+            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
         }
         changes
     }
@@ -376,7 +371,9 @@ impl<const D: usize> Assembler<D> {
         self.move_force(step, End::New, Tangent::Automatic);
         let min_j = self.kernels.residual(step, None, out);
         self.outflow.residual(step, out);
-        self.constant.residual(&step.new.u, out);
+        if let Some(b) = &self.biharmonic {
+            b.residual(&step.new.u, out);
+        }
         for &row in &self.given {
             out[row as usize] = 0.0;
         }
@@ -409,7 +406,9 @@ impl<const D: usize> Assembler<D> {
         self.move_force(step, End::New, Tangent::Automatic);
         self.kernels.residual(step, Some(region), out);
         if region == Region::Fluid {
-            self.constant.residual(&step.new.u, out);
+            if let Some(b) = &self.biharmonic {
+                b.residual(&step.new.u, out);
+            }
             self.outflow.residual(step, out);
             self.outflow.explicit(step, out);
         }
@@ -439,7 +438,9 @@ impl<const D: usize> Assembler<D> {
         out.values.fill(0.0);
         self.kernels.jacobian(step, linearization, tangent, &mut out.values);
         self.outflow.jacobian(step, linearization, tangent, &mut out.values);
-        self.constant.jacobian(&mut out.values);
+        if let Some(b) = &self.biharmonic {
+            b.jacobian(&mut out.values);
+        }
         for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
