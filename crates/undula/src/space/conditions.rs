@@ -14,8 +14,8 @@ pub enum BoundaryCondition<const D: usize> {
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is free there,
-    /// too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
+    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is
+    /// free there, too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
