@@ -338,7 +338,7 @@ fn every_row_has_one_owner() {
                     let relation = Reach { v: [false, true], u: [false, true], p: false };
                     assert_eq!(reach, relation, "relation at node {node}");
                 }
-                PsiOwner::Extension | PsiOwner::Outlet => {
+                PsiOwner::Extension => {
                     assert!(
                         reach.v == [false; 2] && reach.u[0] && !reach.p,
                         "extension at {node}: {reach:?}"

@@ -13,49 +13,106 @@
 //! Tordjman 2001): the nodes of u and the centre have the weights 1/20, 2/15 and 9/20 of the area. Quadratic polynomials
 //! are reproduced on parallelograms and straight triangles, affine ones on all cells.
 
-use super::constant::{ConstantRows, Row, merge};
 use super::facets::facet_points;
 use super::points::for_each_point;
+use super::scatter::DROP;
 use crate::element::Shape;
 use crate::math::Vector;
 use crate::mesh::{INTERFACE, Side};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
 
-/// The operator A on the free unknowns of the fluid of `space`, `n` Gauss points per direction.
-pub fn biharmonic<const D: usize>(
-    space: &FsiSpace<D>,
-    constraints: &Constraints<D>,
-    hinged: bool,
-    n: usize,
-) -> ConstantRows {
-    let (mut source, mass) = forms(space, n);
-    let mut tested: Vec<Row> = vec![vec![]; space.nodes.len()];
-    for (w, row) in source.iter().enumerate() {
-        row.iter().for_each(|&(node, k)| tested[node as usize].push((w as u32, k)));
-    }
-    subtract_traces(space, n, &mut source);
-    for (row, mass) in source.iter_mut().zip(&mass).filter(|(_, mass)| **mass > 0.0) {
-        merge(row);
-        row.iter_mut().for_each(|(_, value)| *value /= mass);
-    }
-    let n_v = space.n_v();
-    let mut operator = ConstantRows::new(n_v);
-    for node in (0..space.nodes.len()).filter(|&node| space.owner[node] == PsiOwner::Extension) {
-        for i in (0..D).filter(|&i| !constraints.u[node][i]) {
-            let mut row = Row::new();
-            for &(w, k) in &tested[node] {
-                // There is no node of u in the centre.
-                let given = constraints.u.get(w as usize).is_some_and(|u| u[i]);
-                if !(hinged && given) {
-                    row.extend(source[w as usize].iter().map(|&(a, value)| (a, k * value)));
+/// A row of a sparse matrix over the nodes, ascending.
+type Row = Vec<(u32, f64)>;
+
+/// The operator A on the free unknowns of the fluid.
+#[derive(Clone, Debug, Default)]
+pub struct Biharmonic {
+    /// Row in `[v, u, p]` and the end of its entries.
+    rows: Vec<(u32, u32)>,
+    /// Entries: column in `[v, u, p]`, value.
+    entries: Vec<(u32, f64)>,
+    /// Where the entries go in the Jacobian.
+    slots: Vec<u32>,
+    n_v: usize,
+}
+
+impl Biharmonic {
+    /// On the fluid of `space`, `n` Gauss points per direction.
+    pub fn new<const D: usize>(
+        space: &FsiSpace<D>,
+        constraints: &Constraints<D>,
+        hinged: bool,
+        n: usize,
+    ) -> Biharmonic {
+        let (mut source, mass) = forms(space, n);
+        let mut tested: Vec<Row> = vec![vec![]; space.nodes.len()];
+        for (w, row) in source.iter().enumerate() {
+            row.iter().for_each(|&(node, k)| tested[node as usize].push((w as u32, k)));
+        }
+        subtract_traces(space, n, &mut source);
+        for (row, mass) in source.iter_mut().zip(&mass).filter(|(_, mass)| **mass > 0.0) {
+            merge(row);
+            row.iter_mut().for_each(|(_, value)| *value /= mass);
+        }
+        let n_v = space.n_v();
+        let mut operator = Biharmonic { n_v, ..Biharmonic::default() };
+        for node in (0..space.nodes.len()).filter(|&node| space.owner[node] == PsiOwner::Extension) {
+            for i in (0..D).filter(|&i| !constraints.u[node][i]) {
+                let mut row = Row::new();
+                for &(w, k) in &tested[node] {
+                    // There is no node of u in the centre.
+                    let given = constraints.u.get(w as usize).is_some_and(|u| u[i]);
+                    if !(hinged && given) {
+                        row.extend(source[w as usize].iter().map(|&(a, value)| (a, k * value)));
+                    }
                 }
+                merge(&mut row);
+                let place = |node: u32| (n_v + node as usize * D + i) as u32;
+                operator.entries.extend(row.into_iter().map(|(a, value)| (place(a), value)));
+                operator.rows.push((place(node as u32), operator.entries.len() as u32));
             }
-            merge(&mut row);
-            let place = |node: u32| (n_v + node as usize * D + i) as u32;
-            operator.push(place(node as u32), row.into_iter().map(|(a, value)| (place(a), value)));
+        }
+        operator
+    }
+
+    /// Each row with its entries.
+    fn lines(&self) -> impl Iterator<Item = (u32, &[(u32, f64)])> {
+        let mut start = 0;
+        self.rows.iter().map(move |&(row, end)| {
+            let entries = &self.entries[start..end as usize];
+            start = end as usize;
+            (row, entries)
+        })
+    }
+
+    /// Call `visit(row, column, value)` for all entries, by places in `[v, u, p]`.
+    pub fn visit(&self, visit: &mut dyn FnMut(u32, u32, f64)) {
+        for (row, entries) in self.lines() {
+            entries.iter().for_each(|&(column, value)| visit(row, column, value));
         }
     }
-    operator
+
+    /// Add A u to the ψ rows of `out`.
+    pub fn residual(&self, u: &[f64], out: &mut [f64]) {
+        for (row, entries) in self.lines() {
+            out[row as usize] +=
+                entries.iter().map(|&(column, value)| value * u[column as usize - self.n_v]).sum::<f64>();
+        }
+    }
+
+    /// Remember where the entries go; `find` gives [`DROP`] for those of given unknowns.
+    pub fn set_slots(&mut self, find: impl Fn(u32, u32) -> u32) {
+        let mut slots = Vec::with_capacity(self.entries.len());
+        self.visit(&mut |row, column, _| slots.push(find(row, column)));
+        self.slots = slots;
+    }
+
+    /// Add the entries to those of the Jacobian.
+    pub fn jacobian(&self, out: &mut [f64]) {
+        for (&slot, &(_, value)) in self.slots.iter().zip(&self.entries).filter(|(slot, _)| **slot != DROP) {
+            out[slot as usize] += value;
+        }
+    }
 }
 
 /// Vertices of a quadratic triangle, each with the nodes on the two edges there.
@@ -170,4 +227,16 @@ fn subtract_traces<const D: usize>(space: &FsiSpace<D>, n: usize, rows: &mut [Ro
             }
         }
     }
+}
+
+/// Sort by column and add up what belongs to one.
+fn merge(row: &mut Row) {
+    row.sort_by_key(|&(column, _)| column);
+    row.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+        }
+        same
+    });
 }

@@ -11,7 +11,6 @@ pub(crate) mod batch;
 pub(crate) mod biharmonic;
 pub(crate) mod chunks;
 mod condense;
-mod constant;
 pub(crate) mod contract;
 pub mod differences;
 pub(crate) mod evaluate;
@@ -35,7 +34,7 @@ use crate::algebra::{Csr, Kind, Pattern, SolverError, Unknown};
 use crate::physics::{Extension, Fluid, Solid, Stabilization};
 use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
-use constant::ConstantRows;
+use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
 use facets::OutflowFacets;
 use force::CurrentForce;
@@ -108,8 +107,8 @@ pub struct Assembler<const D: usize> {
     pub current_force: Option<CurrentForce<D>>,
     kernels: Box<dyn Kernels<D>>,
     outflow: OutflowFacets<D>,
-    /// Rows of the extension that are assembled once.
-    constant: ConstantRows,
+    /// The extension where it is of fourth order.
+    biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
     /// Parts of the fluid whose pressure is determined up to a constant; their rows that read δ = 0 are the last.
@@ -175,13 +174,12 @@ impl<const D: usize> Assembler<D> {
         };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
-        let mut constant = match physics.fluid.map(|f| f.extension) {
+        let biharmonic = match physics.fluid.map(|f| f.extension) {
             Some(Extension::Biharmonic { hinged }) if space.deforms => {
-                biharmonic::biharmonic(&space, &constraints, hinged, options.quadrature)
+                Some(Biharmonic::new(&space, &constraints, hinged, options.quadrature))
             }
-            _ => ConstantRows::new(space.n_v()),
+            _ => None,
         };
-        constant.push_outlets(&space, &constraints, stiffness);
         Ok(Assembler {
             space,
             constraints,
@@ -189,7 +187,7 @@ impl<const D: usize> Assembler<D> {
             current_force: None,
             kernels,
             outflow,
-            constant,
+            biharmonic,
             given,
             closed: vec![],
             full: None,
@@ -250,7 +248,7 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// [`SolverError::TooLarge`] if it has too many entries to be numbered.
     pub fn try_pattern(&mut self) -> Result<Arc<Pattern>, SolverError> {
-        let Self { space, constraints, kernels, outflow, constant, given, full, .. } = self;
+        let Self { space, constraints, kernels, outflow, biharmonic, given, full, .. } = self;
         if let Some((pattern, _)) = full {
             return Ok(Arc::clone(pattern));
         }
@@ -265,15 +263,19 @@ impl<const D: usize> Assembler<D> {
         let mut free: Vec<u32> = (0..space.n_unknowns() as u32).collect();
         given.iter().for_each(|&row| free[row as usize] = DROP);
         kernels.stabilization_entries(Columns::All, &free, &mut |row, col| rows[row as usize].push(col));
-        constant.visit(&mut |row, col, _| {
-            if free[col as usize] != DROP {
-                rows[row as usize].push(col);
-            }
-        });
+        if let Some(b) = biharmonic {
+            b.visit(&mut |row, col, _| {
+                if free[col as usize] != DROP {
+                    rows[row as usize].push(col);
+                }
+            });
+        }
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        constant.set_slots(find);
+        if let Some(b) = biharmonic {
+            b.set_slots(find);
+        }
         kernels.set_slots(constraints, pattern.nnz(), &find)?;
         kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find)?;
         outflow.set_slots(constraints, find);
@@ -352,23 +354,16 @@ impl<const D: usize> Assembler<D> {
         if !self.space.deforms || self.physics.fluid.is_none() {
             return None;
         }
-        Some(ExtensionSystem::new(&self.space, &self.constraints, |put: &mut dyn FnMut(u32, u32, f64)| {
-            self.visit_extension(step, put);
-        }))
-    }
-
-    /// Call `put(row, column, value)` for the entries of ψ against u in the fluid, by places in `[v, u, p]`.
-    fn visit_extension(&self, step: &StepView<'_>, put: &mut dyn FnMut(u32, u32, f64)) {
-        if !self.is_biharmonic() {
-            self.kernels.extension(step, put);
-        }
-        self.constant.visit(put);
+        let visit = |put: &mut dyn FnMut(u32, u32, f64)| match &self.biharmonic {
+            Some(b) => b.visit(put),
+            None => self.kernels.extension(step, put),
+        };
+        Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
     }
 
     /// Whether the extension is of fourth order.
     pub fn is_biharmonic(&self) -> bool {
-        let extension = self.physics.fluid.map(|fluid| fluid.extension);
-        self.space.deforms && matches!(extension, Some(Extension::Biharmonic { .. }))
+        self.biharmonic.is_some()
     }
 
     /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
@@ -376,7 +371,7 @@ impl<const D: usize> Assembler<D> {
     pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
         let changes = !self.extension_is_constant();
         if changes {
-            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.visit_extension(step, put));
+            system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.kernels.extension(step, put));
         }
         changes
     }
@@ -446,7 +441,9 @@ impl<const D: usize> Assembler<D> {
         self.move_force(step, End::New, Tangent::Automatic);
         let min_j = self.kernels.residual(step, None, out);
         self.outflow.residual(step, out);
-        self.constant.residual(&step.new.u, out);
+        if let Some(b) = &self.biharmonic {
+            b.residual(&step.new.u, out);
+        }
         for &row in &self.given[..self.given.len() - self.closed.len()] {
             out[row as usize] = 0.0;
         }
@@ -479,7 +476,9 @@ impl<const D: usize> Assembler<D> {
         self.move_force(step, End::New, Tangent::Automatic);
         self.kernels.residual(step, Some(region), out);
         if region == Region::Fluid {
-            self.constant.residual(&step.new.u, out);
+            if let Some(b) = &self.biharmonic {
+                b.residual(&step.new.u, out);
+            }
             self.outflow.residual(step, out);
             self.outflow.explicit(step, out);
         }
@@ -514,7 +513,9 @@ impl<const D: usize> Assembler<D> {
         out.values.fill(0.0);
         self.kernels.jacobian(step, linearization, tangent, &mut out.values);
         self.outflow.jacobian(step, linearization, tangent, &mut out.values);
-        self.constant.jacobian(&mut out.values);
+        if let Some(b) = &self.biharmonic {
+            b.jacobian(&mut out.values);
+        }
         for &diagonal in self.full.iter().flat_map(|(_, diagonals)| diagonals) {
             out.values[diagonal as usize] = 1.0;
         }

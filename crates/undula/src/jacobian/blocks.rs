@@ -201,7 +201,7 @@ fn equations(space: &FsiSpace<2>) -> Vec<Equation> {
         (false, true) => Equation::Elasticity,
     };
     let psi = |node: usize| match space.owner[node] {
-        PsiOwner::Extension | PsiOwner::Outlet => Equation::Ale,
+        PsiOwner::Extension => Equation::Ale,
         PsiOwner::Relation => Equation::Relation,
     };
     let mut list: Vec<Equation> = (0..space.n_v()).map(|i| momentum(i / 2)).collect();

@@ -38,8 +38,8 @@ impl<const D: usize> FacetForm<D> for Outflow {
 /// Directional do-nothing term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩ on the outflow boundary: the condition becomes
 /// `ρν ∇v n − p n = ½ ρ min(0, (v − ∂_t u)·n) v` in the current domain (Braack and Mucha 2014).
 ///
-/// The term vanishes where the flow leaves. Where the flow comes in, ½ ρ ((v − ∂_t u)·n) |v|² of kinetic energy comes in
-/// through the boundary, which nothing bounds; the term takes exactly this energy away.
+/// The term vanishes where the flow leaves. Where the flow comes in, ½ ρ ((v − ∂_t u)·n) |v|² of kinetic energy comes
+/// in through the boundary, which nothing bounds; the term takes exactly this energy away.
 #[derive(Copy, Clone, Debug)]
 pub struct Backflow {
     /// ρ_f \[kg/m³\].

@@ -196,8 +196,8 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     -theta * form.viscosity * (q * tr + dq) * J
 }
 
-/// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩, absent from the printed theorem; `at.u` and
-/// `W.u` are ∂_t u and its direction.
+/// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩, absent from the printed theorem; `at.u`
+/// and `W.u` are ∂_t u and its direction.
 #[inline(always)]
 pub fn backflow<S: Scalar<Value = S>, const D: usize>(
     form: &Backflow,

@@ -168,8 +168,6 @@ impl Case {
         }
         self.check_patches(&space)?;
         self.check_ends(&space).map_err(Error::Case)?;
-        let conditions = self.conditions(&space.mesh);
-        space.move_outlets(&conditions);
         Ok(space)
     }
 

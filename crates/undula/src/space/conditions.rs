@@ -14,8 +14,8 @@ pub enum BoundaryCondition<const D: usize> {
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// Of the fluid: v free, u = 0; where a free end of the solid meets the boundary, all of it moves along, see
-    /// [`FsiSpace::move_outlets`]. Of the solid: as `Free`.
+    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is
+    /// free there, too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
@@ -62,6 +62,7 @@ impl<const D: usize> Constraints<D> {
         let (v, u) = (vec![false; n], vec![[false; D]; n]);
         let mut c = Constraints { v, u, p: vec![], data: vec![], load: 1.0, follows: false };
         let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
+        let moves = super::ends::moving(space, conditions);
         for facet in &space.mesh.facets {
             for node in space.facet_nodes(facet) {
                 let node = node as usize;
@@ -73,8 +74,10 @@ impl<const D: usize> Constraints<D> {
                     BoundaryCondition::Fixed => {
                         (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    // Nodes of the solid are free, both u and v, and with them those of an outlet that moves.
-                    BoundaryCondition::Outflow { .. } if space.owner[node] == PsiOwner::Extension => {
+                    // Nodes of the solid are free, as both u and v.
+                    BoundaryCondition::Outflow { .. }
+                        if space.owner[node] == PsiOwner::Extension && !moves[facet.boundary as usize] =>
+                    {
                         c.u[node] = [true; D];
                     }
                     BoundaryCondition::Outflow { .. } | BoundaryCondition::Free => {}
@@ -85,7 +88,7 @@ impl<const D: usize> Constraints<D> {
         c.u[space.nodes.n_lagrange..].fill([true; D]);
         if space.walls == Walls::Sliding {
             for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some(axis) = axis {
+                if let Some(axis) = axis.filter(|_| c.u[node] == [true; D]) {
                     c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }

@@ -8,7 +8,7 @@ use super::{BoundaryCondition, FsiSpace, PsiOwner, Region};
 /// u and v of a node of the solid are one thing (∂_t u = v): both are free, or both are given.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum EndKind {
-    /// On an outflow: u and v are free, and the outflow moves along, see [`FsiSpace::move_outlets`].
+    /// On an outflow: u and v are free, and u is free on all of that outflow.
     Free,
     /// On a boundary with velocity data, which must vanish there: u = 0.
     Inflow,
@@ -67,7 +67,7 @@ pub fn ends<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition
 }
 
 /// For each boundary whether it is an outflow that moves along with a free end of the solid.
-fn moving<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<bool> {
+pub fn moving<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<bool> {
     let mut free = vec![false; space.nodes.len()];
     for end in ends(space, conditions).iter().filter(|end| end.kind == EndKind::Free) {
         free[end.node as usize] = true;
@@ -80,26 +80,4 @@ fn moving<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D
         }
     }
     moving
-}
-
-impl<const D: usize> FsiSpace<D> {
-    /// Gives outflow boundaries at which the solid ends free to [`PsiOwner::Outlet`]: they move along.
-    ///
-    /// Nodes that lie on another boundary of the fluid, too, stay where they are. In the plane only, `D` = 2.
-    pub fn move_outlets(&mut self, conditions: &[BoundaryCondition<D>]) {
-        let moving = moving(self, conditions);
-        if D != 2 || !moving.contains(&true) {
-            return;
-        }
-        let (mut on, mut off) = (vec![false; self.nodes.len()], vec![false; self.nodes.len()]);
-        for facet in self.mesh.facets.iter().filter(|f| self.regions[f.cell as usize] == Region::Fluid) {
-            let of = if moving[facet.boundary as usize] { &mut on } else { &mut off };
-            self.facet_nodes(facet).into_iter().for_each(|node| of[node as usize] = true);
-        }
-        for (node, owner) in self.owner.iter_mut().enumerate() {
-            if on[node] && !off[node] && *owner == PsiOwner::Extension {
-                *owner = PsiOwner::Outlet;
-            }
-        }
-    }
 }

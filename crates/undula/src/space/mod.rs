@@ -38,9 +38,6 @@ pub enum PsiOwner {
     Extension,
     /// The velocity-deformation relation: the node lies in the closure of the solid.
     Relation,
-    /// ∂_s² u = 0 along an outflow boundary, s the length along it: u is linear between the ends, one of which is a free
-    /// end of the solid. The shape of the fluid domain then does not depend on the extension.
-    Outlet,
 }
 
 /// Velocity and deformation on all of Ω, pressure in the fluid and in an incompressible solid.

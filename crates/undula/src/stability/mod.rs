@@ -109,7 +109,7 @@ fn blocks<const D: usize>(
     constraints: &crate::space::Constraints<D>,
 ) -> Vec<(&'static str, Vec<u32>)> {
     let (n_v, n_u) = (space.n_v(), space.n_u());
-    let of_fluid = |node: usize| space.owner[node] != PsiOwner::Relation;
+    let of_fluid = |node: usize| space.owner[node] == PsiOwner::Extension;
     let places = |first: usize, given: &dyn Fn(usize, usize) -> bool, fluid: bool| -> Vec<u32> {
         let nodes = (0..space.nodes.len()).filter(|&node| of_fluid(node) == fluid);
         let all = nodes.flat_map(|node| (0..D).map(move |i| (node, i)));

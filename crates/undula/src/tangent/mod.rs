@@ -154,8 +154,8 @@ pub fn outflow<const D: usize>(
     }
 }
 
-/// Derivative of the directional term in direction `W`, whichever way; `lagged`: the flow through the boundary stays that
-/// of `at`, as in a fixed-point iteration.
+/// Derivative of the directional term in direction `W`, whichever way; `lagged`: the flow through the boundary stays
+/// that of `at`, as in a fixed-point iteration.
 #[inline(always)]
 pub fn backflow<const D: usize>(
     (tangent, lagged): (Tangent, bool),

@@ -278,9 +278,9 @@ fn row<const D: usize>(space: &FsiSpace<D>, i: usize) -> (Equation, Spot) {
     }
     let node = i % n_v / D;
     let equation = match (i < n_v, space.owner[node]) {
-        (true, PsiOwner::Extension | PsiOwner::Outlet) => Equation::FluidMomentum,
+        (true, PsiOwner::Extension) => Equation::FluidMomentum,
         (true, PsiOwner::Relation) => Equation::SolidMomentum,
-        (false, PsiOwner::Extension | PsiOwner::Outlet) => Equation::Extension,
+        (false, PsiOwner::Extension) => Equation::Extension,
         (false, PsiOwner::Relation) => Equation::Relation,
     };
     (equation, spot(space, &format!("node {node} at "), &space.nodes.points[node]))

@@ -99,9 +99,7 @@ impl Scales {
         p.fill(1.0 / self.size.powi(D as i32 - 1));
         for (u, owner) in u.chunks_exact_mut(D).zip(&space.owner) {
             u.fill(match owner {
-                PsiOwner::Extension | PsiOwner::Outlet => {
-                    1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2))
-                }
+                PsiOwner::Extension => 1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2)),
                 PsiOwner::Relation => 1.0 / self.size.powi(D as i32),
             });
         }
@@ -120,7 +118,7 @@ impl Scales {
         for (r, owner) in r[n_v..n_v + n_u].chunks_exact(D).zip(&space.owner) {
             let size = r.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             let max = match owner {
-                PsiOwner::Extension | PsiOwner::Outlet => &mut n.extension,
+                PsiOwner::Extension => &mut n.extension,
                 PsiOwner::Relation => &mut n.relation,
             };
             *max = max.max(size);

@@ -6,7 +6,7 @@ use crate::Place;
 /// ½ ρ ∫ (4 y (1 − y))² over the channel of 4 m × 1 m \[J/m\].
 const POISEUILLE: f64 = 16.0 / 15.0;
 
-/// Kinetic energy of the fluid as a functional `fke`, force on a whole wall, end of the elastic wall.
+/// Kinetic energy of the fluid and axial displacement of the end of the elastic wall.
 const MORE: [&str; 5] = [
     "functional.fke.kind=energy",
     "functional.fke.term=fluid-kinetic",
@@ -105,4 +105,133 @@ fn names_do_not_matter_to_a_compliant_channel() {
         0,
         &["boundary.right: the solid ends free at (4.000000, 1.000000)", "boundary.left", "clamped"],
     );
+}
+
+#[test]
+fn a_compliant_channel_with_open_ends_runs() {
+    let channel = channel("compliant-box");
+    for condition in ["do-nothing", "traction-free"] {
+        let condition = format!("boundary.right.condition={condition}");
+        complete(&channel, &[&["mesh.cells=[16, 6]", "time.step=0.02", &condition]]);
+        let (middle, end) = (value(&channel, "uy_mid"), value(&channel, "uy_end"));
+        assert!((0.42..0.45).contains(&middle) && (0.5..0.65).contains(&end), "{middle} {end}");
+    }
+    let tube = tube("compliant-tube");
+    for more in [&[][..], &TRIANGLES] {
+        complete(&tube, &[&["time.step=0.02"], more]);
+        close(value(&tube, "uy_mid"), 0.436, 0.01);
+        close(value(&tube, "uy_end"), 0.611, 0.02);
+    }
+}
+
+#[test]
+fn a_clamped_end_stays_where_it_is() {
+    let tube = tube("clamped");
+    complete(&tube, &[&["boundary.wall_out.condition=clamped", "time.scheme=bdf2"]]);
+    assert_eq!((value(&tube, "ux_end"), value(&tube, "uy_end")), (0.0, 0.0));
+    close(value(&tube, "ke"), 0.0035, 0.05);
+}
+
+/// The deformation of the wall hardly depends on how the mesh follows, and not at all on how the equations are solved.
+#[test]
+fn outlets_move_with_every_motion_and_linearization() {
+    let channel = channel("motions");
+    let coarse = ["mesh.cells=[16, 6]", "time.step=0.02", "time.end=0.6"];
+    for model in ["harmonic", "stiffened-harmonic", "pseudo-elastic", "jacobian-stiffened", "biharmonic"] {
+        let model = format!("motion.model={model}");
+        let mut ends = vec![];
+        for linearization in ["newton.linearization=condensed", "newton.linearization=newton"] {
+            complete(&channel, &[&coarse, &[&model, linearization]]);
+            close(value(&channel, "uy_mid"), 0.17866, 1e-3);
+            close(value(&channel, "ux_end"), -0.0305, 5e-3);
+            ends.push(value(&channel, "uy_end"));
+        }
+        close(ends[0], ends[1], 1e-5);
+    }
+}
+
+#[test]
+fn velocity_data_on_the_solid_are_refused() {
+    let channel = channel("driven-box");
+    let sets = ["boundary.right.condition=no-slip", "boundary.left.velocity=[\"0.1*ramp(t,0.2)\", 0]"];
+    let words = ["boundary.left.velocity", "0.1*ramp(t,0.2)", "(1.0000e-1, 0.0000e0) m/s", "0 on the solid"];
+    for command in ["check case.toml", "run case.toml -o out"] {
+        undula(&channel, command, &sets).expect(2, &words);
+    }
+    assert!(!channel.file("out").exists());
+
+    // A free end of the wall at the inlet is clamped if the data vanish there, and a held one takes no data.
+    let tube = tube("driven-tube");
+    let free = "boundary.wall_in.condition=traction-free";
+    let jump = "boundary.inlet.velocity=[\"4*y*(1.1-y)*ramp(t,0.2)\", 0]";
+    undula(&tube, "check case.toml", &[free, jump]).expect(2, &["(0.000000, 1.000000)", "0 on the solid"]);
+    undula(&tube, "check case.toml", &[free]).expect(0, &["the solid is clamped at (0.000000, 1.000000)"]);
+    undula(&tube, "check case.toml", &[jump]).expect(0, &["where the solid is held; 0 is taken there"]);
+}
+
+#[test]
+fn conditions_that_are_proposed_for_both_bodies_are_accepted() {
+    let channel = channel("proposed");
+    let proposed = "`velocity` (0 on the solid), `no-slip`, `do-nothing` or `traction-free`";
+    undula(&channel, "check case.toml", &["boundary.right=none"]).expect(2, &[proposed]);
+    for condition in ["no-slip", "do-nothing", "traction-free"] {
+        undula(&channel, "check case.toml", &[&format!("boundary.right.condition={condition}")])
+            .expect(0, &[]);
+    }
+}
+
+/// Pulsating flow that turns round at the outlet; coarse.
+fn vessel(name: &str) -> (Place, [&'static str; 2]) {
+    (place(name, &["backflow/case.toml"]), ["mesh.cells=[48, 12]", "time.step=0.005"])
+}
+
+const DIRECTIONAL: &str = "boundary.right.backflow=directional";
+
+#[test]
+fn flow_back_in_through_an_outlet_is_named() {
+    let (vessel, [cells, step]) = vessel("backflow");
+    let words =
+        ["the flow comes back in through the outlet `right`", "m/s at (0.08", "boundary.right.backflow"];
+    let run = "run case.toml --quiet --threads 1 -o out";
+    undula(&vessel, run, &[cells, step, "time.max-halvings=0"]).expect(3, &words);
+}
+
+#[test]
+fn the_directional_outlet_computes_through_backflow() {
+    let (vessel, [cells, step]) = vessel("directional");
+    let run = "run case.toml --quiet --force --threads 1 -o out";
+    let mut energies = vec![];
+    for linearization in ["newton.linearization=condensed", "newton.linearization=newton"] {
+        undula(&vessel, run, &[cells, step, "time.end=0.65", DIRECTIONAL, linearization]).expect(0, &[]);
+        energies.push(value(&vessel, "ke"));
+    }
+    close(energies[0], 0.045742, 1e-4);
+    close(energies[0], energies[1], 1e-6);
+    let written = undula(&vessel, "check case.toml --toml", &[DIRECTIONAL]).expect(0, &[]).out;
+    assert!(written.contains("backflow = \"directional\""), "{written}");
+    vessel.write("again.toml", &written);
+    assert_eq!(undula(&vessel, "check again.toml --toml", &[]).expect(0, &[]).out, written);
+}
+
+/// Beside a wall that moves the outlet moves, too, so that ∂_t u takes part.
+#[test]
+fn jacobians_have_the_directional_term() {
+    let channel = channel("directional-jacobian");
+    for scheme in ["shifted-crank-nicolson", "bdf2", "cg1"] {
+        let scheme = format!("time.scheme={scheme}");
+        let sets = [DIRECTIONAL, "mesh.cells=[8, 6]", &scheme];
+        undula(&channel, "check case.toml --jacobian", &sets).expect(0, &["all Jacobians agree"]);
+    }
+}
+
+#[test]
+fn backflow_where_nothing_flows_out_is_told() {
+    let channel = channel("backflow-elsewhere");
+    let solid = ["boundary.top.backflow=directional"];
+    undula(&channel, "check case.toml", &solid)
+        .expect(2, &["boundary.top.backflow", "only the solid is here"]);
+    let wall = ["boundary.bottom.backflow=directional"];
+    undula(&channel, "check case.toml", &wall).expect(0, &["boundary.bottom.backflow has no effect"]);
+    let word = ["boundary.right.backflow=inward"];
+    undula(&channel, "check case.toml", &word).expect(2, &["expected one of `none`, `directional`"]);
 }
