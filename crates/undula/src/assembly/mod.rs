@@ -3,6 +3,8 @@
 //! Cells are processed `L` at a time, one per vector lane, in chunks that threads share out; every sum has
 //! one order, so that the result does not depend on the number of threads.
 //! After the first call nothing is allocated.
+// Unit tests have no kernels, see `kernels` below.
+#![cfg_attr(test, allow(dead_code))]
 
 pub mod batch;
 pub mod biharmonic;
@@ -37,7 +39,9 @@ use facets::OutflowFacets;
 use force::CurrentForce;
 use interior::FacetBlocks;
 pub use kernel::StepView;
-use pair::{Kernels, Pair};
+use pair::Kernels;
+#[cfg(not(test))]
+use pair::Pair;
 use scatter::DROP;
 use stabilize::Columns;
 use std::sync::Arc;
@@ -57,7 +61,7 @@ pub type ForceAt<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
 /// How the loops run; none of it changes the problem solved.
 #[derive(Copy, Clone, Debug)]
 pub struct Options {
-    /// Cells per batch: 1, 4 or 8; what this processor does not have is replaced by its best.
+    /// Cells per batch: 1, 4 or 8; what this processor or this build does not have is replaced by the best there is.
     pub lanes: usize,
     /// Threads; with more than one, calls must come from within a rayon pool of that size.
     pub threads: usize,
@@ -66,7 +70,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The widest lanes of this processor, one thread, `quadrature` Gauss points per direction.
+    /// The widest lanes there are, one thread, `quadrature` Gauss points per direction.
     pub fn serial(quadrature: usize) -> Options {
         Options { lanes: simd::best_lanes(), threads: 1, quadrature }
     }
@@ -124,15 +128,53 @@ pub struct CondensedSystem {
     pub unknowns: Vec<Unknown>,
 }
 
-impl<const D: usize> Assembler<D> {
+impl Assembler<2> {
     /// Prepare everything that stays for the run.
     ///
-    /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension.
+    /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension. Not generic in the
+    /// dimension: whoever called it would compile all kernels once more.
     pub fn new(
+        space: Arc<FsiSpace<2>>,
+        physics: Physics,
+        conditions: &[BoundaryCondition<2>],
+        stiffness: &dyn Fn(&[f64; 2]) -> f64,
+        options: &Options,
+    ) -> Assembler<2> {
+        let kernels = kernels(&space, &physics, stiffness, options);
+        Assembler::with(kernels, space, physics, conditions, options)
+    }
+}
+
+/// The kernels with the lanes that are asked for or, if this build or this processor has none, with the most it has.
+#[cfg(not(test))]
+fn kernels(
+    space: &FsiSpace<2>,
+    physics: &Physics,
+    stiffness: &dyn Fn(&[f64; 2]) -> f64,
+    options: &Options,
+) -> Box<dyn Kernels<2>> {
+    let there = simd::compiled(options.lanes) && simd::available(options.lanes);
+    match if there { options.lanes } else { simd::best_lanes() } {
+        #[cfg(lanes_8)]
+        8 => Box::new(Pair::<2, 8>::new(space, physics, stiffness, options)),
+        #[cfg(lanes_4)]
+        4 => Box::new(Pair::<2, 4>::new(space, physics, stiffness, options)),
+        _ => Box::new(Pair::<2, 1>::new(space, physics, stiffness, options)),
+    }
+}
+
+/// None: they are not compiled twice for `cargo test`. What assembles is tested in `tests/it`.
+#[cfg(test)]
+fn kernels(_: &FsiSpace<2>, _: &Physics, _: &dyn Fn(&[f64; 2]) -> f64, _: &Options) -> Box<dyn Kernels<2>> {
+    unimplemented!("unit tests have no kernels")
+}
+
+impl<const D: usize> Assembler<D> {
+    fn with(
+        kernels: Box<dyn Kernels<D>>,
         space: Arc<FsiSpace<D>>,
         physics: Physics,
         conditions: &[BoundaryCondition<D>],
-        stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
     ) -> Assembler<D> {
         let constraints = Constraints::new(&space, conditions);
@@ -141,17 +183,6 @@ impl<const D: usize> Assembler<D> {
         let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
         let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
         let outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
-        let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
-        let kernels: Box<dyn Kernels<D>> = match lanes {
-            1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-            // Not in unit tests: integration tests run every width, and compiling them twice takes minutes.
-            #[cfg(not(any(test, feature = "narrow")))]
-            4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
-            #[cfg(not(any(test, feature = "narrow")))]
-            _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
-            #[cfg(any(test, feature = "narrow"))]
-            _ => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
-        };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
         let biharmonic = match physics.fluid.map(|f| f.extension) {
