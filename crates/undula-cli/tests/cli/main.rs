@@ -2,7 +2,6 @@
 
 mod bench;
 mod endings;
-mod faults;
 mod input;
 mod jacobian;
 mod outputs;

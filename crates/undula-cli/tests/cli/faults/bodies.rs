@@ -1,1 +1,0 @@
-//! Regions, interfaces and enclosed parts of the fluid.

@@ -1,1 +1,0 @@
-//! Nodes at which boundaries of different bodies meet.

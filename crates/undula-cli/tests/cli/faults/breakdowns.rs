@@ -1,1 +1,0 @@
-//! What a run that cannot go on says.

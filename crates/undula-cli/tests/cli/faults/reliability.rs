@@ -1,1 +1,0 @@
-//! Files, signals, checkpoints.

@@ -1,1 +1,0 @@
-//! Small geometries and other units.

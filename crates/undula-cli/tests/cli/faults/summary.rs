@@ -1,1 +1,0 @@
-//! Statistics, comparisons, and what `check` tells.
