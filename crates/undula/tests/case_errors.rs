@@ -401,8 +401,9 @@ fn a_mesh_file_must_have_the_cells_of_the_velocity() {
     let set =
         |velocity: &'static str| ["mesh.generator=none", "mesh.refine=0", &mesh, velocity].map(String::from);
     let case = Case::builtin("dfg-2d1", &set("space.velocity=P2")).unwrap();
-    assert_eq!(case.sizes().unwrap().cells, triangles.n_cells());
-    let refused = Case::builtin("dfg-2d1", &set("space.velocity=Q2")).unwrap().sizes().err().unwrap();
+    assert_eq!(case.check_mesh_and_measure().unwrap().cells, triangles.n_cells());
+    let refused =
+        Case::builtin("dfg-2d1", &set("space.velocity=Q2")).unwrap().check_mesh_and_measure().err().unwrap();
     std::fs::remove_file(&file).unwrap();
     assert_eq!(
         refused.to_string(),
@@ -492,14 +493,16 @@ fn senseless_stabilisation_is_refused_with_the_reason() {
     }
     for pressure in ["space.pressure=Q2", "space.velocity=P1"] {
         let case = builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=0"]);
-        let said = case.sizes().err().map_or(String::new(), |e| e.to_string());
+        let said = case.check_mesh_and_measure().err().map_or(String::new(), |e| e.to_string());
         assert!(
             said.contains(
                 "stabilization.projection=patch: the fluid does not consist of cells refined in four"
             ),
             "{said}"
         );
-        builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=1"]).sizes().unwrap();
+        builtin("fsi1", &[pressure, "stabilization.projection=patch", "mesh.refine=1"])
+            .check_mesh_and_measure()
+            .unwrap();
     }
 }
 
