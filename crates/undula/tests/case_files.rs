@@ -229,7 +229,8 @@ fn names_come_from_the_facets() {
     ] {
         let (_, found) = names.boundaries.iter().find(|(n, _)| n == name).unwrap();
         let (mut found, mut regions) = (found.clone(), sets(regions));
-        (found.sort(), regions.sort());
+        found.sort();
+        regions.sort();
         assert_eq!(found, regions, "{name}");
     }
     assert!(names.outer.iter().all(|(name, _)| name != "rock" && name != "interface"));
