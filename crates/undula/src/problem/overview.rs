@@ -171,7 +171,8 @@ impl Case {
         let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
         large.then(|| {
             format!(
-                "the mesh is {size:.4} m long: if its coordinates are millimetres, give mesh.scale = 1e-3"
+                "the mesh is {} m long: if its coordinates are millimetres, save it with Mesh.ScalingFactor = 1e-3",
+                short(size)
             )
         })
     }
