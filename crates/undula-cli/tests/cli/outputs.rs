@@ -115,7 +115,10 @@ fn check_tells_extents_regions_boundaries_and_the_flow() {
         "Re = 200 with that mean and 0.1 m, the diameter of the cylinder",
         "CFL = ",
     ];
-    here.run("check fsi3", &["mesh.refine=0"]).expect(0, &told);
+    for velocity in ["space.velocity=Q2", "space.velocity=P2"] {
+        here.run("check fsi3", &["mesh.refine=0", velocity]).expect(0, &told);
+    }
+    here.run("check dfg-2d3", &["mesh.refine=0"]).expect(0, &["Re = 100 with that mean and 0.1 m"]);
     here.write("large.msh", LARGE);
     let case = "[mesh]\nfile = \"large.msh\"\n[fluid]\ndensity = 1000\nkinematic-viscosity = 1e-6\n[boundary]\n\
                 wall.condition = \"do-nothing\"\ninlet = { condition = \"velocity\", velocity = [0.1, 0] }\n";

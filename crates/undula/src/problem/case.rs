@@ -529,7 +529,6 @@ pub struct OutputSpec {
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write cells as curved as they are, not cut into straight ones.
-    ///
     pub curved: bool,
     /// Write a checkpoint every this many steps (0: only when interrupted and at the end).
     pub checkpoint_every: usize,

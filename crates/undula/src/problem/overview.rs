@@ -97,8 +97,7 @@ impl Case {
             let facets = || space.mesh.facets.iter().filter(move |f| usize::from(f.boundary) == number);
             let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
             let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
-            let bodies = match (has(Region::Fluid), has(Region::Solid)) {
-                _ if inside => "fluid and solid",
+            let bodies = match (inside || has(Region::Fluid), inside || has(Region::Solid)) {
                 (true, true) => "fluid and solid",
                 (true, false) => "fluid",
                 _ => "solid",
