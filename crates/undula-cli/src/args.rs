@@ -62,7 +62,7 @@ pub struct RunArgs {
     /// Go on from the last checkpoint in the output directory
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
-    /// Replace the results in the output directory
+    /// Replace the run in the output directory, completed or not
     #[arg(long)]
     pub force: bool,
     /// Print errors only
@@ -118,7 +118,7 @@ pub struct CompareArgs {
     pub dir: PathBuf,
     /// Output directory of a second run, to be set beside the first
     pub other: Option<PathBuf>,
-    /// Reference file to compare with [default: that of the built-in case of the same name]
+    /// Reference file to compare with [default: that of the built-in case named by `reference` in the case]
     #[arg(long, value_name = "FILE", conflicts_with = "other")]
     pub reference: Option<PathBuf>,
 }
@@ -183,8 +183,25 @@ pub const INTERRUPTED: u8 = 130;
 
 /// Tells what is wrong with the input; exit code 2, as for mistakes on the command line.
 pub fn bad_input(message: impl Display) -> anyhow::Result<ExitCode> {
-    writeln!(std::io::stderr(), "{message}")?;
+    say(message);
     Ok(ExitCode::from(2))
+}
+
+/// Prints a line on standard error. A reader that has gone, such as `head`, is no failure, nor is anything else there:
+/// a computation does not depend on who listens.
+pub fn say(line: impl Display) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints notes on standard error.
+pub fn say_notes(notes: &[String]) {
+    notes.iter().for_each(|note| say(format_args!("note: {note}")));
+}
+
+/// Prints on standard output what is there for people only, as [`say`] does.
+pub fn show(text: &str) {
+    let mut out = std::io::stdout().lock();
+    let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
 /// An error and its causes in one line; a cause that has been quoted by what it led to is not repeated.

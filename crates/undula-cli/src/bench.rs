@@ -1,6 +1,6 @@
 //! `undula bench`: what a step costs, and its parts.
 
-use crate::args::{BREAKDOWN, BenchArgs, bad_input, print, threads};
+use crate::args::{BREAKDOWN, BenchArgs, bad_input, print, say, say_notes, threads};
 use crate::{check, run};
 use anyhow::Context;
 use std::process::ExitCode;
@@ -22,7 +22,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     match report(args, case) {
         Ok(report) => write(args, &report),
         Err(Error::Breakdown(failure)) => {
-            eprintln!("breakdown: {failure}");
+            say(format_args!("breakdown: {failure}"));
             Ok(ExitCode::from(BREAKDOWN))
         }
         Err(error) => run::failed(error),
@@ -37,7 +37,7 @@ fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
     };
     let mut simulation = Simulation::new(case, threads(args.threads))?;
     if let Some(from) = &args.from {
-        undula::run::restore_latest(&mut simulation, from)?;
+        say_notes(&undula::run::restore_latest(&mut simulation, from)?);
     }
     if let Some(directory) = &args.matrices {
         write_matrices(&mut simulation, directory)?;
@@ -47,7 +47,7 @@ fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
 
 fn write(args: &BenchArgs, report: &Report) -> anyhow::Result<ExitCode> {
     if !args.quiet {
-        eprint!("{report}");
+        say(report.to_string().trim_end());
     }
     let text = serde_json::to_string_pretty(report)? + "\n";
     match &args.output {

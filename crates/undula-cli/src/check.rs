@@ -1,6 +1,7 @@
 //! `undula check`: what a case is, without computing it.
 
 use crate::args::{CaseArgs, CheckArgs, bad_input, print};
+use crate::digits::fixed;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
@@ -12,7 +13,7 @@ use undula::problem::overview::Overview;
 /// Loads the case and prints its summary, or all its mistakes.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match of(args)? {
-        Ok(case) if args.toml => print(&case.to_toml()),
+        Ok(case) if args.toml => print(&case.resolved().to_toml()),
         Ok(case) => match case.check_mesh_and_measure() {
             Ok(overview) => print(&summary(&case, Some(&overview))?),
             Err(error) => bad_input(error),
@@ -93,12 +94,13 @@ pub fn summary(case: &Case, overview: Option<&Overview>) -> Result<String, std::
         Some(solid) => write_solid(&mut out, solid)?,
     }
     if let (Some(fluid), Some(solid)) = (&case.fluid, &case.solid) {
-        writeln!(out, "          density ratio solid/fluid {:.3}", solid.density / fluid.density)?;
+        let ratio = solid.density / fluid.density;
+        writeln!(out, "          density ratio solid/fluid {}", fixed(ratio, ratio, 3))?;
     }
     write_time(&mut out, case)?;
     let names: Vec<&str> = case.functional.iter().map(|(name, _)| name.as_str()).collect();
     writeln!(out, "output    {}", if names.is_empty() { "no functionals".into() } else { names.join(", ") })?;
-    for note in case.notes() {
+    for note in case.notes().iter().chain(overview.iter().flat_map(|overview| &overview.notes)) {
         writeln!(out, "note      {note}")?;
     }
     Ok(out)
@@ -132,7 +134,8 @@ fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
     }
     if lambda.is_infinite() {
         writeln!(out, "          mu {mu:.4e} Pa (Young {:.4e} Pa), incompressible", 3.0 * mu)?;
-        return writeln!(out, "          waves {:.4} m/s (shear)", (mu / rho).sqrt());
+        let shear = (mu / rho).sqrt();
+        return writeln!(out, "          waves {} m/s (shear)", fixed(shear, shear, 4));
     }
     let poisson = lambda / (2.0 * (lambda + mu));
     let young = 2.0 * mu * (1.0 + poisson);
@@ -141,7 +144,8 @@ fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
         "          mu {mu:.4e} Pa, lambda {lambda:.4e} Pa (Young {young:.4e} Pa, Poisson {poisson:.4})"
     )?;
     let (shear, pressure) = ((mu / rho).sqrt(), ((lambda + 2.0 * mu) / rho).sqrt());
-    writeln!(out, "          waves {shear:.4} m/s (shear), {pressure:.4} m/s (pressure)")
+    let [shear, pressure] = [shear, pressure].map(|speed| fixed(speed, speed, 4));
+    writeln!(out, "          waves {shear} m/s (shear), {pressure} m/s (pressure)")
 }
 
 fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
@@ -151,8 +155,8 @@ fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
     let theta = case.theta().unwrap_or(1.0);
     write!(out, "time      {} to {} s, step {} s", time.start, time.end, time.step)?;
     if let Some(k) = time.step.constant_value() {
-        // A last step that rounding would leave over is not taken.
-        write!(out, ", {} steps", ((time.end - time.start) / k - 1e-9).ceil())?;
+        // A rest of a per mille of a step is not worth its own.
+        write!(out, ", {} steps", ((time.end - time.start) / k - 1e-3).ceil().max(1.0))?;
     }
     writeln!(out, ", theta {theta}")
 }

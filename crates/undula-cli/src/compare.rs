@@ -4,8 +4,9 @@ use crate::args::{CompareArgs, bad_input, print};
 use anyhow::Context;
 use std::path::Path;
 use std::process::ExitCode;
-use undula::problem::compare::{compare, difference};
-use undula::problem::reference::{References, Run};
+use undula::problem::compare::{Comparison, compare, difference};
+use undula::problem::reference::{Beside, Departure, References};
+use undula::problem::results::Results;
 
 /// Prints the table.
 pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
@@ -14,62 +15,82 @@ pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
         Err(message) => return bad_input(message),
     };
     if let Some(other) = &args.other {
-        return match read(other)? {
-            Ok(second) => print(&difference(&run, &second).to_string()),
-            Err(message) => bad_input(message),
+        let second = match read(other)? {
+            Ok(second) => second,
+            Err(message) => return bad_input(message),
+        };
+        return match difference(&run, &second) {
+            Some(difference) => print(&difference.to_string()),
+            None => bad_input(format_args!("{} and {} have no time in common", run.name, second.name)),
         };
     }
-    let references = match &args.reference {
-        None => References::builtin(&run.case),
-        Some(path) => {
-            let text =
-                std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
-            match References::from_toml(&text) {
-                Ok(references) => Some(references),
-                Err(e) => return bad_input(format_args!("{}: {e}", path.display())),
-            }
-        }
-    };
-    match references {
-        Some(references) => print(&compare(&run, &references).to_string()),
-        None => bad_input(format_args!(
-            "there are no published results for the case `{}`; give some with --reference FILE, \
-             or a second run to compare with",
-            run.case
+    if let Some(path) = &args.reference {
+        let text =
+            std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))?;
+        return match References::from_toml(&text) {
+            Ok(references) => print(&compare(&run, &references).to_string()),
+            Err(e) => bad_input(format_args!("{}: {e}", path.display())),
+        };
+    }
+    match published(&run) {
+        Published::Table(comparison) => print(&comparison.to_string()),
+        Published::Departs(why) => bad_input(format_args!(
+            "{why}\ngive results with --reference FILE, or a second run to compare with"
+        )),
+        Published::None => bad_input(format_args!(
+            "the case `{}` names no published results, as reference = \"fsi3\" at its top would; give some with \
+             --reference FILE, or a second run to compare with",
+            run.summary.case
         )),
     }
 }
 
-/// Prints the run in `dir` beside the published results of its case, if there are any.
+/// Prints the run in `dir` beside the published results of its case, if there are any, or why there are none.
 ///
 /// # Errors
 /// If the summary cannot be read.
 pub fn show(dir: &Path) -> anyhow::Result<()> {
-    let run = read(dir)?.map_err(anyhow::Error::msg)?;
-    if let Some(references) = References::builtin(&run.case) {
-        print(&compare(&run, &references).to_string())?;
+    match published(&read(dir)?.map_err(anyhow::Error::msg)?) {
+        Published::Table(comparison) => {
+            print(&comparison.to_string())?;
+        }
+        Published::Departs(why) => eprintln!("note: {why}"),
+        Published::None => {}
     }
     Ok(())
 }
 
-/// The run in `dir`, or what is wrong with it.
-fn read(dir: &Path) -> anyhow::Result<Result<Run, String>> {
-    let path = dir.join("summary.json");
-    let text = match std::fs::read_to_string(&path) {
-        Ok(text) => text,
-        Err(e) if e.kind() == std::io::ErrorKind::NotFound => {
-            let shown = dir.display();
-            return Ok(Err(format!("{shown} is not the output of a finished run: it has no summary.json")));
+/// What stands beside a run.
+enum Published {
+    /// The case asks for nothing.
+    None,
+    /// The case is another problem than the one that it names; in words.
+    Departs(String),
+    /// Results.
+    Table(Comparison),
+}
+
+fn published(run: &Results) -> Published {
+    match run.case.as_ref().map_or(Beside::Nothing, Beside::of) {
+        Beside::Nothing => Published::None,
+        Beside::Departs(name, keys) => Published::Departs(in_words(name, &keys)),
+        Beside::Results(references, left_out) => {
+            Published::Table(Comparison { left_out, ..compare(run, &references) })
         }
-        Err(e) => return Err(e).with_context(|| format!("cannot read {}", path.display())),
-    };
-    let mut run = match Run::from_json(&text) {
-        Ok(run) => run,
-        Err(e) => return Ok(Err(format!("{}: {e}", path.display()))),
-    };
-    // Extrema over all times are in the history only.
-    if let Ok(history) = std::fs::read_to_string(dir.join("history.csv")) {
-        run.add_history(&history);
     }
-    Ok(Ok(run))
+}
+
+/// Why no published results of `name` stand beside a run.
+fn in_words(name: &str, keys: &[Departure]) -> String {
+    let keys: Vec<String> = keys.iter().map(|key| format!("\n  {key}")).collect();
+    format!("no published values stand beside this run, for its problem is not `{name}`:{}", keys.concat())
+}
+
+/// The run in `dir`, or what is wrong with it.
+fn read(dir: &Path) -> anyhow::Result<Result<Results, String>> {
+    if !dir.join("summary.json").exists() {
+        let shown = dir.display();
+        return Ok(Err(format!("{shown} is not the output of a finished run: it has no summary.json")));
+    }
+    Ok(Results::read(dir).map_err(|e| e.to_string()))
 }

@@ -1,6 +1,6 @@
 //! `undula check --inf-sup`: the constants (5.24) and (5.25), and condition numbers of the matrix (5.35).
 
-use crate::args::{CheckArgs, print};
+use crate::args::{CheckArgs, print, say_notes};
 use crate::{check, run};
 use std::fmt::Write;
 use std::path::Path;
@@ -32,7 +32,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
     let mut simulation = Simulation::new(case, 1)?;
     if let Some(from) = from {
-        undula::run::restore_latest(&mut simulation, from)?;
+        say_notes(&undula::run::restore_latest(&mut simulation, from)?);
     }
     let moved = from.is_some() && !simulation.stepper.new.u.is_empty();
     let constants = constants(&simulation, moved)?;
@@ -79,7 +79,10 @@ fn write_constants(out: &mut String, constants: Option<&Constants>, domain: &str
         )?;
     }
     if reference.closed {
-        writeln!(out, "          The fluid is closed in; constant pressures are left out.")?;
+        writeln!(
+            out,
+            "          The fluid, or a part of it, is closed in; constant pressures are left out there."
+        )?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! `undula check --jacobian`: all Jacobians of a case beside each other.
 
-use crate::args::{CheckArgs, print};
+use crate::args::{CheckArgs, print, say_notes};
 use crate::{check, run};
 use std::process::ExitCode;
 use undula::error::Error;
@@ -28,10 +28,10 @@ fn report(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error> {
     let mut simulation = Simulation::new(case, 1)?;
     let at = match &args.from {
         Some(from) => {
-            restore_latest(&mut simulation, from)?;
+            say_notes(&restore_latest(&mut simulation, from)?);
             At::Present
         }
         None => At::Random { seed: u64::from(args.seed) },
     };
-    Ok(compare(&mut simulation, at))
+    Ok(compare(&mut simulation, at)?)
 }

@@ -5,6 +5,7 @@ mod bench;
 mod cases;
 mod check;
 mod compare;
+mod digits;
 mod inf_sup;
 mod jacobian;
 mod new;
@@ -29,7 +30,7 @@ fn main() -> ExitCode {
         Command::Bench(args) => bench::run(&args),
     };
     result.unwrap_or_else(|error| {
-        eprintln!("error: {}", args::with_causes(&error));
+        args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE
     })
 }

@@ -4,10 +4,11 @@ use crate::args::{NewArgs, bad_input, print};
 use anyhow::Context;
 use std::fs::File;
 use std::io::{ErrorKind, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use undula::problem::builtin::{builtin_case, builtin_cases};
+use undula::problem::builtin::{BuiltinCase, builtin_case, builtin_cases};
 use undula::problem::error::did_you_mean;
+use undula::problem::name_of_file;
 
 /// Writes the TOML of the built-in case; an existing file is kept unless `--force` is given.
 pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
@@ -28,7 +29,14 @@ pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {
         }
         Err(e) => return Err(e).with_context(|| format!("cannot write {}", path.display())),
     };
-    file.write_all(shipped.toml.as_bytes()).with_context(|| format!("cannot write {}", path.display()))?;
+    file.write_all(named(shipped, &path).as_bytes())
+        .with_context(|| format!("cannot write {}", path.display()))?;
     let shown = path.display();
     print(&format!("Wrote {shown}. Edit it, then: undula check {shown}; undula run {shown}\n"))
+}
+
+/// The case file with the name of the file that it goes to: results then lie in a directory of that name.
+fn named(shipped: &BuiltinCase, file: &Path) -> String {
+    let line = |name: &str| format!("name = \"{name}\"\n");
+    shipped.toml.replacen(&line(shipped.name), &line(&name_of_file(file)), 1)
 }

@@ -11,6 +11,7 @@ use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use undula::output::{Collection, History, OutputError, RunDirectory, Summary, read_vtu};
+use undula::problem::results::Results;
 
 /// Draws the pictures and lists them.
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
@@ -38,8 +39,10 @@ pub fn plot_directory(dir: &Path, into: Option<&Path>) -> anyhow::Result<Vec<Pat
     }
     let mut written = Vec::new();
     if run.history().is_file() {
-        let history = History::read(run.history())?;
-        written.extend(history::plot(&history, &summary, &plots).context("plotting the history")?);
+        let mut results = Results::read(dir).unwrap_or_default();
+        results.history = History::read(run.history())?;
+        results.summary = summary.clone();
+        written.extend(history::plot(&results, &plots).context("plotting the history")?);
     }
     if run.collection().is_file() {
         let collection = Collection::read(run.collection())?;

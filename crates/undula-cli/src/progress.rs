@@ -1,5 +1,7 @@
 //! What a run tells while it goes on.
 
+use crate::args::say;
+use crate::digits::fixed;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::time::{Duration, Instant};
@@ -74,7 +76,7 @@ impl Progress {
             }
             Mode::Lines if self.printed.is_none_or(|printed| now - printed >= PERIOD) => {
                 self.printed = Some(now);
-                eprintln!("{line}");
+                say(&line);
             }
             Mode::Lines => {}
         }
@@ -85,7 +87,7 @@ impl Progress {
         match &self.mode {
             Mode::Quiet => {}
             Mode::Bar(bar) => bar.println(text),
-            Mode::Lines => eprintln!("{text}"),
+            Mode::Lines => say(text),
         }
     }
 
@@ -103,16 +105,16 @@ impl Progress {
             Mode::Quiet => {}
             Mode::Bar(bar) => {
                 bar.finish_and_clear();
-                eprintln!("{line}");
+                say(&line);
             }
-            Mode::Lines => eprintln!("{line}"),
+            Mode::Lines => say(&line),
         }
     }
 
     /// Time, rate and what remains.
     fn in_time(&self, info: &StepInfo, end: f64, first: (f64, u64, Instant), now: Instant) -> String {
         let seconds = (now - first.2).as_secs_f64();
-        let mut line = format!("t = {:.3}/{end} s", info.time);
+        let mut line = format!("t = {}/{end} s", fixed(info.time, end, 3));
         if info.step > first.1 && seconds > 0.0 {
             let rate = (info.step - first.1) as f64 / seconds;
             let left = (end - info.time) / (info.time - first.0) * seconds;
@@ -137,7 +139,7 @@ fn bar(end_time: Option<f64>) -> ProgressBar {
 fn describe(info: &StepInfo) -> String {
     let leading = info.leading.map_or(String::new(), |(name, value, unit)| {
         let (value, unit) = if unit == "m" { (1e3 * value, "mm") } else { (value, unit) };
-        format!("{name} = {value:.4} {unit}").trim_end().to_string() + ", "
+        format!("{name} = {} {unit}", fixed(value, value, 4)).trim_end().to_string() + ", "
     });
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let newton =

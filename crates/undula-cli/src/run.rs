@@ -1,6 +1,7 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, threads, with_causes};
+use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
+use crate::digits::fixed;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot};
 use std::io::ErrorKind;
@@ -27,11 +28,6 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         force: args.force,
         resume: args.resume,
     };
-    if !args.quiet {
-        for note in case.notes() {
-            eprintln!("note: {note}");
-        }
-    }
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {
         progress: Some(Progress::new(end, args.quiet)),
@@ -42,7 +38,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let result = undula::run::run(case, &options, &mut display);
     let progress = display.progress.take();
     match result {
-        Ok(summary) => finish(progress, &summary, &directory, args.quiet),
+        Ok(summary) => finish(progress, &summary, &directory, args.quiet, end.is_some()),
         Err(error) => {
             if let Some(progress) = progress {
                 progress.clear();
@@ -52,7 +48,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Set by Ctrl-C and by a termination signal; the run then ends after its step. A second signal ends it now.
+/// Set by Ctrl-C and by a termination signal; the run then ends after an iteration of Newton's method, with the state
+/// before the step. A second signal ends it now.
 fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = stop.clone();
@@ -75,6 +72,9 @@ struct Display {
 impl Observer for Display {
     fn start(&mut self, simulation: &Simulation) {
         if !self.quiet {
+            for note in simulation.case.notes() {
+                say(format_args!("note: {note}"));
+            }
             let unknowns = simulation.unknowns();
             let cells = simulation.stepper.assembler.space.mesh.n_cells();
             let Case { name, title, .. } = &simulation.case;
@@ -90,8 +90,21 @@ impl Observer for Display {
             );
             if let Some(progress) = &self.progress {
                 progress.message(&text);
+                for note in simulation.case.notes_on(&simulation.stepper.assembler.space) {
+                    progress.message(&format!("note: {note}"));
+                }
             }
         }
+    }
+
+    fn note(&mut self, note: &str) {
+        if let Some(progress) = &self.progress {
+            progress.message(&format!("note: {note}"));
+        }
+    }
+
+    fn stop(&self) -> Option<Arc<AtomicBool>> {
+        Some(self.stop.clone())
     }
 
     fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
@@ -116,12 +129,17 @@ impl Observer for Display {
     }
 }
 
-/// The scaled residuals of a step, from its start value on.
+/// The scaled residuals of a step, from its start value on; those of its parts apart.
 fn iterations(simulation: &Simulation, row: &Row) -> String {
-    let residuals: Vec<String> = simulation.report.residuals.iter().map(|r| format!("{r:.2e}")).collect();
+    let residuals = |part: &[f64]| part.iter().map(|r| format!("{r:.2e}")).collect::<Vec<_>>().join(" ");
+    let parts: Vec<String> = simulation.report.residuals_of_parts().map(residuals).collect();
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let jacobians = count(row.jacobians, "Jacobian");
-    format!("t = {:.4} s: {jacobians}, residuals {}", row.time, residuals.join(" "))
+    let of = match simulation.case.time {
+        Some(_) => format!("t = {} s", fixed(row.time, row.time, 4)),
+        None => "stationary".into(),
+    };
+    format!("{of}: {jacobians}, residuals {}", parts.join(" | "))
 }
 
 /// The end of a run that has a summary.
@@ -130,20 +148,36 @@ fn finish(
     summary: &Summary,
     directory: &Path,
     quiet: bool,
+    resumable: bool,
 ) -> anyhow::Result<ExitCode> {
     if let Some(progress) = progress {
         progress.finish(&summary.status.to_string());
     }
     if let Some(breakdown) = &summary.breakdown {
-        eprintln!("breakdown: {}", breakdown.reason);
-        eprintln!("smallest J = {:.4} in {}", breakdown.min_j, breakdown.r#where);
-        eprintln!("what was computed so far is in {}", directory.display());
+        say(format_args!("breakdown: {}", breakdown.reason));
+        if !breakdown.remedy.is_empty() {
+            say(format_args!("{}", breakdown.remedy));
+        }
+        let directory = directory.display();
+        say(format_args!(
+            "what was computed so far is in {directory}, residuals in {directory}/breakdown.txt"
+        ));
+    }
+    if let Some(part) = summary.mass_balance.filter(|&part| part > Summary::BALANCED) {
+        say(format_args!(
+            "warning: the flow through the boundaries of the fluid does not balance: at some step {part:.1e} of the \
+             largest flow is gained or lost (mass_balance in summary.json)"
+        ));
     }
     let code = match summary.status {
         Status::Breakdown => ExitCode::from(BREAKDOWN),
         Status::Interrupted => {
             if !quiet {
-                eprintln!("go on with the same command and --resume");
+                say(match resumable {
+                    true => "go on with the same command and --resume",
+                    // On the way to a stationary solution there is no state that would be worth keeping.
+                    false => "nothing of a stationary solution is kept: start again with --force",
+                });
             }
             return Ok(ExitCode::from(INTERRUPTED));
         }
@@ -153,6 +187,9 @@ fn finish(
     if !quiet {
         show_results(summary, directory);
     }
+    for file in ["summary.json", "history.csv"].map(|name| directory.join(name)) {
+        anyhow::ensure!(file.exists(), "{}: was removed as soon as the run had ended", file.display());
+    }
     Ok(code)
 }
 
@@ -161,18 +198,18 @@ fn show_results(summary: &Summary, directory: &Path) {
     if summary.status == Status::Completed
         && let Err(error) = compare::show(directory)
     {
-        eprintln!("note: {}", with_causes(&error));
+        say(format_args!("note: {}", with_causes(&error)));
     }
     match plot::plot_directory(directory, None) {
         Ok(pictures) => {
             let list: Vec<String> = pictures.iter().map(|p: &PathBuf| p.display().to_string()).collect();
-            println!("results   {}", directory.display());
-            println!("fields    {}", directory.join("fields.pvd").display());
+            show(&format!("results   {}\n", directory.display()));
+            show(&format!("fields    {}\n", directory.join("fields.pvd").display()));
             for (n, picture) in list.iter().enumerate() {
-                println!("{}{picture}", if n == 0 { "pictures  " } else { "          " });
+                show(&format!("{}{picture}\n", if n == 0 { "pictures  " } else { "          " }));
             }
         }
-        Err(error) => eprintln!("note: no pictures: {}", with_causes(&error)),
+        Err(error) => say(format_args!("note: no pictures: {}", with_causes(&error))),
     }
 }
 
@@ -188,6 +225,7 @@ pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
         Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
             bad_input(error)
         }
+        _ if error.is_too_large() => bad_input(error),
         Error::Load(e) if e.is_bad_input() => bad_input(error),
         _ => Err(error.into()),
     }

@@ -10,6 +10,9 @@ mod check;
 #[path = "../src/compare.rs"]
 #[allow(dead_code)]
 mod compare;
+#[path = "../src/digits.rs"]
+#[allow(dead_code)]
+mod digits;
 #[path = "../src/new.rs"]
 mod new;
 
@@ -126,9 +129,18 @@ fn compare_reads_output_directories() {
     let summary = r#"{"status": "completed", "case": "CASE", "functionals":
         {"drag": {"last": 14.3, "mean": null, "amplitude": null, "frequency": null, "unit": "N/m"}}}"#;
     std::fs::write(dir.join("summary.json"), summary.replace("CASE", "fsi1")).unwrap();
+    let case = |overrides: &[String]| {
+        let case = Case::builtin("fsi1", overrides).unwrap().to_toml();
+        std::fs::write(dir.join("case.toml"), case).unwrap();
+    };
+    assert_eq!(exit(&format!("undula compare {shown}")), bad(), "the name alone makes no reference");
+    case(&["mesh.refine=0".into()]);
     assert_eq!(exit(&format!("undula compare {shown}")), ExitCode::SUCCESS);
+    case(&["fluid.density=900".into()]);
+    assert_eq!(exit(&format!("undula compare {shown}")), bad(), "another problem");
     assert_eq!(exit(&format!("undula compare {shown} {shown}")), ExitCode::SUCCESS);
     std::fs::write(dir.join("summary.json"), summary.replace("CASE", "own")).unwrap();
+    case(&["reference=none".into()]);
     assert_eq!(exit(&format!("undula compare {shown}")), bad());
     std::fs::write(
         dir.join("own.reference.toml"),

@@ -4,6 +4,9 @@
 #[path = "../src/args.rs"]
 #[allow(dead_code)]
 mod args;
+#[path = "../src/digits.rs"]
+#[allow(dead_code)]
+mod digits;
 #[path = "../src"]
 #[allow(dead_code)]
 mod cli {

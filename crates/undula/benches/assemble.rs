@@ -6,7 +6,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 use undula::algebra::Csr;
-use undula::assembly::{Assembler, Options, StepView, simd};
+use undula::assembly::{Assembler, Options, StepView, available};
 use undula::physics::StepRule;
 use undula::problem::case::Case;
 use undula::space::{BoundaryCondition, FsiSpace, State};
@@ -48,7 +48,7 @@ fn main() {
     let conditions = vec![BoundaryCondition::Fixed; space.mesh.boundaries.len()];
     let mut candidates: Vec<Candidate> = [(1, 1), (4, 1), (8, 1), (1, 2), (4, 2), (8, 2)]
         .into_iter()
-        .filter(|(lanes, _)| simd::available(*lanes))
+        .filter(|(lanes, _)| available(*lanes))
         .map(|(lanes, threads)| {
             let options = Options { lanes, threads, quadrature: 3 };
             let mut assembler =

@@ -44,3 +44,10 @@ pub enum Error {
     #[error("cannot start {0} threads")]
     Threads(usize),
 }
+
+impl Error {
+    /// Whether the problem does not fit the program, whatever the memory.
+    pub fn is_too_large(&self) -> bool {
+        matches!(self, Error::Solver(SolverError::TooLarge(_)))
+    }
+}

@@ -2,13 +2,15 @@
 
 use crate::assembly::StepView;
 use crate::error::Error;
-use crate::functional::statistics::{leading_window, statistics};
-use crate::functional::{Functional, Snapshot};
+use crate::functional::Snapshot;
+use crate::functional::balance::Balance;
+use crate::functional::statistics::{self, Series, Statistics};
+use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::problem::build::Functionals;
-use crate::problem::case::Case;
+use crate::problem::case::{Case, TimeSpec};
 use crate::space::State;
-use crate::time::{Adaptive, Clock, JacobianPoint, StepReport, Stepper};
+use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 
 /// A case in the course of being computed.
@@ -35,11 +37,18 @@ pub struct Simulation {
     pub report: StepReport,
     /// Step-size control, if the case has it.
     pub adaptive: Option<Adaptive>,
+    /// What flows through the boundaries of the fluid; `None` without fluid.
+    pub balance: Option<Balance<2>>,
     functionals: Functionals,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
     threads: usize,
     pool: Option<rayon::ThreadPool>,
+}
+
+/// The times that the steps of `case` land on.
+fn schedule(case: &Case, time: &TimeSpec) -> Schedule {
+    Schedule { start: time.start, end: time.end, interval: case.output.fields_interval }
 }
 
 /// What one step gave.
@@ -66,12 +75,14 @@ impl Simulation {
     ///
     /// # Errors
     /// If the case does not fit its mesh, or the linear solver cannot be prepared.
-    pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
+    pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
         let threads = threads.max(1);
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
-        let mut stepper = case.build_stepper(threads)?;
+        let (mut stepper, notes) = case.build_with_notes(threads)?;
+        case.record.notes.extend(notes);
+        case.motion = case.motion_on(&stepper.assembler.space);
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);
@@ -80,9 +91,13 @@ impl Simulation {
             let first = time.step.eval(&[0.0; 3], time.start);
             time.adaptive.map(|settings| Adaptive::new(settings, first))
         });
+        let (assembler, state) = (&stepper.assembler, &stepper.new);
+        let fluid = assembler.physics.fluid;
+        let balance = fluid.map(|f| Balance::new(&assembler.space, f.rho, state, stepper.time));
         Ok(Simulation {
             case,
             adaptive,
+            balance,
             stepper,
             history: vec![],
             steps: 0,
@@ -113,15 +128,37 @@ impl Simulation {
     /// Whether the end of the case is reached.
     pub fn finished(&self) -> bool {
         match &self.case.time {
-            Some(time) => self.stepper.time >= time.end - 1e-9 * time.end.abs().max(1e-3),
+            Some(time) => schedule(&self.case, time).is_over(self.stepper.time, self.wanted_step(time)),
             None => !self.history.is_empty(),
+        }
+    }
+
+    /// Whether the next step gets its length from the end of the case: a run to a later end would not take it.
+    pub fn next_is_cut(&self) -> bool {
+        let Some(time) = &self.case.time else { return false };
+        let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
+        match &self.adaptive {
+            Some(adaptive) => {
+                let target = schedule.target(now);
+                schedule.is_end(target) && adaptive.feels(target - now)
+            }
+            None => schedule.next(now, self.wanted_step(time), time.step.is_constant()).cut,
+        }
+    }
+
+    /// The length that the next step has unless it must land on some time \[s\].
+    fn wanted_step(&self, time: &TimeSpec) -> f64 {
+        match &self.adaptive {
+            Some(adaptive) => adaptive.memory.next,
+            None => time.step.eval(&[0.0; 3], self.stepper.time),
         }
     }
 
     /// Do the next step, or find the stationary solution.
     ///
     /// # Errors
-    /// [`Error::Breakdown`]; the solution is then the last one that succeeded.
+    /// [`Error::Breakdown`], [`Error::Case`] for data that are not finite at the new time, [`Error::Solver`] if the
+    /// problem is too large; the solution is then the last one that succeeded.
     pub fn step(&mut self) -> Result<Row, Error> {
         self.install(Simulation::step_here)
     }
@@ -140,24 +177,19 @@ impl Simulation {
     }
 
     fn step_here(&mut self) -> Result<Row, Error> {
-        let report = match &self.case.time {
-            None => self.stepper.stationary()?,
-            Some(time) => {
-                let now = self.stepper.time;
-                let target = self.next_output().map_or(time.end, |output| output.min(time.end));
-                match &mut self.adaptive {
-                    Some(adaptive) => adaptive.step(&mut self.stepper, target)?,
-                    None => {
-                        let k = time.step.eval(&[0.0; 3], now);
-                        let rest = target - now;
-                        // Steps land on the target; a rest of a few per mille is not worth its own.
-                        self.stepper.step(if rest < 1.001 * k { rest } else { k })?
-                    }
-                }
-            }
-        };
+        self.stepper.remember();
+        let result = self.step_in_time();
+        if let Err(Error::Breakdown(failure)) = &result
+            && failure.is_stop()
+        {
+            self.stepper.undo();
+        }
+        let report = result?;
         if self.case.time.is_some() {
             self.steps += 1;
+        }
+        if let Some(balance) = &mut self.balance {
+            balance.observe(&self.stepper.new, self.stepper.time);
         }
         let row = self.evaluate(&report);
         self.history.push(row.clone());
@@ -165,11 +197,33 @@ impl Simulation {
         Ok(row)
     }
 
-    /// The next time of `output.fields-interval` \[s\].
-    fn next_output(&self) -> Option<f64> {
-        let (interval, time) = (self.case.output.fields_interval?, self.case.time.as_ref()?);
-        let done = ((self.stepper.time - time.start) / interval + 1e-9).floor();
-        Some(time.start + (done + 1.0) * interval)
+    /// The next step of the schedule.
+    fn step_in_time(&mut self) -> Result<StepReport, Error> {
+        let Some(time) = &self.case.time else {
+            return self.stepper.stationary().map_err(|failure| self.blame(failure));
+        };
+        let (schedule, now) = (schedule(&self.case, time), self.stepper.time);
+        let (k, counted) = (self.wanted_step(time), time.step.is_constant());
+        if let Some(adaptive) = &mut self.adaptive {
+            let result = adaptive.step(&mut self.stepper, schedule.target(now));
+            return result.map_err(|failure| self.blame(failure));
+        }
+        self.case.step_at(time, now)?;
+        let next = schedule.next(now, k, counted);
+        if next.time <= now {
+            let message = format!("the step of {k} s at t = {now} s is below the rounding of t");
+            return Err(self.case.refuse("time.step", message));
+        }
+        self.stepper.step_to(next.length, next.time).map_err(|failure| self.blame(failure))
+    }
+
+    /// What is to blame for a step without a solution: the data, the size of the problem, else the problem itself.
+    fn blame(&self, failure: StepFailure) -> Error {
+        match (&failure.details.cause, &failure.reason) {
+            (Cause::Data(fault), _) => self.case.blame_data(&self.stepper.assembler.space, fault),
+            (_, NewtonError::Linear(error)) if failure.is_too_large() => Error::Solver(error.clone()),
+            _ => Error::Breakdown(failure),
+        }
     }
 
     /// Whether the present time is one of `output.fields-interval`.
@@ -197,6 +251,7 @@ impl Simulation {
                 new,
                 old,
                 fluid_residual: &self.fluid_residual,
+                outflow: Some(assembler.outflow()),
             };
             for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
                 // Forces are means over the parts of a step, all else belongs to its end.
@@ -239,16 +294,16 @@ impl Simulation {
             None => stepper.restore(clock, new, old, point)?,
             Some(pool) => pool.install(|| stepper.restore(clock, new, old, point))?,
         }
+        if let Some(balance) = &mut self.balance {
+            balance.restart(&stepper.new, stepper.time);
+        }
         Ok(())
     }
 
-    /// Number of the functional whose period is the window of the statistics.
+    /// Number of the functional that is asked for a period first, see [`statistics::ranking`].
     pub fn leading(&self) -> Option<usize> {
-        let position = |test: &dyn Fn(&str) -> bool| self.functionals.iter().position(|(name, _)| test(name));
-        match &self.case.output.leading {
-            Some(name) => position(&|n| n == name),
-            None => position(&|n| n.starts_with("uy")).or_else(|| position(&|n| n == "lift")),
-        }
+        let names: Vec<&str> = self.functionals.iter().map(|(name, _)| name.as_str()).collect();
+        statistics::ranking(&names, self.case.output.leading.as_deref()).first().copied()
     }
 
     /// Last values, means, amplitudes and frequencies so far.
@@ -256,25 +311,20 @@ impl Simulation {
         let times: Vec<f64> = self.history.iter().map(|r| r.time).collect();
         let force_times: Vec<f64> = self.history.iter().map(|r| r.force_time).collect();
         let column = |i: usize| -> Vec<f64> { self.history.iter().map(|r| r.values[i]).collect() };
-        let times_of = |i: usize| {
-            let f: &dyn Functional<2> = &*self.functionals[i].1;
-            if f.at_force_time() { &force_times } else { &times }
-        };
-        let window = self.leading().and_then(|i| leading_window(times_of(i), &column(i)));
-        let mut summaries = BTreeMap::new();
-        for (i, (name, f)) in self.functionals.iter().enumerate() {
-            let s = statistics(times_of(i), &column(i), window);
-            let unit = f.unit().to_string();
-            let summary = FunctionalSummary {
-                last: s.last,
-                mean: s.mean,
-                amplitude: s.amplitude,
-                frequency: s.frequency,
-                unit,
-            };
-            summaries.insert(name.clone(), summary);
+        let columns: Vec<Vec<f64>> = (0..self.functionals.len()).map(column).collect();
+        let mut series = vec![];
+        for ((name, f), values) in self.functionals.iter().zip(&columns) {
+            let times = if f.at_force_time() { &force_times } else { &times };
+            series.push(Series { name, times, values });
         }
-        summaries
+        let (_, found) = statistics::summarize(&series, self.case.output.leading.as_deref());
+        let units = self.functionals.iter().map(|(_, f)| f.unit());
+        let summary = |s: Statistics, unit: &str| {
+            let Statistics { last, mean, amplitude, frequency } = s;
+            FunctionalSummary { last, mean, amplitude, frequency, unit: unit.to_string() }
+        };
+        let summaries = found.into_iter().zip(units).map(|(s, unit)| summary(s, unit));
+        self.names().into_iter().zip(summaries).collect()
     }
 
     /// Numbers of unknowns, given ones counted.

@@ -150,8 +150,8 @@ fn further_mistakes() {
           `galerkin`, or leave the key out",
         ),
         (
-            "[time]\nscheme = \"rannacher\"\nstep = 1\nend = 2\n",
-            "own.toml:7:10: time.scheme = \"rannacher\": 2 steps of backward Euler take 2 s of every 1 s: none is left",
+            "[time]\nscheme = \"rannacher\"\nrannacher-interval = 1\nstep = 1\nend = 2\n",
+            "own.toml:8:22: time.rannacher-interval = 1: 2 steps of backward Euler take 2 s of every 1 s: none is left",
         ),
         (
             "[time]\nstep = \"0.1+t\"\nend = 0.2\n[time.adaptive]\ntolerance = 2\n",
@@ -164,7 +164,7 @@ fn further_mistakes() {
           own.toml:11:12: time.adaptive.max-step = 0.05: expected at least time.step, 0.1 s",
         ),
         (
-            "[time]\nstep = 1.0\nend = 2\n",
+            "[time]\nstep = 1.0\nshift = 1\nend = 2\n",
             "own.toml:7:8: time.step = 1.0: theta = 1/2 + shift * step = 1.5 is above 1; reduce `step` or `shift`",
         ),
         (
@@ -304,8 +304,15 @@ fn names_are_checked_against_the_mesh() {
             "--set solid.region=beam: the mesh has no region `beam`; there are `fluid`, `solid`",
         ),
         (
-            &["solid=none", "boundary.outflow.condition=no-slip"],
-            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only: one boundary needs condition = `do-nothing` or `traction-free`",
+            &["boundary.outflow.condition=no-slip"],
+            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only (at rest the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or give the case a [time] to begin in",
+        ),
+        // The data decide, see `undula-cli/tests/cli`.
+        (&["solid=none", "boundary.outflow.condition=no-slip"], ""),
+        (
+            &["mesh.leave-out=[\"rock\", \"fluid\"]"],
+            "--set mesh.leave-out=[\"rock\", \"fluid\"]: the mesh has no region `rock`; there are `fluid`, `solid`\n\
+          --set mesh.leave-out=[\"rock\", \"fluid\"]: region `fluid` is that of [fluid]; it cannot be left out",
         ),
     ] {
         assert_eq!(fits("fsi1", overrides), expected, "{overrides:?}");

@@ -3,8 +3,7 @@
 mod common;
 
 use common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
-use undula::element::Shape;
-use undula::mesh::{Facet, Mesh};
+use undula::mesh::generate::{rectangle, schaefer_turek};
 use undula::problem::builtin::builtin_cases;
 use undula::problem::case::*;
 use undula::problem::expression::Expression;
@@ -26,19 +25,12 @@ fn every_builtin_case_loads_and_survives_the_way_back() {
 
 #[test]
 fn builtin_cases_fit_their_mesh() {
-    let without_clamp = MeshNames {
-        regions: sets(&["fluid"]),
-        boundaries: turek_hron()
-            .boundaries
-            .into_iter()
-            .filter(|(n, _)| n != "clamp" && n != "interface")
-            .collect(),
-    };
+    let without_beam = MeshNames::of(&schaefer_turek(0));
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
         let names = match shipped.name {
             "rotor" => MeshNames::of(&case.build_mesh().unwrap()),
-            name if name.starts_with("dfg") => without_clamp.clone(),
+            name if name.starts_with("dfg") => without_beam.clone(),
             _ => turek_hron(),
         };
         assert_eq!(case.check_mesh(&names), Ok(()), "{}", shipped.name);
@@ -79,7 +71,7 @@ fn defaults() {
         MotionSpec {
             model: MotionModel::PseudoElastic,
             poisson: 0.0,
-            offset: 0.01,
+            offset: None,
             exponent: 2.0,
             scale: None,
             lagged: false,
@@ -220,23 +212,35 @@ fn a_mesh_file_is_looked_for_beside_the_case() {
 
 #[test]
 fn names_come_from_the_facets() {
-    let facet = |cell, boundary| Facet { cell, local: 0, boundary };
-    let mesh = Mesh::<2> {
-        shape: Shape::Quadrilateral,
-        degree: 1,
-        nodes: Vec::new(),
-        cell_nodes: Vec::new(),
-        cell_region: vec![0, 1],
-        regions: sets(&["fluid", "solid"]),
-        facets: vec![facet(0, 0), facet(1, 0), facet(0, 0), facet(1, 1)],
-        boundaries: sets(&["bottom", "clamp", "unused"]),
-    };
+    let mut mesh = rectangle([0.0; 2], [3.0, 2.0], [3, 2], 0).unwrap();
+    mesh.assign_region("solid", |[x, y]| 1.0 - x.max(y)).unwrap();
+    mesh.assign_region("rock", |[_, y]| y - 1.0).unwrap();
+    mesh.mark_interface("fluid", "solid").unwrap();
+    mesh.mark_sides("rock", &["fluid", "solid"]).unwrap();
+    mesh.boundaries.push("unused".into());
     let names = MeshNames::of(&mesh);
-    assert_eq!(names.regions, mesh.regions);
-    let expected = [("bottom", &["fluid", "solid"][..]), ("clamp", &["solid"]), ("unused", &[])];
-    for ((name, regions), (expected_name, expected_regions)) in names.boundaries.iter().zip(expected) {
-        assert_eq!((name.as_str(), regions), (expected_name, &sets(expected_regions)));
+    assert_eq!(names.regions, sets(&["fluid", "solid", "rock"]));
+    for (name, regions) in [
+        ("bottom", &["solid", "fluid"][..]),
+        ("left", &["solid", "rock"]),
+        ("interface", &["fluid"]),
+        ("rock", &["fluid", "solid"]),
+        ("unused", &[]),
+    ] {
+        let (_, found) = names.boundaries.iter().find(|(n, _)| n == name).unwrap();
+        let (mut found, mut regions) = (found.clone(), sets(regions));
+        found.sort();
+        regions.sort();
+        assert_eq!(found, regions, "{name}");
     }
+    assert!(names.outer.iter().all(|(name, _)| name != "rock" && name != "interface"));
+    let parts: Vec<(&str, &[usize])> =
+        names.components.iter().map(|c| (c.region.as_str(), &c.touches[..])).collect();
+    assert_eq!(parts, [("solid", &[1, 2][..]), ("fluid", &[0, 2]), ("rock", &[0, 1])]);
+    assert_eq!(
+        (&names.components[1].lower[..], &names.components[1].upper[..]),
+        (&[1.0, 0.0][..], &[3.0, 1.0][..])
+    );
 }
 
 #[test]

@@ -71,7 +71,7 @@ impl Setting {
     /// v, u, p at 1.2 s; p extrapolated from the last two steps.
     fn run(&self, problem: &Manufactured, scheme: Scheme, steps: usize) -> State {
         let mut stepper = problem.stepper(scheme, 0.0, true, &options());
-        stepper.assembler.stabilize(&self.how, &options());
+        stepper.assembler.stabilize(&self.how, &options()).unwrap();
         let load = load(problem);
         stepper.source = Some(Box::new(move |t_old, t, theta, out| {
             let at = |t: f64| t * t * t;
@@ -216,7 +216,7 @@ const Q2_Q2: Setting = Setting { name: "Q2/Q2 lps", pressure: Continuous(2), how
 
 #[test]
 fn local_projections_of_polynomials_keep_second_order() {
-    let stabilize = |stepper: &mut Stepper<2>| stepper.assembler.stabilize(&LPS, &options());
+    let stabilize = |stepper: &mut Stepper<2>| stepper.assembler.stabilize(&LPS, &options()).unwrap();
     for (name, scheme) in SCHEMES {
         let problem = Q2_Q2.problem(4, untouched());
         let [coarse, fine] = [32, 64].map(|steps| errors(&problem, scheme, steps, stabilize));

@@ -19,7 +19,7 @@ fn errors(pair: Pair, n: usize) -> [f64; 3] {
     let problem = problem_in(space, FSI, smooth(true), InTime::Difference, accurate);
     let mut stepper =
         problem.stepper(Scheme::BACKWARD_EULER, 0.0, false, &Options::serial(pair.quadrature()));
-    stepper.newton.settings.floor = 1e-10;
+    stepper.newton.settings.floor = Some(1e-10);
     stepper.stationary().unwrap();
     let e = problem.errors(&stepper.new, 0.0, 0.0, accurate);
     [e.v, e.u, e.p]

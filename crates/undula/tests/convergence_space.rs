@@ -41,7 +41,7 @@ impl Run {
         let scheme = Scheme::Theta { theta: 0.51 };
         let mut stepper = problem.stepper(scheme, 0.0, false, &options());
         // Rounding of the finest level.
-        stepper.newton.settings.floor = 1e-9;
+        stepper.newton.settings.floor = Some(1e-9);
         if self.steps == 0 {
             stepper.stationary().unwrap();
         }
@@ -77,7 +77,7 @@ fn force_error(pressure: PressureKind, n: usize) -> [f64; 2] {
     let mesh = square(n, Cells::Square, Body::Half);
     let problem = problem(&mesh, FLOW, pressure, smooth(false), InTime::Difference, 5);
     let mut stepper = problem.stepper(Scheme::BACKWARD_EULER, 0.0, false, &options());
-    stepper.newton.settings.floor = 1e-9;
+    stepper.newton.settings.floor = Some(1e-9);
     stepper.stationary().unwrap();
     let mut found = vec![0.0; problem.space.n_unknowns()];
     let mut exact = found.clone();

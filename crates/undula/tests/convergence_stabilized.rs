@@ -82,8 +82,8 @@ impl Run {
         let scheme = Scheme::Theta { theta: 0.51 };
         let options = Options::serial(self.pair.quadrature());
         let mut stepper = problem.stepper(scheme, 0.0, false, &options);
-        stepper.assembler.stabilize(&self.how, &options);
-        stepper.newton.settings.floor = 1e-8;
+        stepper.assembler.stabilize(&self.how, &options).unwrap();
+        stepper.newton.settings.floor = Some(1e-8);
         if self.how.has_residual() {
             let exact = problem.exact.clone();
             stepper.assembler.set_force(Region::Fluid, End::New, Some(&|x| force(&exact, *x, 0.0)));

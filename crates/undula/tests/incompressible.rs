@@ -65,7 +65,7 @@ impl InSpace {
         let problem = self.problem(n);
         let mut stepper = problem.stepper(Scheme::Theta { theta: 0.51 }, 0.0, false, &options());
         // Rounding of the finest level.
-        stepper.newton.settings.floor = 1e-9;
+        stepper.newton.settings.floor = Some(1e-9);
         if self.steps == 0 {
             stepper.stationary().unwrap();
         }

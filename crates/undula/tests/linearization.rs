@@ -141,7 +141,7 @@ fn reduced_fixed_point_and_condensed_are_linear() {
 
 fn report(case: &str, settings: &[&str], seed: u64) -> JacobianReport {
     let mut simulation = Simulation::new(builtin(case, settings), 1).unwrap();
-    compare(&mut simulation, At::Random { seed })
+    compare(&mut simulation, At::Random { seed }).unwrap()
 }
 
 /// At random states of all kinds of problems all five agree with automatic differentiation.
@@ -196,7 +196,7 @@ fn what_is_left_out_is_told() {
 fn the_present_state_is_kept() {
     let mut simulation = run("fsi3", &MOVING, &[]);
     let before = simulation.stepper.new.clone();
-    let report = compare(&mut simulation, At::Present);
+    let report = compare(&mut simulation, At::Present).unwrap();
     println!("{report}");
     assert!(report.agrees(), "{report}");
     assert!(report.state.contains("0.04"), "{}", report.state);

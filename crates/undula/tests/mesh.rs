@@ -192,6 +192,7 @@ fn straight_hole() -> Mesh<2> {
         regions: vec!["fluid".into()],
         facets: (0..4).flat_map(|c| [facet(c, 3, 0), facet(c, 2, 1)]).collect(),
         boundaries: vec!["hole".into(), "outside".into()],
+        parts: vec![],
     }
 }
 
@@ -222,6 +223,7 @@ fn two_cubes() -> Mesh<3> {
         regions: vec!["solid".into()],
         facets: vec![Facet { cell: 0, local: 0, boundary: 0 }],
         boundaries: vec!["left".into()],
+        parts: vec![],
     }
 }
 
@@ -288,7 +290,7 @@ fn restriction_to_the_solid_turns_its_facets_round() {
 #[test]
 fn regions_are_assigned_by_a_function_unless_it_cuts_cells() {
     let mut mesh = unit_square(4);
-    assert_eq!(mesh.assign_region("solid", |[_, y]| 0.25 - y).unwrap(), 4);
+    assert_eq!(mesh.assign_region("solid", |[_, y]| 0.25 - y).unwrap(), [0, 1, 2, 3]);
     assert!(matches!(mesh.check_matching("fluid", "solid", &[]), Err(MeshError::UnmarkedInterface { .. })));
     assert_eq!(mesh.mark_interface("fluid", "solid").unwrap(), 4);
     mesh.check_matching("fluid", "solid", &[]).unwrap();
@@ -301,6 +303,8 @@ fn regions_are_assigned_by_a_function_unless_it_cuts_cells() {
         other => panic!("{other:?}"),
     }
     assert_eq!(mesh.cell_region, before);
+    assert!(matches!(mesh.assign_region("none", |_| -1.0), Err(MeshError::NoCells { .. })));
+    assert!(matches!(mesh.assign_region("none", |_| f64::NAN), Err(MeshError::NotANumber { .. })));
     // A facet that is straight where the interface is curved cuts cells, too.
     let mut chord = unit_square(2);
     let circle = |[x, y]: [f64; 2]| (x - 1.0).powi(2) + (y - 0.5).powi(2) - 0.5;
@@ -310,6 +314,76 @@ fn regions_are_assigned_by_a_function_unless_it_cuts_cells() {
     apart.assign_region("solid", |[_, y]| 0.25 - y).unwrap();
     apart.assign_region("other", |[_, y]| y - 0.75).unwrap();
     assert!(matches!(apart.mark_interface("other", "solid"), Err(MeshError::NoInterface { .. })));
+}
+
+/// The names of facets at `x`, that of the facet first, and the cell from which it is seen.
+fn names_at(mesh: &Mesh<2>, x: [f64; 2]) -> (Vec<&str>, u32) {
+    let here = |f: &&Facet| {
+        let nodes = mesh.facet_nodes(f.cell as usize, f.local as usize);
+        let n = nodes.len() as f64;
+        let middle = [0, 1].map(|d| nodes.iter().map(|&n| mesh.nodes[n as usize][d]).sum::<f64>() / n);
+        (middle[0] - x[0]).hypot(middle[1] - x[1]) < 1e-9
+    };
+    let all: Vec<&Facet> = mesh.facets.iter().chain(&mesh.parts).filter(here).collect();
+    (all.iter().map(|f| mesh.boundaries[f.boundary as usize].as_str()).collect(), all[0].cell)
+}
+
+/// Four by four cells: solid in the lower left quarter, whose top is called `tip` and whose right side `right`, as the
+/// right side of the square; a rock in the upper right one.
+fn parts() -> Mesh<2> {
+    let mut mesh = unit_square(4);
+    mesh.assign_region("solid", |[x, y]| 0.5 - x.max(y)).unwrap();
+    mesh.assign_region("rock", |[x, y]| x.min(y) - 0.5).unwrap();
+    mesh.boundaries.push("tip".into());
+    let (right, tip) = (mesh.boundary("right").unwrap(), mesh.boundary("tip").unwrap());
+    for (cell, local, boundary) in [(4, 3, tip), (5, 3, tip), (2, 0, right), (5, 1, right), (9, 1, tip)] {
+        mesh.facets.push(Facet { cell, local, boundary });
+    }
+    mesh
+}
+
+#[test]
+fn names_on_the_interface_become_parts_of_it() {
+    let mut mesh = parts();
+    let outer = mesh.facets.len() - 5;
+    assert_eq!(mesh.mark_interface("fluid", "solid").unwrap(), 4);
+    mesh.mark_sides("rock", &["fluid", "solid"]).unwrap();
+    mesh.check_interface("fluid", "solid").unwrap();
+    assert_eq!(mesh.facets.len(), outer + 4 + 4);
+    let finer = mesh.refine(&[]).mesh;
+    for (mesh, scale) in
+        [(&mesh, 1.0), (&mesh.triangulated(), 1.0), (&finer, 0.5), (&finer.triangulated(), 0.5)]
+    {
+        let [first, second] = [0.5 - 0.125 * scale, 0.125 * scale];
+        for (x, names) in [
+            ([first, 0.5], &["interface", "tip"][..]),
+            ([second, 0.5], &["interface", "tip"]),
+            ([0.5, first], &["interface", "right"]),
+            ([0.5, 1.0 - first], &["tip"]),
+            ([0.5, 1.0 - second], &["rock"]),
+            ([1.0, first], &["right"]),
+        ] {
+            let (found, cell) = names_at(mesh, x);
+            assert_eq!(found, names, "{x:?}");
+            assert_eq!(mesh.regions[mesh.cell_region[cell as usize] as usize], "fluid", "{x:?}");
+        }
+        let count = |names: &[&str]| mesh.facets_on(names).len() as f64 * scale;
+        assert_eq!((count(&["interface"]), count(&["tip"]), count(&["right"])), (4.0, 3.0, 6.0));
+        assert_eq!(count(&["interface", "tip", "right"]), 9.0);
+        // Seen from the solid alone the names are the same.
+        let solid = mesh.restrict(&["solid"]);
+        solid.check().unwrap();
+        assert_eq!(names_at(&solid, [first, 0.5]).0, ["interface", "tip"]);
+        assert_eq!(solid.facets_on(&["tip"]).len() as f64 * scale, 2.0);
+        let both = mesh.restrict(&["fluid", "solid"]);
+        both.check_matching("fluid", "solid", &[]).unwrap();
+        assert_eq!(both.facets_on(&["rock"]).len() as f64 * scale, 3.0);
+    }
+    // Regions that are not kept need no names.
+    mesh.facets.retain(|f| f.cell != 15);
+    assert!(matches!(mesh.check(), Err(MeshError::UnnamedBoundary(_))));
+    mesh.check_kept(&["fluid", "solid"]).unwrap();
+    assert_eq!(mesh.components().iter().max(), Some(&3), "the fluid is in two parts");
 }
 
 #[test]

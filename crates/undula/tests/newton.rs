@@ -43,8 +43,14 @@ impl NonlinearSystem for Exponential {
     }
 }
 
-const EXACT: Settings =
-    Settings { tolerance: 1e-12, floor: 0.0, rate_max: Some(0.0), secants: 0, max_steps: 50, line_search: 0 };
+const EXACT: Settings = Settings {
+    tolerance: 1e-12,
+    floor: Some(0.0),
+    rate_max: Some(0.0),
+    secants: 0,
+    max_steps: 50,
+    line_search: 0,
+};
 
 fn solve(settings: Settings, x: f64) -> (Result<NewtonReport, NewtonError>, f64) {
     let (mut newton, mut system) = (Newton::new(settings, 1, 1), Exponential { x, slope: 1.0, factor: 1.0 });
@@ -99,7 +105,7 @@ fn it_ends_at_the_relative_or_the_absolute_tolerance() {
     };
     let (before, end, start) = last(Settings { tolerance: 1e-3, ..EXACT });
     assert!(before > 1e-3 * start && end <= 1e-3 * start);
-    let (before, end, _) = last(Settings { floor: 1e-2, ..EXACT });
+    let (before, end, _) = last(Settings { floor: Some(1e-2), ..EXACT });
     assert!(before > 1e-2 && end <= 1e-2);
     // The reference is that of the old solution, whatever the start value.
     let (mut newton, mut system) =

@@ -1,9 +1,11 @@
 //! Published results: every built-in case has them, and they are set beside computed ones.
 
+use undula::output::{FunctionalSummary, History, Status, Summary};
 use undula::problem::builtin::builtin_cases;
 use undula::problem::case::Case;
 use undula::problem::compare::{compare, difference};
-use undula::problem::reference::{References, Run};
+use undula::problem::reference::{Beside, References};
+use undula::problem::results::Results;
 
 #[test]
 fn every_builtin_case_has_published_results() {
@@ -49,14 +51,43 @@ fn mistakes_in_reference_files_are_refused() {
     }
 }
 
-const SUMMARY: &str = r#"{"status": "completed", "case": "fsi3", "version": "1", "functionals": {
-    "drag": {"last": 470.0, "mean": 458.197, "amplitude": 27.74, "frequency": 10.9, "unit": "N/m"},
-    "lift": {"last": 70.0, "mean": 18.0, "amplitude": 150.0, "frequency": null, "unit": "N/m"},
-    "energy": {"last": 1.5, "mean": null, "amplitude": null, "frequency": null, "unit": "J/m"}}}"#;
+/// A run of fsi3 without a history, so that the numbers are those of the summary.
+fn summarized() -> Results {
+    let one = |last, [mean, amplitude, frequency]: [Option<f64>; 3], unit: &str| FunctionalSummary {
+        last,
+        mean,
+        amplitude,
+        frequency,
+        unit: unit.into(),
+    };
+    let functionals = [
+        ("drag", one(470.0, [Some(458.197), Some(27.74), Some(10.9)], "N/m")),
+        ("lift", one(70.0, [Some(18.0), Some(150.0), None], "N/m")),
+        ("energy", one(1.5, [None; 3], "J/m")),
+    ];
+    let functionals = functionals.into_iter().map(|(name, f)| (name.to_string(), f)).collect();
+    let summary =
+        Summary { status: Status::Completed, case: "fsi3".into(), functionals, ..Summary::default() };
+    Results { name: "out/fsi3".into(), summary, ..Results::default() }
+}
+
+/// A run with the functional `name` at `times`.
+fn computed(directory: &str, name: &str, times: &[f64], value: impl Fn(f64) -> f64) -> Results {
+    let functionals = [(name.to_string(), FunctionalSummary::default())].into();
+    let columns = ["step", "time", name].map(String::from).to_vec();
+    let rows = times.iter().zip(1..).map(|(&t, n)| vec![f64::from(n), t, value(t)]).collect();
+    let history = History { columns, rows };
+    Results {
+        name: directory.into(),
+        summary: Summary { functionals, ..Summary::default() },
+        history,
+        case: None,
+    }
+}
 
 #[test]
 fn a_run_is_set_beside_the_published_results() {
-    let run = Run::from_json(SUMMARY).unwrap();
+    let run = summarized();
     let mut references = References::builtin("fsi3").unwrap();
     for published in references.results.values_mut() {
         published.truncate(2);
@@ -99,13 +130,9 @@ Without published values: energy
 
 #[test]
 fn extrema_come_from_the_history() {
-    let mut run = Run::from_json(
-        r#"{"case": "dfg-2d3", "status": "completed", "functionals": {"c_D": {"last": 0.1, "unit": ""}}}"#,
-    )
-    .unwrap();
-    run.add_history("step,time,c_D,other\n1,0.1,2.0,5\n2,0.2,2.95,x\n3,0.3,-0.5,\n");
-    let numbers = run.functionals["c_D"].numbers;
-    assert_eq!((numbers.min, numbers.max), (Some(-0.5), Some(2.95)));
+    let run = computed("out", "c_D", &[0.1, 0.2, 0.3], |t| if t == 0.2 { 2.95 } else { 2.0 - 10.0 * t });
+    let numbers = run.computed()["c_D"].numbers;
+    assert_eq!((numbers.min, numbers.max), (Some(-1.0), Some(2.95)));
     let comparison = compare(&run, &References::builtin("dfg-2d3").unwrap());
     assert!(comparison.rows[0].deviation.unwrap().abs() < 1e-3);
     assert!(comparison.rows[0].source.contains("at t = 3.93625 s"));
@@ -113,24 +140,102 @@ fn extrema_come_from_the_history() {
 
 #[test]
 fn two_runs_are_set_beside_each_other() {
-    let first = Run::from_json(SUMMARY).unwrap();
-    let mut second = first.clone();
-    second.functionals.remove("energy");
-    if let Some(drag) = second.functionals.get_mut("drag") {
-        drag.numbers.amplitude = Some(27.7677);
+    let first = summarized();
+    let mut second = Results { name: "out/fine".into(), ..first.clone() };
+    second.summary.functionals.remove("energy");
+    if let Some(drag) = second.summary.functionals.get_mut("drag") {
+        drag.amplitude = Some(27.7677);
     }
     let expected = "\
-functional             unit     fsi3     fsi3  deviation
-drag        value      N/m   470.000  470.000   +0.000 %
-            mean       N/m   458.197  458.197   +0.000 %
-            amplitude  N/m   27.7400  27.7677   +0.100 %
-            frequency  Hz    10.9000  10.9000   +0.000 %
-lift        value      N/m   70.0000  70.0000   +0.000 %
-            mean       N/m   18.0000  18.0000   +0.000 %
-            amplitude  N/m   150.000  150.000   +0.000 %
+functional             unit  out/fsi3  out/fine  deviation
+drag        value      N/m    470.000   470.000   +0.000 %
+            mean       N/m    458.197   458.197   +0.000 %
+            amplitude  N/m    27.7400   27.7677   +0.100 %
+            frequency  Hz     10.9000   10.9000   +0.000 %
+lift        value      N/m    70.0000   70.0000   +0.000 %
+            mean       N/m    18.0000   18.0000   +0.000 %
+            amplitude  N/m    150.000   150.000   +0.000 %
 
 Only in one of them: energy
 ";
-    let told = difference(&first, &second).to_string();
+    let told = difference(&first, &second).unwrap().to_string();
     assert_eq!(told, expected, "\n{told}");
+}
+
+/// One ends earlier and takes longer steps; what the other does later is another motion.
+#[test]
+fn runs_are_compared_over_the_time_that_both_have() {
+    let motion = |t: f64| {
+        let turns = std::f64::consts::TAU * t;
+        if t < 4.02 { 3.0 + turns.sin() } else { 9.0 + 5.0 * (0.3 * turns).sin() }
+    };
+    let times = |k: f64, n: i32| -> Vec<f64> { (1..=n).map(|i| k * f64::from(i)).collect() };
+    let short = computed("out/short", "uy", &times(0.03, 133), motion);
+    let long = computed("out/long", "uy", &times(0.01, 1000), motion);
+    let found = difference(&short, &long).unwrap();
+    assert_eq!(found.names, ["out/short", "out/long"]);
+    let (start, end) = found.common.unwrap();
+    assert!((start - 0.03).abs() < 1e-12 && (end - 3.99).abs() < 1e-12, "{start} {end}");
+    for (quantity, right, within) in [
+        ("value", motion(3.99), 1e-9),
+        ("mean", 3.0, 1e-3),
+        ("amplitude", 1.0, 1e-3),
+        ("frequency", 1.0, 1e-3),
+    ] {
+        let row = found.rows.iter().find(|row| row.quantity == quantity).unwrap();
+        assert!(row.values.iter().all(|x| (x - right).abs() < within), "{row:?}");
+    }
+    let told = found.to_string();
+    assert!(told.starts_with("From 0.03 s to 3.99 s, which both runs have:"), "{told}");
+    let later: Vec<f64> = times(0.01, 10).iter().map(|t| t + 20.0).collect();
+    assert_eq!(difference(&short, &computed("out/late", "uy", &later, motion)), None);
+}
+
+/// Published values are those of one problem.
+#[test]
+fn published_values_stand_beside_the_same_problem_only() {
+    let beside = |overrides: &[&str]| {
+        let overrides: Vec<String> = overrides.iter().map(|s| s.to_string()).collect();
+        Beside::of(&Case::builtin("fsi3", &overrides).unwrap())
+    };
+    let same = [
+        &[][..],
+        &[
+            "mesh.refine=2",
+            "mesh.grading=1",
+            "time.step=0.01",
+            "motion.model=biharmonic",
+            "space.velocity=Q3",
+        ],
+        &["functional.drag.method=surface-integral", "functional.own.kind=rotation"],
+        &[
+            "boundary.inflow.velocity=[\"1.5*2.0*y * (0.41-y)/(0.41/2)^2*ramp(t,2)\", 0.0]",
+            "fluid.density=1e3",
+        ],
+    ];
+    for overrides in same {
+        let Beside::Results(references, left_out) = beside(overrides) else { panic!("{overrides:?}") };
+        assert_eq!((references.results.len(), left_out.len()), (4, 0), "{overrides:?}");
+    }
+    let others = [
+        ("fluid.density=900", "fluid.density = 900.0 instead of 1000.0"),
+        ("solid=none", "[solid] is missing"),
+        ("solid.mu=1e6", "solid.mu = 1000000.0 instead of 2000000.0"),
+        ("solid.body-force=[0,-2]", "solid.body-force = [0.0,-2.0] instead of [0.0,0.0]"),
+        ("boundary.outflow.condition=traction-free", "boundary.outflow.condition"),
+        ("mesh.generator=schaefer-turek", "mesh.generator = \"schaefer-turek\" instead of \"turek-hron\""),
+    ];
+    for (overrides, told) in others {
+        let Beside::Departs("fsi3", keys) = beside(&[overrides]) else { panic!("{overrides}") };
+        assert!(keys.iter().any(|key| key.to_string().starts_with(told)), "{overrides}: {keys:?}");
+    }
+    // The force on another boundary is not the published one.
+    let Beside::Results(references, left_out) = beside(&["functional.drag.on=[\"cylinder\"]"]) else {
+        panic!()
+    };
+    assert!(!references.results.contains_key("drag") && references.results.contains_key("lift"));
+    assert_eq!(left_out[0].key, "functional.drag.on");
+    assert_eq!(beside(&["reference=none"]), Beside::Nothing);
+    let wrong = Case::builtin("fsi3", &["reference=fsi4".into()]).unwrap_err().to_string();
+    assert!(wrong.contains("no published results; did you mean `fsi"), "{wrong}");
 }

@@ -24,7 +24,7 @@ fn flow(mesh: Mesh<2>, degree: usize, pressure: PressureKind, open: bool) -> (Fs
     let regions = vec![Region::Fluid; mesh.n_cells()];
     let space = FsiSpace::new(mesh, regions, degree, pressure);
     let condition = |name: &String| match name.as_str() {
-        "right" if open => BoundaryCondition::Outflow { do_nothing: true },
+        "right" if open => BoundaryCondition::Outflow { do_nothing: true, directional: false },
         _ => BoundaryCondition::Fixed,
     };
     let conditions: Vec<_> = space.mesh.boundaries.iter().map(condition).collect();

@@ -71,7 +71,7 @@ fn nodal(space: &FsiSpace<2>, f: impl Fn(&[f64; 2]) -> [f64; 2]) -> Vec<f64> {
 fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, threads: usize) -> Assembler<2> {
     let coupled = space.regions.contains(&Region::Solid);
     let condition = |name: &String| match name.as_str() {
-        "right" => BoundaryCondition::Outflow { do_nothing: true },
+        "right" => BoundaryCondition::Outflow { do_nothing: true, directional: false },
         "interface" => BoundaryCondition::Free,
         _ => BoundaryCondition::Fixed,
     };
@@ -80,7 +80,7 @@ fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, thread
     let options = Options { lanes, threads, quadrature: space.nodes.degree + 1 + usize::from(bubbles) };
     let physics = if coupled { FSI } else { FLOW };
     let mut assembler = Assembler::new(space.clone(), physics, &conditions, &|_| 1.0, &options);
-    assembler.stabilize(how, &options);
+    assembler.stabilize(how, &options).unwrap();
     assembler.set_force(Region::Fluid, End::New, Some(&|x| [x[0] - 0.3, 2.0 * x[1]]));
     assembler.set_force(Region::Fluid, End::Old, Some(&|x| [x[1], 0.7 - x[0]]));
     assembler

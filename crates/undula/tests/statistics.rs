@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 use undula::functional::statistics::{
-    Extremum, Statistics, leading_window, maximum, minimum, spectrum, statistics,
+    Extremum, Series, Statistics, leading_window, maximum, minimum, ranking, spectrum, statistics, summarize,
 };
 
 /// 36.6 samples per period of 5.46 Hz.
@@ -116,6 +116,66 @@ fn few_periods_are_enough() {
         let window = leading_window(&t, &v);
         assert_statistics(statistics(&t, &v, window), [0.0, 1.0, F], 1e-3);
     }
+}
+
+/// What a run gives that has not settled, or whose steps alternate.
+#[test]
+fn ramps_zigzags_and_rings_that_die_have_no_period() {
+    let zigzag = |t: f64| if (t / STEP).round() as i64 % 2 == 0 { 1.0 } else { -1.0 };
+    let signals: [(&str, &dyn Fn(f64) -> f64); 11] = [
+        ("ramp", &|t| 46.5 + t),
+        ("smooth start", &|t| 1.0 - (TAU / 20.0 * t).cos()),
+        ("zigzag", &|t| zigzag(t)),
+        ("zigzag on a ramp", &|t| t + 0.1 * zigzag(t)),
+        ("zigzag that dies", &|t| 3.0 + zigzag(t) * (-t).exp()),
+        ("decay", &|t| (-0.2 * t).exp() * (TAU * 2.0 * t).sin()),
+        ("slow decay", &|t| 1.0 + (-0.05 * t).exp() * (TAU * 2.0 * t).sin()),
+        ("growth", &|t| (0.2 * t).exp() * (TAU * 2.0 * t).sin()),
+        ("oscillation on a ramp", &|t| t + 0.3 * (TAU * 2.0 * t).sin()),
+        ("frequency that rises", &|t| (TAU * 0.3 * t * t).sin()),
+        ("one swing and a half", &|t| (TAU * 0.3 * t).sin()),
+    ];
+    for (name, signal) in signals {
+        let (t, v) = sampled(1000, signal);
+        assert_eq!(leading_window(&t, &v), None, "{name}");
+        // Nor do they take one from a signal that has.
+        let (_, other) = sampled(1000, |t| (TAU * 2.0 * t).sin());
+        let series = [("uy_A", &other), ("x", &v)].map(|(name, v)| Series { name, times: &t, values: v });
+        let (window, found) = summarize(&series, None);
+        assert!((window.unwrap().period() - 0.5).abs() < 1e-4);
+        assert_eq!((found[1].mean, found[1].amplitude, found[1].frequency), (None, None, None), "{name}");
+        assert!(found[0].amplitude.is_some());
+    }
+}
+
+#[test]
+fn one_rule_says_which_signal_leads() {
+    let names = ["drag", "c_L", "tip", "uy_A", "Lift"];
+    assert_eq!(ranking(&names, None), [3, 1, 4, 0, 2]);
+    assert_eq!(ranking(&names, Some("tip")), [2]);
+    assert_eq!(ranking(&names, Some("other")), [0; 0]);
+    let (t, swing) = sampled(1000, |t| (TAU * 2.0 * t).sin());
+    let (_, ramp) = sampled(1000, |t| t);
+    let series = [("uy_A", &ramp), ("tip", &swing)].map(|(name, v)| Series { name, times: &t, values: v });
+    // The first that is periodic, unless one is named.
+    assert!(summarize(&series, None).0.is_some());
+    assert_eq!(summarize(&series, Some("uy_A")).0, None);
+}
+
+/// The drag leads and has half the period of the lift.
+#[test]
+fn a_signal_of_several_windows_is_looked_at_over_its_own_period() {
+    let at = |t: f64| TAU * 2.0 * t + 0.4;
+    let (t, lift) = sampled(1000, |t| 1.0 + 5.0 * at(t).sin() + 2.0 * (2.0 * at(t)).sin());
+    let (_, drag) = sampled(1000, |t| 9.0 + (2.0 * at(t)).cos());
+    let (_, found) = {
+        let series =
+            [("drag", &drag), ("lift", &lift)].map(|(name, v)| Series { name, times: &t, values: v });
+        summarize(&series, Some("drag"))
+    };
+    assert_statistics(found[0], [9.0, 1.0, 4.0], 1e-3);
+    let (max, min) = (maximum(&t, &lift).unwrap().value, minimum(&t, &lift).unwrap().value);
+    assert_statistics(found[1], [0.5 * (max + min), 0.5 * (max - min), 2.0], 2e-3);
 }
 
 #[test]

@@ -3,11 +3,8 @@
 use super::colors::{GREY, GRID, INK, LINES};
 use super::figure::{Anchor, Figure, Panel, labelled, readable};
 use std::path::{Path, PathBuf};
-use undula::functional::statistics::{Window, common_window, statistics};
-use undula::output::{History, Summary};
-
-/// Columns of a history that are no functionals.
-const NOT_FUNCTIONALS: [&str; 5] = ["step", "time", "force_time", "newton_steps", "jacobians"];
+use undula::functional::statistics::{Statistics, Window, summarize};
+use undula::problem::results::{Results, Signal as Computed};
 
 /// Periods in the zoom.
 const PERIODS: f64 = 5.0;
@@ -21,51 +18,58 @@ struct Signal {
     unit: String,
     times: Vec<f64>,
     values: Vec<f64>,
+    /// `None` for the smallest J.
+    statistics: Option<Statistics>,
 }
 
 /// Writes `history.{svg,png}` and `path_POINT.{svg,png}`; nothing for stationary runs.
-pub fn plot(history: &History, summary: &Summary, into: &Path) -> anyhow::Result<Vec<PathBuf>> {
-    let signals = signals(history, summary);
-    let Some(times) = history.column("time").filter(|t| t.len() > 1 && t[0] < t[t.len() - 1]) else {
+pub fn plot(results: &Results, into: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let Some(times) = results.history.column("time").filter(|t| t.len() > 1 && t[0] < t[t.len() - 1]) else {
         return Ok(Vec::new());
     };
-    let functionals = signals.iter().filter(|s| s.name != "min_J");
-    let window = common_window(functionals.map(|s| (s.name.as_str(), &s.times[..], &s.values[..])));
-    let mut written = stacked(&signals, &times, window, summary)?.save(&into.join("history"))?;
+    let (signals, window) = signals(results, &times);
+    let case = &results.summary.case;
+    let mut written = stacked(&signals, &times, window, case)?.save(&into.join("history"))?;
     for x in &signals {
         let Some(point) = x.name.strip_prefix("ux_") else { continue };
         let Some(y) = signals.iter().find(|y| y.name == format!("uy_{point}")) else { continue };
         let stem = into.join(format!("path_{}", point.replace(|c: char| !c.is_alphanumeric(), "_")));
-        written.extend(path(x, y, window, point, summary).save(&stem)?);
+        written.extend(path(x, y, window, point, case).save(&stem)?);
     }
     Ok(written)
 }
 
-fn signals(history: &History, summary: &Summary) -> Vec<Signal> {
-    let functional = |name: &&String| !NOT_FUNCTIONALS.contains(&name.as_str());
-    let columns = history.columns.iter().filter(functional);
-    columns
-        .filter_map(|name| {
-            let mut values = history.column(name)?;
-            let unit = summary.functionals.get(name).map_or("", |f| &f.unit);
-            let size = values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |size, v| size.max(v.abs()));
-            let (factor, unit) = if name == "min_J" { (1.0, String::new()) } else { readable(size, unit) };
-            values.iter_mut().for_each(|v| *v *= factor);
-            // Forces belong to a time inside the step.
-            let at = if unit.contains("N/m") || unit == "Pa" { "force_time" } else { "time" };
-            let times = history.column(at).or_else(|| history.column("time"))?;
-            Some(Signal { name: name.clone(), unit, times, values })
-        })
-        .collect()
+/// All functionals with their statistics, then the smallest J; and the period of the statistics.
+fn signals(results: &Results, times: &[f64]) -> (Vec<Signal>, Option<Window>) {
+    let mut computed = results.signals();
+    for Computed { values, unit, .. } in &mut computed {
+        let size = values.iter().filter(|v| v.is_finite()).fold(0.0_f64, |size, v| size.max(v.abs()));
+        let (factor, shown) = readable(size, unit);
+        values.iter_mut().for_each(|v| *v *= factor);
+        *unit = shown;
+    }
+    let series: Vec<_> = computed.iter().map(Computed::series).collect();
+    let (window, found) = summarize(&series, results.leading());
+    let with = |(Computed { name, unit, times, values }, found): (Computed, Statistics)| Signal {
+        name,
+        unit,
+        times,
+        values,
+        statistics: Some(found),
+    };
+    let mut signals: Vec<Signal> = computed.into_iter().zip(found).map(with).collect();
+    signals.extend(results.history.column("min_J").map(|values| Signal {
+        name: "min_J".into(),
+        unit: String::new(),
+        times: times.to_vec(),
+        values,
+        statistics: None,
+    }));
+    (signals, window)
 }
 
 /// All functionals over the run, and over the last periods.
-fn stacked(
-    signals: &[Signal],
-    times: &[f64],
-    window: Option<Window>,
-    summary: &Summary,
-) -> anyhow::Result<Figure> {
+fn stacked(signals: &[Signal], times: &[f64], window: Option<Window>, case: &str) -> anyhow::Result<Figure> {
     const HEIGHT: f64 = 104.0;
     const PITCH: f64 = 146.0;
     const TOP: f64 = 60.0;
@@ -110,12 +114,12 @@ fn stacked(
             panel.axes(&mut figure, last.then_some("t [s]"), if c == 0 { &label } else { "" });
             if c + 1 == ranges.len() {
                 let at = (left + panel.width, panel.top - 9.0);
-                figure.text(at, &in_words(s, window), 12, Anchor::End, GREY);
+                figure.text(at, &in_words(s), 12, Anchor::End, GREY);
             }
         }
         left += widths[c] + 12.0;
     }
-    figure.text((12.0 + margins[0], 24.0), &summary.case, 16, Anchor::Start, INK);
+    figure.text((12.0 + margins[0], 24.0), case, 16, Anchor::Start, INK);
     Ok(figure)
 }
 
@@ -138,13 +142,12 @@ fn span(signal: &Signal, x: (f64, f64)) -> (f64, f64) {
     if size == 0.0 { (-1.0, 1.0) } else { (low - air, high + air) }
 }
 
-/// `mean ± amplitude [frequency]`, or the last value.
-fn in_words(signal: &Signal, window: Option<Window>) -> String {
-    let s = statistics(&signal.times, &signal.values, window);
-    if signal.name == "min_J" {
+/// `mean ± amplitude [frequency]` of what is periodic, or the last value.
+fn in_words(signal: &Signal) -> String {
+    let Some(s) = signal.statistics else {
         let min = signal.values.iter().copied().fold(f64::INFINITY, f64::min);
         return format!("min {min:.4}").replace('-', "\u{2212}");
-    }
+    };
     let unit = if signal.unit.is_empty() { String::new() } else { format!(" {}", signal.unit) };
     match (s.mean, s.amplitude) {
         (Some(mean), Some(amplitude)) => {
@@ -161,7 +164,7 @@ fn in_words(signal: &Signal, window: Option<Window>) -> String {
 }
 
 /// u_y over u_x: all of it in grey, the last periods in colour.
-fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, summary: &Summary) -> Figure {
+fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, case: &str) -> Figure {
     let end = x.times.last().copied().unwrap_or(0.0);
     let late = window.map_or(f64::NEG_INFINITY, |w| end - PERIODS * w.period());
     let first = x.times.partition_point(|&t| t < late);
@@ -176,8 +179,8 @@ fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, summary: &S
     let label = |name: &str, unit: &str| labelled(&format!("{name}({point})"), unit);
     panel.axes(&mut figure, Some(&label("ux", &x.unit)), &label("uy", &y.unit));
     let title = match window {
-        Some(_) if first > 0 => format!("{}, path of {point} in the last {PERIODS} periods", summary.case),
-        _ => format!("{}, path of {point}", summary.case),
+        Some(_) if first > 0 => format!("{case}, path of {point} in the last {PERIODS} periods"),
+        _ => format!("{case}, path of {point}"),
     };
     figure.text((panel.left, 24.0), &title, 14, Anchor::Start, INK);
     figure

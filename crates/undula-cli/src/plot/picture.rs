@@ -3,6 +3,7 @@
 use super::cell::{Pieces, Reference, lagrange};
 use super::colors::{self, INK, PLASMA, Rgb, SOLID, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
+use crate::digits::fixed;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use undula::output::{FieldSnapshot, Summary};
@@ -40,7 +41,7 @@ pub fn plot(
     };
     let mut title = summary.case.clone();
     if let Some(time) = time {
-        title += &format!(",  t = {time:.3} s");
+        title += &format!(",  t = {} s", fixed(time, time, 3));
     }
     let edges = Edges::new(snapshot, &solid);
     let mut written = Vec::new();
@@ -328,8 +329,6 @@ struct Edges {
     inner: Vec<Vec<[f64; 2]>>,
     /// At the boundary of the domain and of the solid.
     outline: Vec<Vec<[f64; 2]>>,
-    /// Edges of pieces that make one edge of a cell.
-    pieces: f64,
 }
 
 impl Edges {
@@ -353,9 +352,7 @@ impl Edges {
                 edge.within &= edge.part_of == part_of;
             }
         }
-        let cells = parts.and_then(|parts| parts.values.last()).map_or(solid.len() as f64, |last| last + 1.0);
-        let pieces = (solid.len() as f64 / cells).sqrt();
-        let mut edges = Edges { inner: Vec::new(), outline: Vec::new(), pieces };
+        let mut edges = Edges { inner: Vec::new(), outline: Vec::new() };
         for Edge { beside, nodes, within, .. } in found.into_values() {
             let inside = beside.len() > 1 && beside.iter().all(|&kind| kind == beside[0]);
             if inside && within {
@@ -380,7 +377,7 @@ impl Edges {
         let mean_length = inner.iter().map(length).sum::<f64>() / inner.len().max(1) as f64;
         let outline: Vec<_> = self.outline.iter().map(place).filter(visible).collect();
         figure.clipped(panel, |figure| {
-            if mesh && self.pieces * mean_length > 5.0 {
+            if mesh && mean_length > 5.0 {
                 inner.into_iter().for_each(|points| figure.curve(points, MESH, 0.4));
             }
             outline.into_iter().for_each(|points| figure.curve(points, [0; 3], 1.2));

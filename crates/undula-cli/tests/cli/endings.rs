@@ -63,7 +63,7 @@ fn stopped_runs_go_on_with_the_same_bits() {
     here.run("run fsi3 -o stopped", &LONG)
         .expect(2, &["unfinished run", "`interrupted`", "--resume", "--force"]);
     here.run("run fsi3 -o stopped --resume", &[&LONG[..], &["fluid.density=999"]].concat())
-        .expect(2, &["the case has changed"]);
+        .expect(2, &["the case has changed", "fluid.density was 1000.0, now 999.0"]);
     assert_eq!(here.read("stopped/history.csv"), rows);
     here.run("run fsi3 -o stopped --resume --threads 2", &LONG).expect(0, &["completed"]);
     here.assert_same("whole", "stopped");

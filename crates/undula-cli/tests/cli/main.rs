@@ -2,6 +2,7 @@
 
 mod bench;
 mod endings;
+mod faults;
 mod input;
 mod jacobian;
 mod outputs;

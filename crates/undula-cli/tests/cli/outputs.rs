@@ -9,7 +9,7 @@ fn the_output_directory_keeps_its_contract() {
     let mut sets = SMALL.to_vec();
     sets.extend(["output.fields-every=2", "output.checkpoint-every=2"]);
     here.run("run fsi3 -o results --threads 2", &sets)
-        .expect(0, &[" cells, ", "2 threads", "completed", "featflow", "results/plots/speed.png"]);
+        .expect(0, &[" cells, ", "2 threads", "completed", "is not `fsi3`", "results/plots/speed.png"]);
     let history = here.read("results/history.csv");
     let lines: Vec<&str> = history.lines().collect();
     assert_eq!(lines[0], "step,time,force_time,drag,lift,ux_A,uy_A,min_J,newton_steps,jacobians");
@@ -19,7 +19,7 @@ fn the_output_directory_keeps_its_contract() {
     let summary = here.json("results/summary.json");
     for key in
         "status case cells unknowns steps newton_steps jacobians factorizations threads wall_seconds phases \
-                peak_memory_bytes functionals"
+                peak_memory_bytes mass_balance swept_volume functionals"
             .split_whitespace()
     {
         assert!(summary.get(key).is_some(), "{key}");
@@ -46,7 +46,8 @@ fn the_output_directory_keeps_its_contract() {
 }
 
 fn commands_read_it(here: &Place) {
-    here.run("compare results", &[]).expect(0, &["drag", "N/m", "published", "deviation", "uncertainty"]);
+    // The beam falls, as that of the benchmark does not.
+    here.run("compare results", &[]).expect(2, &["solid.body-force = [0.0,-2.0] instead of [0.0,0.0]"]);
     here.run("compare results again", &[]).expect(0, &["drag", "lift", "uy_A"]);
     here.write("own.reference.toml", "case = \"fsi3\"\n[reference.drag]\nvalue = 100\nsource = \"own\"\n");
     here.run("compare results --reference own.reference.toml", &[]).expect(0, &["own"]);
@@ -55,8 +56,7 @@ fn commands_read_it(here: &Place) {
         here.run("plot results", &[]).expect(0, &["results/plots/speed.png", "results/plots/pressure.png"]);
     assert!(said.out.lines().all(|picture| here.file(picture).is_file()), "{}", said.out);
     here.run("plot results -o pictures", &[]).expect(0, &["pictures/speed.png"]);
-    // A completed run is replaced without being asked.
-    here.run("run fsi3 -o again --quiet", &[&SMALL[..], &["time.end=0.01"]].concat()).expect(0, &[]);
+    here.run("run fsi3 -o again --quiet --force", &[&SMALL[..], &["time.end=0.01"]].concat()).expect(0, &[]);
     assert_eq!(here.read("again/history.csv").lines().count(), 2);
     assert!(!here.file("again/checkpoints/checkpoint_00000005.npz").exists());
 }
@@ -115,18 +115,14 @@ fn check_tells_extents_regions_boundaries_and_the_flow() {
         "Re = 200 with that mean and 0.1 m, the diameter of the cylinder",
         "CFL = ",
     ];
-    for velocity in ["space.velocity=Q2", "space.velocity=P2"] {
-        here.run("check fsi3", &["mesh.refine=0", velocity]).expect(0, &told);
-    }
-    here.run("check dfg-2d3", &["mesh.refine=0"]).expect(0, &["Re = 100 with that mean and 0.1 m"]);
+    here.run("check fsi3", &["mesh.refine=0"]).expect(0, &told);
     here.write("large.msh", LARGE);
     let case = "[mesh]\nfile = \"large.msh\"\n[fluid]\ndensity = 1000\nkinematic-viscosity = 1e-6\n[boundary]\n\
                 wall.condition = \"do-nothing\"\ninlet = { condition = \"velocity\", velocity = [0.1, 0] }\n";
     here.write("large.toml", case);
-    let said =
-        here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "Mesh.ScalingFactor = 1e-3"]);
+    let said = here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
     assert!(
-        said.out.contains("Re = 5e6 with that mean and 50 m, the length of that boundary"),
+        said.out.contains("Re = 5000000 with that mean and 50 m, the length of that boundary"),
         "{}",
         said.out
     );

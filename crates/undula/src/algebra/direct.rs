@@ -2,7 +2,8 @@
 
 use super::vector::pseudo_random_sign;
 use super::{
-    Cost, Csr, FactorReport, LinearSolver, Pattern, Scaling, SolveReport, SolverError, Unknown, dot, norm_inf,
+    Cost, Csr, FactorReport, LinearSolver, Pattern, Scaling, Sizes, SolveReport, SolverError, Unknown, dot,
+    norm_inf,
 };
 use std::sync::Arc;
 
@@ -93,7 +94,7 @@ pub enum Failure {
 
 /// Direct solver around a [`Backend`].
 ///
-/// Both sides are scaled by powers of two. Every factorisation is probed: a known pseudo-random vector
+/// Both sides are scaled. Every factorisation is probed: a known pseudo-random vector
 /// x* is multiplied by the matrix and solved for again; what is not recovered is a singular matrix
 /// (then the error lies in its null space, and solving for the error shows how nearly singular) or a
 /// wrong factorisation (then refinement does not converge). Both are reported as errors.
@@ -349,6 +350,10 @@ impl<B: Backend> LinearSolver for Direct<B> {
 
     fn predicted(&self) -> Option<Cost> {
         self.pattern.as_ref().and_then(|_| self.backend.predicted())
+    }
+
+    fn set_sizes(&mut self, sizes: Sizes) {
+        self.scaling.sizes = sizes;
     }
 }
 

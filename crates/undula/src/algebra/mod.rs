@@ -2,7 +2,7 @@
 //!
 //! [`Csr`] is the matrix, [`LinearSolver`] what can be done with it: analyse its pattern once, factor
 //! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
-//! ([`Direct`]): equilibration by powers of two, a probe of every factorisation with a known solution,
+//! ([`Direct`]): equilibration, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
 //! compare it with; `definite` ones are for symmetric positive definite matrices, and store half. [`Gmres`] makes do
 //! with factors of an older matrix. Every result is the same, bit for bit, for any number of threads.
@@ -25,7 +25,7 @@ pub use gmres::{Gmres, GmresReport};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};
-pub use scaling::Scaling;
+pub use scaling::{Scaling, Sizes};
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
 

@@ -112,7 +112,7 @@ impl Backend for MumpsBackend {
 
     fn analyse(&mut self, pattern: &Arc<Pattern>, _: &[Unknown]) -> Result<(), SolverError> {
         self.close();
-        let too_large = || SolverError::Memory(format!("{} unknowns are too many", pattern.n));
+        let too_large = || SolverError::TooLarge(format!("{} unknowns", pattern.n));
         let n = c_int::try_from(pattern.n).map_err(|_| too_large())?;
         self.row = (0..n).flat_map(|i| vec![i + 1; pattern.row(i as usize).len()]).collect();
         self.col = pattern.col.iter().map(|&j| j as c_int + 1).collect();

@@ -1,6 +1,6 @@
 //! What a linear solver is, what it may know, and how it fails.
 
-use super::{Csr, Pattern};
+use super::{Csr, Pattern, Sizes};
 use std::{fmt, sync::Arc};
 
 /// Field that an unknown belongs to.
@@ -35,7 +35,11 @@ impl fmt::Display for Unknown {
             Kind::Deformation => "deformation",
             Kind::Pressure => "pressure",
         };
-        write!(f, "{kind} of node {node} at ({x:.6}, {y:.6}, {z:.6})")
+        // Six digits of the largest coordinate, six decimals at least.
+        let size = x.abs().max(y.abs()).max(z.abs());
+        let decimals = if size.is_normal() { 5.0 - size.log10().floor() } else { 0.0 };
+        let n = decimals.max(6.0) as usize;
+        write!(f, "{kind} of node {node} at ({x:.n$}, {y:.n$}, {z:.n$})")
     }
 }
 
@@ -71,6 +75,10 @@ pub trait LinearSolver: Send {
     fn predicted(&self) -> Option<Cost> {
         None
     }
+
+    /// Tells typical sizes of the unknowns for the factorisations to come: with them the pivots do not depend on the
+    /// units in which the matrix is given.
+    fn set_sizes(&mut self, _sizes: Sizes) {}
 }
 
 /// What a factorisation has cost; `None` where the backend does not tell.
@@ -211,7 +219,10 @@ pub enum SolverError {
         /// The largest accepted.
         allowed: f64,
     },
-    /// Memory is short, or an index does not fit.
+    /// Memory is short.
     #[error("no memory for the factors: {0}")]
     Memory(String),
+    /// A number of rows or entries does not fit.
+    #[error("the problem is too large: {0}; fewer cells are needed, or cells of a lower degree")]
+    TooLarge(String),
 }

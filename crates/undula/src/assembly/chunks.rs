@@ -5,6 +5,7 @@
 //! in the order of the chunks. Chunks depend on the mesh alone, and so do all sums, whatever the threads.
 
 use super::scatter::{DROP, Shared};
+use crate::algebra::SolverError;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -21,6 +22,40 @@ const TARGETS: usize = 4096;
 pub fn chunks(batches: usize) -> Vec<Range<usize>> {
     let n = (batches / BATCHES).clamp(1, CHUNKS);
     (0..n).map(|c| c * batches / n..(c + 1) * batches / n).collect()
+}
+
+/// Run `work` on every batch of the `chunks`, which follow each other from 0 on, with its piece of `size` entries of
+/// `array`; the batches of a chunk in their order on one thread.
+pub fn for_each_piece<T: Send>(
+    chunks: &[Range<usize>],
+    array: &mut [T],
+    size: usize,
+    parallel: bool,
+    work: &(impl Fn(usize, &mut [T]) + Sync),
+) {
+    match chunks {
+        [] => {}
+        [chunk] => {
+            let mut rest = array;
+            for batch in chunk.clone() {
+                let (piece, behind) = rest.split_at_mut(size);
+                work(batch, piece);
+                rest = behind;
+            }
+        }
+        _ => {
+            let (left, right) = chunks.split_at(chunks.len() / 2);
+            let (first, second) = array.split_at_mut((right[0].start - left[0].start) * size);
+            let mut left = || for_each_piece(left, first, size, parallel, work);
+            let mut right = || for_each_piece(right, second, size, parallel, work);
+            if parallel {
+                rayon::join(left, right);
+            } else {
+                left();
+                right();
+            }
+        }
+    }
 }
 
 /// Where the batches write: consecutive indices of each batch, each standing for `width` entries from it on.
@@ -53,9 +88,26 @@ const COPY: u32 = 1 << 31;
 impl Copies {
     /// Redirect `writes` into an array of `n` entries: an index beyond n is a copy.
     ///
-    /// # Panics
-    /// If entries and copies together are too many for 32 bits.
-    pub fn new(n: usize, chunks: &[Range<usize>], writes: &mut [Writes<'_>]) -> Copies {
+    /// # Errors
+    /// [`SolverError::TooLarge`] if entries and copies together are too many for 31 bits.
+    pub fn new(n: usize, chunks: &[Range<usize>], writes: &mut [Writes<'_>]) -> Result<Copies, SolverError> {
+        Self::within(COPY, n, chunks, writes)
+    }
+
+    /// The same with fewer than `limit` entries and copies.
+    fn within(
+        limit: u32,
+        n: usize,
+        chunks: &[Range<usize>],
+        writes: &mut [Writes<'_>],
+    ) -> Result<Copies, SolverError> {
+        let too_many = |n: u64| {
+            let message = format!("{n} entries of a matrix or vector, fewer than {limit} can be numbered");
+            Err(SolverError::TooLarge(message))
+        };
+        if n >= limit as usize {
+            return too_many(n as u64);
+        }
         let mut owner = vec![FREE; n];
         for (c, chunk) in chunks.iter().enumerate() {
             for w in writes.iter() {
@@ -69,7 +121,7 @@ impl Copies {
         }
         // From now on `owner` of a shared entry is where its copy for the present chunk is.
         let mut found: Vec<(u32, u32)> = vec![];
-        let mut next = 0;
+        let mut next: u32 = 0;
         for chunk in chunks {
             let first = next;
             let mut of_chunk: Vec<(u32, u32)> = vec![];
@@ -81,6 +133,10 @@ impl Copies {
                     }
                     let place = &mut owner[*at as usize];
                     if *place == SHARED {
+                        let all = n as u64 + u64::from(next) + w.width as u64;
+                        if all >= u64::from(limit) {
+                            return too_many(all);
+                        }
                         *place = COPY | (next - first);
                         for i in 0..w.width as u32 {
                             of_chunk.push((*at + i, next + i));
@@ -95,7 +151,6 @@ impl Copies {
             }
             found.extend(of_chunk);
         }
-        assert!(n as u64 + u64::from(next) < u64::from(COPY), "too many entries: {n} and {next} copies");
         found.sort_by_key(|&(target, _)| target);
         let mut copies = Copies { values: vec![0.0; next as usize], ..Copies::default() };
         for (target, place) in found {
@@ -108,7 +163,7 @@ impl Copies {
                 *end += 1;
             }
         }
-        copies
+        Ok(copies)
     }
 
     /// Share `out` and the copies among the chunks.
@@ -176,7 +231,7 @@ mod tests {
             Writes { indices: &mut to_pairs, per_batch: 4, width: 2 },
             Writes { indices: &mut to_single, per_batch: 1, width: 1 },
         ];
-        let mut copies = Copies::new(n, &list, &mut writes);
+        let mut copies = Copies::new(n, &list, &mut writes).unwrap();
         for _ in 0..2 {
             let mut out = vec![0.0; n];
             let shared = copies.share(&mut out);
@@ -187,6 +242,30 @@ mod tests {
             to_single.iter().for_each(|&at| shared.add(at, 1.0));
             copies.gather(&mut out);
             assert_eq!(out, expected);
+        }
+    }
+
+    #[test]
+    fn too_many_entries_are_an_error() {
+        let list = chunks(40);
+        let mut indices: Vec<u32> = (0..40).map(|batch| batch % 7).collect();
+        let mut within = |limit| {
+            let mut writes = [Writes { indices: &mut indices, per_batch: 1, width: 1 }];
+            Copies::within(limit, 7, &list, &mut writes).map(|copies| copies.places.len())
+        };
+        for limit in [7, 8, 20] {
+            let message = within(limit).unwrap_err().to_string();
+            assert!(message.contains("too large") && message.contains(&limit.to_string()), "{message}");
+        }
+    }
+
+    #[test]
+    fn every_batch_gets_its_piece() {
+        for (batches, parallel) in [(0, true), (1, false), (5, true), (100, false), (100, true)] {
+            let mut array = vec![0; 3 * batches];
+            let list = chunks(batches);
+            for_each_piece(&list, &mut array, 3, parallel, &|batch, piece| piece.fill(batch + 1));
+            assert!(array.iter().enumerate().all(|(i, &x)| x == i / 3 + 1));
         }
     }
 }

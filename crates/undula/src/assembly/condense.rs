@@ -8,9 +8,10 @@ use super::chunks::{Copies, Writes};
 use super::contract::{Piece, Test, Trial};
 use super::interior::{BackwardTask, CondenseTask, FacetBlocks, ForwardTask, Interior, Layout, Sweep};
 use super::kernel::{Kernel, StepView};
-use super::scatter::{DROP, Pieces, Shared};
+use super::scatter::{DROP, Shared};
 use super::simd::Width;
 use super::tangents::{Directions, TangentTasks};
+use crate::algebra::SolverError;
 use crate::math::Lanes;
 use crate::physics::Couplings;
 use crate::physics::form::Block;
@@ -108,7 +109,15 @@ where
     }
 
     /// Remember where every outer entry goes.
-    pub fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: impl Fn(u32, u32) -> u32) {
+    ///
+    /// # Errors
+    /// If they are too many to be numbered.
+    pub fn set_condensed_slots(
+        &mut self,
+        number: &[u32],
+        n_entries: usize,
+        find: impl Fn(u32, u32) -> u32,
+    ) -> Result<(), SolverError> {
         let mut slots: Vec<[u32; L]> = vec![];
         self.condensed_entries(number, |l, row, column| {
             if l == 0 {
@@ -121,9 +130,10 @@ where
         if let Some(interior) = &mut self.interior {
             let per_batch = interior.layout.outer.pow(2) * L;
             let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
-            interior.copies = Copies::new(n_entries, &self.batches.chunks, &mut writes);
+            interior.copies = Copies::new(n_entries, &self.batches.chunks, &mut writes)?;
             interior.slots = slots;
         }
+        Ok(())
     }
 
     fn sweep<'a>(&'a self, interior: &'a Interior<D, L>, batch: usize) -> Sweep<'a, D, L> {
@@ -149,10 +159,10 @@ where
         let (kept, _) = interior.sizes();
         let mut factors = std::mem::take(&mut interior.factors);
         let mut copies = std::mem::take(&mut interior.copies);
-        let (shared, pieces) = (copies.share(out), Pieces::new(&mut factors, kept));
+        let shared = copies.share(out);
         let outer = interior.layout.outer;
         let coupling = if self.relation() { step.rule.theta / step.rule.per_k } else { 0.0 };
-        self.for_each_batch(|batch| {
+        self.for_each_batch_of(&mut factors, kept, |batch, factors| {
             self.scratch.with(|s| {
                 let directions = Directions::Condensed { coupling };
                 let linearization = Linearization::Condensed;
@@ -170,7 +180,7 @@ where
                     piece: &mut s.piece,
                     work: &mut s.tensor.matrices,
                     matrix: &mut s.matrix,
-                    factors: pieces.of(batch),
+                    factors,
                     out: &shared,
                 });
             });
@@ -186,11 +196,10 @@ where
         let mut inner = std::mem::take(&mut interior.inner);
         let (_, size) = interior.sizes();
         let mut copies = std::mem::take(&mut self.row_copies);
-        let (shared, kept) = (copies.share(b), Pieces::new(&mut inner, size));
-        self.for_each_batch(|batch| {
+        let shared = copies.share(b);
+        self.for_each_batch_of(&mut inner, size, |batch, inner| {
             self.scratch.with(|s| {
                 let sweep = self.sweep(&interior, batch);
-                let inner = kept.of(batch);
                 Lanes::<L>::dispatch(ForwardTask {
                     sweep,
                     inner,

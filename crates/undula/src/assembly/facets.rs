@@ -1,14 +1,14 @@
-//! The outflow term on boundary facets. There are few, so they are done one by one in `f64`.
+//! The outflow terms on boundary facets. There are few, so they are done one by one in `f64`.
 
 use super::interior::FacetBlocks;
 use super::kernel::StepView;
 use super::scatter::DROP;
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
-use crate::physics::{FacetForm, Fields, Outflow};
-use crate::space::{Constraints, FsiSpace, State};
-use crate::tangent::{self, Tangent};
+use crate::mesh::{Facet, Side};
+use crate::physics::{Backflow, FacetForm, Fields, Fluid, Outflow};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
+use crate::tangent::{self, Linearization, Tangent};
 
 /// One quadrature point on a facet.
 #[derive(Clone, Debug)]
@@ -94,32 +94,61 @@ fn fields_between<const D: usize>(
     if tau == 1.0 { of(step.new) } else { of(step.old).lerp(&of(step.new), tau) }
 }
 
-/// Facets with the do-nothing correction.
+/// A facet of the fluid through which it flows out, with the terms there.
+struct OutflowFacet<const D: usize> {
+    nodes: Vec<u32>,
+    points: Vec<FacetPoint<D>>,
+    /// The do-nothing correction.
+    correction: Option<Outflow>,
+    /// The directional term.
+    backflow: Option<Backflow>,
+}
+
+/// Facets with the do-nothing correction or the directional term.
 pub struct OutflowFacets<const D: usize> {
-    form: Outflow,
-    facets: Vec<(Vec<u32>, Vec<FacetPoint<D>>)>,
+    facets: Vec<OutflowFacet<D>>,
     /// Cell of each facet.
     pub cells: Vec<u32>,
+    sides: Vec<Side>,
     /// `[facet][row a, i][column b, field, j]`.
     slots: Vec<u32>,
     deforms: bool,
 }
 
 impl<const D: usize> OutflowFacets<D> {
-    /// On the given facets, `n` Gauss points per direction.
-    pub fn new(space: &FsiSpace<D>, form: Outflow, facets: &[Facet], n: usize) -> OutflowFacets<D> {
-        let cells = facets.iter().map(|f| f.cell).collect();
-        let facets = facets
-            .iter()
-            .map(|f| (space.nodes.cell(f.cell as usize).to_vec(), facet_points(space, f, n)))
-            .collect();
-        OutflowFacets { form, facets, cells, slots: vec![], deforms: space.deforms }
+    /// On the facets of the `fluid` whose condition has one of the terms, `n` Gauss points per direction.
+    pub fn new(
+        space: &FsiSpace<D>,
+        fluid: Option<Fluid>,
+        conditions: &[BoundaryCondition<D>],
+        n: usize,
+    ) -> OutflowFacets<D> {
+        let (mut facets, mut cells, mut sides) = (vec![], vec![], vec![]);
+        for facet in &space.mesh.facets {
+            let BoundaryCondition::Outflow { do_nothing, directional } = conditions[facet.boundary as usize]
+            else {
+                continue;
+            };
+            let Some(fluid) = fluid.filter(|_| space.regions[facet.cell as usize] == Region::Fluid) else {
+                continue;
+            };
+            let correction = do_nothing.then_some(Outflow { viscosity: fluid.rho * fluid.nu });
+            let backflow = directional.then_some(Backflow { density: fluid.rho });
+            if correction.is_some() || backflow.is_some() {
+                let nodes = space.nodes.cell(facet.cell as usize).to_vec();
+                let points = facet_points(space, facet, n);
+                facets.push(OutflowFacet { nodes, points, correction, backflow });
+                cells.push(facet.cell);
+                sides.push(facet.side());
+            }
+        }
+        OutflowFacets { facets, cells, sides, slots: vec![], deforms: space.deforms }
     }
 
     /// Call `visit(row, column)` for every entry of the Jacobian in a fixed order.
     pub fn entries(&self, constraints: &Constraints<D>, mut visit: impl FnMut(u32, u32)) {
         let n_v = constraints.v.len() * D;
-        for (nodes, _) in &self.facets {
+        for OutflowFacet { nodes, .. } in &self.facets {
             for &a in nodes {
                 for i in 0..D {
                     let given = constraints.v[a as usize];
@@ -147,28 +176,64 @@ impl<const D: usize> OutflowFacets<D> {
         self.slots = slots;
     }
 
-    /// Add the term of the step but its explicit part to `out`.
+    /// Add the terms of the step to `out`, but the explicit part of the do-nothing correction.
     pub fn residual(&self, step: &StepView<'_>, out: &mut [f64]) {
         for (weight, tau) in step.rule.transport_points() {
-            self.add(weight, |nodes, point| fields_between(nodes, point, step, tau), out);
+            let fields = |nodes: &[u32], point: &FacetPoint<D>| fields_between(nodes, point, step, tau);
+            self.add(weight, |facet| facet.correction.as_ref(), fields, out);
+        }
+        for (weight, tau) in backflow_points(step) {
+            let fields = |nodes: &[u32], point: &FacetPoint<D>| fields_with_motion(nodes, point, step, tau);
+            self.add(weight, |facet| facet.backflow.as_ref(), fields, out);
         }
     }
 
     /// Add the explicit part (1 − θ) A(U⁻) to `out`.
+    ///
+    /// The directional term at the old time depends on ∂_t u of the step, so it belongs to [`OutflowFacets::residual`].
     pub fn explicit(&self, step: &StepView<'_>, out: &mut [f64]) {
         let old =
             |nodes: &[u32], point: &FacetPoint<D>| fields_at(nodes, &point.value, &point.grad, step.old);
         if step.rule.has_explicit() {
-            self.add(1.0 - step.rule.theta, old, out);
+            self.add(1.0 - step.rule.theta, |facet| facet.correction.as_ref(), old, out);
         }
     }
 
-    fn add(&self, weight: f64, fields: impl Fn(&[u32], &FacetPoint<D>) -> Fields<f64, D>, out: &mut [f64]) {
-        for (nodes, points) in &self.facets {
-            for point in points {
-                let at = fields(nodes, point);
-                let t = self.form.traction(&at, &point.normal, weight * point.weight);
-                for (a, &node) in nodes.iter().enumerate() {
+    /// The sum of the terms of the step, their explicit part included, over all test functions and those facets that
+    /// are among `sides` \[N/m\].
+    pub fn sum(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {
+        let explicit = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0));
+        let times: Vec<(f64, f64)> = step.rule.transport_points().chain(explicit).collect();
+        let mut sum = Vector::zero();
+        for (facet, _) in self.facets.iter().zip(&self.sides).filter(|(_, side)| sides.contains(side)) {
+            for point in &facet.points {
+                for &(weight, tau) in &times {
+                    let at = fields_between(&facet.nodes, point, step, tau);
+                    if let Some(form) = &facet.correction {
+                        sum += form.traction(&at, &point.normal, weight * point.weight);
+                    }
+                    if let Some(form) = &facet.backflow {
+                        sum += form.traction(&at, &point.normal, weight * point.weight);
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    fn add<'a, F: FacetForm<D> + 'a>(
+        &'a self,
+        weight: f64,
+        form: impl Fn(&'a OutflowFacet<D>) -> Option<&'a F>,
+        fields: impl Fn(&[u32], &FacetPoint<D>) -> Fields<f64, D>,
+        out: &mut [f64],
+    ) {
+        for facet in &self.facets {
+            let Some(form) = form(facet) else { continue };
+            for point in &facet.points {
+                let at = fields(&facet.nodes, point);
+                let t = form.traction(&at, &point.normal, weight * point.weight);
+                for (a, &node) in facet.nodes.iter().enumerate() {
                     for i in 0..D {
                         out[node as usize * D + i] += point.value[a] * t.0[i];
                     }
@@ -177,15 +242,18 @@ impl<const D: usize> OutflowFacets<D> {
         }
     }
 
-    /// Add the Jacobian at the new state to the matrix entries `out`; `with_u`: derivatives with respect to u,
-    /// too.
-    pub fn jacobian(&self, step: &StepView<'_>, how: Tangent, with_u: bool, out: &mut [f64]) {
+    /// Add the matrix of an iteration at the new state to the entries `out`; derivatives with respect to u are those of
+    /// Newton's method alone.
+    pub fn jacobian(&self, step: &StepView<'_>, which: Linearization, how: Tangent, out: &mut [f64]) {
+        let with_u = which == Linearization::Newton;
+        let lagged = which == Linearization::FixedPoint;
         let mut first = 0;
-        for (nodes, points) in &self.facets {
+        for facet in &self.facets {
             let mut at = first;
-            for p in points {
+            let nodes = &facet.nodes;
+            for p in &facet.points {
                 // Columns of the point tangent: value and gradient of each field and component.
-                let columns = self.columns(step, how, p, nodes);
+                let columns = facet.columns(step, (how, lagged), p);
                 at = first;
                 for a in 0..nodes.len() {
                     for i in 0..D {
@@ -209,14 +277,14 @@ impl<const D: usize> OutflowFacets<D> {
 
     /// The derivatives with respect to v as one dense block per facet, `[facet][a, i][b, j]`.
     pub fn blocks(&self, step: &StepView<'_>, how: Tangent, out: &mut FacetBlocks) {
-        out.size = self.facets.first().map_or(0, |(nodes, _)| (nodes.len() * D).pow(2));
+        out.size = self.facets.first().map_or(0, |facet| (facet.nodes.len() * D).pow(2));
         out.values.clear();
         out.values.resize(out.size * self.facets.len(), 0.0);
-        for (f, (nodes, points)) in self.facets.iter().enumerate() {
+        for (f, facet) in self.facets.iter().enumerate() {
             let block = &mut out.values[f * out.size..(f + 1) * out.size];
-            for p in points {
-                let columns = self.columns(step, how, p, nodes);
-                for (row, line) in block.chunks_exact_mut(nodes.len() * D).enumerate() {
+            for p in &facet.points {
+                let columns = facet.columns(step, (how, false), p);
+                for (row, line) in block.chunks_exact_mut(facet.nodes.len() * D).enumerate() {
                     for (column, value) in line.iter_mut().enumerate() {
                         *value += p.value[row / D] * columns.entry(p, 0, row % D, column / D, column % D);
                     }
@@ -224,29 +292,49 @@ impl<const D: usize> OutflowFacets<D> {
             }
         }
     }
+}
 
-    fn columns(&self, step: &StepView<'_>, how: Tangent, p: &FacetPoint<D>, nodes: &[u32]) -> Columns<D> {
+impl<const D: usize> OutflowFacet<D> {
+    /// The point tangent of both terms; `lagged` as in [`tangent::backflow`].
+    fn columns(&self, step: &StepView<'_>, how: (Tangent, bool), p: &FacetPoint<D>) -> Columns<D> {
         let zero = Vector::zero();
         let mut columns = Columns { value: [[zero; D]; 2], grad: [[[zero; D]; D]; 2] };
-        for (weight, tau) in step.rule.transport_points() {
-            let at = fields_between(nodes, p, step, tau);
-            let column = |n: usize| {
-                let mut w = Fields::zero();
-                *w.component(n) = 1.0;
-                tangent::outflow(how, &self.form, weight * tau * p.weight, &at, &p.normal, &w)
-            };
-            for field in 0..2 {
-                let first = field * (D + D * D);
-                for j in 0..D {
-                    columns.value[field][j] += column(first + j);
-                    for d in 0..D {
-                        columns.grad[field][j][d] += column(first + D + j * D + d);
-                    }
-                }
+        if let Some(form) = &self.correction {
+            for (weight, tau) in step.rule.transport_points() {
+                let at = fields_between(&self.nodes, p, step, tau);
+                columns.add(|w, _| tangent::outflow(how.0, form, weight * tau * p.weight, &at, &p.normal, w));
+            }
+        }
+        if let Some(form) = &self.backflow {
+            for (weight, tau) in backflow_points(step) {
+                let at = fields_with_motion(&self.nodes, p, step, tau);
+                columns.add(|w, of_u| {
+                    // ∂_t u moves by 1/k where u moves by 1.
+                    let share = if of_u { step.rule.per_k } else { tau };
+                    tangent::backflow(how, form, weight * p.weight, &at, &p.normal, w) * share
+                });
             }
         }
         columns
     }
+}
+
+/// (weight, τ) of the directional term: transport with its explicit part.
+fn backflow_points(step: &StepView<'_>) -> impl Iterator<Item = (f64, f64)> {
+    let explicit = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0));
+    step.rule.transport_points().chain(explicit)
+}
+
+/// Fields at (1 − τ) U⁻ + τ U, with ∂_t u = (u − u⁻)/k of the step in place of u.
+fn fields_with_motion<const D: usize>(
+    nodes: &[u32],
+    point: &FacetPoint<D>,
+    step: &StepView<'_>,
+    tau: f64,
+) -> Fields<f64, D> {
+    let of = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
+    let (old, new) = (of(step.old), of(step.new));
+    Fields { u: step.rule.per_k * (new.u - old.u), ..old.lerp(&new, tau) }
 }
 
 /// Derivatives of the traction in the directions of value and gradient of v and u: `[field][j]`,
@@ -257,6 +345,24 @@ struct Columns<const D: usize> {
 }
 
 impl<const D: usize> Columns<D> {
+    /// Add the derivative in every direction; it is told whether the direction is that of the value of u.
+    fn add(&mut self, derivative: impl Fn(&Fields<f64, D>, bool) -> Vector<f64, D>) {
+        let column = |n: usize, of_u: bool| {
+            let mut w = Fields::zero();
+            *w.component(n) = 1.0;
+            derivative(&w, of_u)
+        };
+        for field in 0..2 {
+            let first = field * (D + D * D);
+            for j in 0..D {
+                self.value[field][j] += column(first + j, field == 1);
+                for d in 0..D {
+                    self.grad[field][j][d] += column(first + D + j * D + d, false);
+                }
+            }
+        }
+    }
+
     /// d(traction_i) for basis function `b` in component `j` of field 0 (v) or 1 (u).
     fn entry(&self, p: &FacetPoint<D>, field: usize, i: usize, b: usize, j: usize) -> f64 {
         let value = self.value[field][j].0[i] * p.value[b];

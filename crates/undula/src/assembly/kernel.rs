@@ -1,7 +1,7 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::batch::Batches;
-use super::chunks::{Copies, Writes};
+use super::chunks::{Copies, Writes, for_each_piece};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::folds::Corners;
 use super::interior::Interior;
@@ -9,6 +9,7 @@ use super::scatter::{DROP, PerThread, Shared};
 use super::simd::Width;
 use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
 use super::tensor::TensorScratch;
+use crate::algebra::SolverError;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
@@ -99,13 +100,16 @@ where
     Lanes<L>: Width,
 {
     /// Prepare the loops of `region` for `threads` threads.
+    ///
+    /// # Errors
+    /// If there are too many unknowns to be numbered.
     pub fn new(
         form: F,
         space: &FsiSpace<D>,
         region: Region,
         batches: Batches<D, L>,
         threads: usize,
-    ) -> Kernel<F, D, L> {
+    ) -> Result<Kernel<F, D, L>, SolverError> {
         let (n, m, q) = (batches.n_basis, batches.n_pressure, batches.n_points);
         let components = Fields::<f64, D>::COMPONENTS;
         let vectors = || vec![Vector::zero(); n];
@@ -143,9 +147,9 @@ where
                 width,
             },
         );
-        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes);
+        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes)?;
         let pieces = pieces(&form.couplings(), D, space.deforms);
-        Kernel {
+        Ok(Kernel {
             form,
             batches,
             force: vec![],
@@ -172,7 +176,7 @@ where
             watched: vec![],
             only_watched: false,
             threads,
-        }
+        })
     }
 
     /// Call `visit(row, column)` for every entry the element matrices write, [`DROP`]ped ones included.
@@ -181,6 +185,10 @@ where
         let column =
             |first: u32, i: usize, given: bool| if given || first == DROP { DROP } else { first + i as u32 };
         let n_v = constraints.v.len() * D;
+        let pressure = |dof: u32| {
+            let given = |at: u32| constraints.p.get((at - self.first_pressure) as usize) == Some(&true);
+            if dof == DROP || given(dof) { DROP } else { dof }
+        };
         for batch in 0..self.batches.len() {
             for piece in &self.pieces {
                 let rows = if piece.test == Test::Xi { m } else { n };
@@ -196,14 +204,14 @@ where
                                 Test::Psi(i) => {
                                     column(self.rows_psi[batch * n + a][l], i, constraints.u[node(a)][i])
                                 }
-                                Test::Xi => self.rows_xi[batch * m + a][l],
+                                Test::Xi => pressure(self.rows_xi[batch * m + a][l]),
                             };
                             let col = match piece.trial {
                                 Trial::V(j) => column((node(b) * D) as u32, j, constraints.v[node(b)]),
                                 Trial::U(j) => {
                                     column((n_v + node(b) * D) as u32, j, constraints.u[node(b)][j])
                                 }
-                                Trial::P => self.rows_xi[batch * m + b][l],
+                                Trial::P => pressure(self.rows_xi[batch * m + b][l]),
                             };
                             let there = l < self.batches.active[batch] && row != DROP && col != DROP;
                             let (row, col) = if there { (row, col) } else { (DROP, DROP) };
@@ -216,12 +224,15 @@ where
     }
 
     /// Remember where every entry of the element matrices goes.
+    ///
+    /// # Errors
+    /// If they are too many to be numbered.
     pub fn set_slots(
         &mut self,
         constraints: &Constraints<D>,
         n_entries: usize,
         find: impl Fn(u32, u32) -> u32,
-    ) {
+    ) -> Result<(), SolverError> {
         let mut slots: Vec<[u32; L]> = vec![];
         self.entries(constraints, |_, l, row, col| {
             if l == 0 {
@@ -234,8 +245,9 @@ where
         self.slots_per_batch = if self.batches.is_empty() { 0 } else { slots.len() / self.batches.len() };
         let per_batch = self.slots_per_batch * L;
         let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
-        self.slot_copies = Copies::new(n_entries, &self.batches.chunks, &mut writes);
+        self.slot_copies = Copies::new(n_entries, &self.batches.chunks, &mut writes)?;
         self.slots = slots;
+        Ok(())
     }
 
     /// Note which batches have one of the watched `nodes`.
@@ -258,6 +270,16 @@ where
         } else {
             chunks.par_iter().with_max_len(1).for_each(|chunk| chunk.clone().for_each(&work));
         }
+    }
+
+    /// The same with the piece of `size` entries of `array` that belongs to each batch.
+    pub(super) fn for_each_batch_of<T: Send>(
+        &self,
+        array: &mut [T],
+        size: usize,
+        work: impl Fn(usize, &mut [T]) + Sync,
+    ) {
+        for_each_piece(&self.batches.chunks, array, size, self.threads > 1, &work);
     }
 
     /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.

@@ -3,33 +3,36 @@
 //! Cells are processed `L` at a time, one per vector lane, in chunks that threads share out; every sum has
 //! one order, so that the result does not depend on the number of threads.
 //! After the first call nothing is allocated.
+//!
+//! The loops are of this crate alone: vectors of several lanes are for processors that have the instructions, which
+//! [`Assembler::new`] looks after.
 
-pub mod batch;
-pub mod biharmonic;
-pub mod chunks;
+pub(crate) mod batch;
+pub(crate) mod biharmonic;
+pub(crate) mod chunks;
 mod condense;
-pub mod contract;
+pub(crate) mod contract;
 pub mod differences;
-pub mod evaluate;
+pub(crate) mod evaluate;
 pub mod extension;
 pub mod facets;
 mod fields;
 mod folds;
 pub mod force;
-pub mod interior;
-pub mod kernel;
+pub(crate) mod interior;
+pub(crate) mod kernel;
 mod pair;
 pub mod points;
-pub mod scatter;
-pub mod simd;
-pub mod stabilize;
+pub(crate) mod scatter;
+pub(crate) mod simd;
+pub(crate) mod stabilize;
 mod tangents;
 mod tasks;
-pub mod tensor;
+pub(crate) mod tensor;
 
-use crate::algebra::{Csr, Kind, Pattern, Unknown};
-use crate::physics::{Extension, Fluid, Outflow, Solid, Stabilization};
-use crate::space::{BoundaryCondition, Constraints, FsiSpace, PressureKind, Region, State};
+use crate::algebra::{Csr, Kind, Pattern, SolverError, Unknown};
+use crate::physics::{Extension, Fluid, Solid, Stabilization};
+use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, PressureKind, Region, State};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
 use biharmonic::Biharmonic;
 use extension::ExtensionSystem;
@@ -39,6 +42,7 @@ use interior::FacetBlocks;
 pub use kernel::StepView;
 use pair::{Kernels, Pair};
 use scatter::DROP;
+pub use simd::{available, best_lanes};
 use stabilize::Columns;
 use std::sync::Arc;
 
@@ -59,7 +63,8 @@ pub type ForceAt<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
 pub struct Options {
     /// Cells per batch: 1, 4 or 8; what this processor does not have is replaced by its best.
     pub lanes: usize,
-    /// Threads; with more than one, calls must come from within a rayon pool of that size.
+    /// Threads at work at the same time. Loops run on the rayon pool from which they are called; more threads than these
+    /// wait for each other, and none work side by side if this is 1. The results are the same.
     pub threads: usize,
     /// Gauss points per direction.
     pub quadrature: usize,
@@ -106,6 +111,8 @@ pub struct Assembler<const D: usize> {
     biharmonic: Option<Biharmonic>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
+    /// Parts of the fluid whose pressure is determined up to a constant; their rows that read δ = 0 are the last.
+    closed: Vec<ClosedPressure>,
     /// Sparsity of the Jacobian and the places of the diagonal entries of the given rows, once asked for.
     full: Option<(Arc<Pattern>, Vec<u32>)>,
     condensed: Option<Arc<CondensedSystem>>,
@@ -128,6 +135,9 @@ impl<const D: usize> Assembler<D> {
     /// Prepare everything that stays for the run.
     ///
     /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension.
+    ///
+    /// # Panics
+    /// Where [`Assembler::try_new`] fails.
     pub fn new(
         space: Arc<FsiSpace<D>>,
         physics: Physics,
@@ -135,22 +145,32 @@ impl<const D: usize> Assembler<D> {
         stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
     ) -> Assembler<D> {
+        granted(Self::try_new(space, physics, conditions, stiffness, options))
+    }
+
+    /// [`Assembler::new`] of a problem that may be too large.
+    ///
+    /// # Errors
+    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
+    pub fn try_new(
+        space: Arc<FsiSpace<D>>,
+        physics: Physics,
+        conditions: &[BoundaryCondition<D>],
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
+        options: &Options,
+    ) -> Result<Assembler<D>, SolverError> {
         let constraints = Constraints::new(&space, conditions);
-        let do_nothing =
-            |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
-        let facets: Vec<_> = space.mesh.facets.iter().filter(|f| do_nothing(f.boundary)).copied().collect();
-        let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
-        let outflow = OutflowFacets::new(&space, Outflow { viscosity }, &facets, options.quadrature);
+        let outflow = OutflowFacets::new(&space, physics.fluid, conditions, options.quadrature);
         let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
         let kernels: Box<dyn Kernels<D>> = match lanes {
-            1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
+            1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)?),
             // Not in unit tests: integration tests run every width, and compiling them twice takes minutes.
             #[cfg(not(any(test, feature = "narrow")))]
-            4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)),
+            4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)?),
             #[cfg(not(any(test, feature = "narrow")))]
-            _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)),
+            _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)?),
             #[cfg(any(test, feature = "narrow"))]
-            _ => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)),
+            _ => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)?),
         };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
@@ -160,7 +180,7 @@ impl<const D: usize> Assembler<D> {
             }
             _ => None,
         };
-        Assembler {
+        Ok(Assembler {
             space,
             constraints,
             physics,
@@ -169,22 +189,45 @@ impl<const D: usize> Assembler<D> {
             outflow,
             biharmonic,
             given,
+            closed: vec![],
             full: None,
             condensed: None,
             blocks,
             stabilized: false,
-        }
+        })
     }
 
     /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.
     ///
     /// # Panics
-    /// If π projects on patches that the mesh does not have, see [`stabilize::patches`].
-    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) {
+    /// If π projects on patches that the mesh does not have: cells that come from refining one in four.
+    ///
+    /// # Errors
+    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
+    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) -> Result<(), SolverError> {
         if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
-            self.kernels.stabilize(how, fluid, &self.space, options);
+            self.kernels.stabilize(how, fluid, &self.space, options)?;
             self.stabilized = true;
         }
+        Ok(())
+    }
+
+    /// Determine the pressures of `closed`, which the equations leave open by a constant; before any matrix is asked
+    /// for. Corrections leave one unknown of each alone, but the residual keeps its row, which is that of the data
+    /// being in balance.
+    pub fn close(&mut self, closed: Vec<ClosedPressure>) {
+        let first = self.space.n_v() + self.space.n_u();
+        self.constraints.p = vec![false; if closed.is_empty() { 0 } else { self.space.n_p() }];
+        for part in &closed {
+            self.constraints.p[part.fixed as usize] = true;
+            self.given.push(first as u32 + part.fixed);
+        }
+        self.closed = closed;
+    }
+
+    /// Make the mean of each pressure of [`Assembler::close`] 0.
+    pub fn level(&self, p: &mut [f64]) {
+        self.closed.iter().for_each(|part| part.level(p));
     }
 
     /// Whether there is stabilisation, with parameters from the old state.
@@ -193,10 +236,21 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// Sparsity of the Jacobian, all unknowns in the order v, u, p; found when first asked for.
+    ///
+    /// # Panics
+    /// Where [`Assembler::try_pattern`] fails.
     pub fn pattern(&mut self) -> Arc<Pattern> {
+        granted(self.try_pattern())
+    }
+
+    /// [`Assembler::pattern`] of a problem that may be too large.
+    ///
+    /// # Errors
+    /// [`SolverError::TooLarge`] if it has too many entries to be numbered.
+    pub fn try_pattern(&mut self) -> Result<Arc<Pattern>, SolverError> {
         let Self { space, constraints, kernels, outflow, biharmonic, given, full, .. } = self;
         if let Some((pattern, _)) = full {
-            return Arc::clone(pattern);
+            return Ok(Arc::clone(pattern));
         }
         let mut rows: Vec<Vec<u32>> = vec![vec![]; space.n_unknowns()];
         given.iter().for_each(|&row| rows[row as usize].push(row));
@@ -222,18 +276,29 @@ impl<const D: usize> Assembler<D> {
         if let Some(b) = biharmonic {
             b.set_slots(find);
         }
-        kernels.set_slots(constraints, pattern.nnz(), &find);
-        kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find);
+        kernels.set_slots(constraints, pattern.nnz(), &find)?;
+        kernels.set_stabilization_slots(Columns::All, &free, pattern.nnz(), &find)?;
         outflow.set_slots(constraints, find);
         let diagonals = given.iter().map(|&row| find(row, row)).collect();
         *full = Some((Arc::clone(&pattern), diagonals));
-        pattern
+        Ok(pattern)
     }
 
     /// The (v, p) system of condensed Newton, found when first asked for.
+    ///
+    /// # Panics
+    /// Where [`Assembler::try_condensed`] fails.
     pub fn condensed(&mut self) -> Arc<CondensedSystem> {
+        granted(self.try_condensed())
+    }
+
+    /// [`Assembler::condensed`] of a problem that may be too large.
+    ///
+    /// # Errors
+    /// [`SolverError::TooLarge`] if it has too many entries to be numbered.
+    pub fn try_condensed(&mut self) -> Result<Arc<CondensedSystem>, SolverError> {
         if let Some(system) = &self.condensed {
-            return Arc::clone(system);
+            return Ok(Arc::clone(system));
         }
         self.kernels.prepare_condensed(&self.space, &self.outflow.cells);
         let n = self.space.n_unknowns();
@@ -257,11 +322,11 @@ impl<const D: usize> Assembler<D> {
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
         let find = |row: u32, col: u32| pattern.find(row as usize, col as usize).map_or(DROP, |at| at as u32);
-        self.kernels.set_condensed_slots(&number, pattern.nnz(), &find);
-        self.kernels.set_stabilization_slots(Columns::Flow, &number, pattern.nnz(), &find);
+        self.kernels.set_condensed_slots(&number, pattern.nnz(), &find)?;
+        self.kernels.set_stabilization_slots(Columns::Flow, &number, pattern.nnz(), &find)?;
         let system = Arc::new(CondensedSystem { pattern, places, unknowns });
         self.condensed = Some(Arc::clone(&system));
-        system
+        Ok(system)
     }
 
     /// The matrix of [`Assembler::condensed`], which must have been asked for; the factors of the inner
@@ -368,7 +433,8 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0.
+    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0, but for those of
+    /// [`Assembler::close`].
     ///
     /// Returns the smallest J at the quadrature points of both regions.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
@@ -378,7 +444,7 @@ impl<const D: usize> Assembler<D> {
         if let Some(b) = &self.biharmonic {
             b.residual(&step.new.u, out);
         }
-        for &row in &self.given {
+        for &row in &self.given[..self.given.len() - self.closed.len()] {
             out[row as usize] = 0.0;
         }
         min_j
@@ -418,6 +484,11 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
+    /// What the outflow conditions add to the residual.
+    pub fn outflow(&self) -> &OutflowFacets<D> {
+        &self.outflow
+    }
+
     /// The Jacobian of [`Assembler::residual`] with respect to the new state, on [`Assembler::pattern`].
     pub fn jacobian(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
         self.matrix(step, Linearization::Newton, tangent, out);
@@ -441,7 +512,7 @@ impl<const D: usize> Assembler<D> {
         self.pattern();
         out.values.fill(0.0);
         self.kernels.jacobian(step, linearization, tangent, &mut out.values);
-        self.outflow.jacobian(step, tangent, linearization == Linearization::Newton, &mut out.values);
+        self.outflow.jacobian(step, linearization, tangent, &mut out.values);
         if let Some(b) = &self.biharmonic {
             b.jacobian(&mut out.values);
         }
@@ -467,6 +538,12 @@ impl<const D: usize> Assembler<D> {
             out[row as usize] = 0.0;
         }
     }
+}
+
+/// What a problem that is not too large has.
+#[track_caller]
+fn granted<T>(result: Result<T, SolverError>) -> T {
+    result.unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// The same with the sizes of the fields of the iterate, which differences need.

@@ -8,6 +8,7 @@ use super::scatter::DROP;
 use super::simd::Width;
 use super::stabilize::{Columns, Stabilizer};
 use super::{End, ForceAt, Options, Physics, Worst};
+use crate::algebra::SolverError;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, Solid, Stabilization};
 use crate::space::{Constraints, FsiSpace, Region};
@@ -16,7 +17,12 @@ use crate::tangent::{Linearization, Tangent};
 /// The kernels of both regions with their number of lanes hidden.
 pub(super) trait Kernels<const D: usize>: Send + Sync {
     fn entries(&self, constraints: &Constraints<D>, visit: &mut dyn FnMut(u32, u32));
-    fn set_slots(&mut self, constraints: &Constraints<D>, n_entries: usize, find: &dyn Fn(u32, u32) -> u32);
+    fn set_slots(
+        &mut self,
+        constraints: &Constraints<D>,
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) -> Result<(), SolverError>;
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>);
     fn move_force(&mut self, step: &StepView<'_>, end: End, force: &CurrentForce<D>, tangent: Tangent);
     fn explicit(&mut self, step: &StepView<'_>, only: Option<Region>, out: &mut [f64]);
@@ -35,12 +41,23 @@ pub(super) trait Kernels<const D: usize>: Send + Sync {
     fn prepare_condensed(&mut self, space: &FsiSpace<D>, facets: &[u32]);
     fn inner(&self, visit: &mut dyn FnMut(u32));
     fn condensed_entries(&self, number: &[u32], visit: &mut dyn FnMut(u32, u32));
-    fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: &dyn Fn(u32, u32) -> u32);
+    fn set_condensed_slots(
+        &mut self,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) -> Result<(), SolverError>;
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]);
     fn eliminate(&mut self, b: &mut [f64]);
     fn recover(&self, x: &mut [f64]);
     fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64));
-    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options);
+    fn stabilize(
+        &mut self,
+        how: &Stabilization,
+        fluid: Fluid,
+        space: &FsiSpace<D>,
+        options: &Options,
+    ) -> Result<(), SolverError>;
     fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32));
     fn set_stabilization_slots(
         &mut self,
@@ -48,7 +65,7 @@ pub(super) trait Kernels<const D: usize>: Send + Sync {
         number: &[u32],
         n_entries: usize,
         find: &dyn Fn(u32, u32) -> u32,
-    );
+    ) -> Result<(), SolverError>;
 }
 
 /// The same with the kernels of both regions, fluid first.
@@ -84,12 +101,15 @@ where
     Lanes<L>: Width,
 {
     /// Kernels of the regions that `physics` has.
+    ///
+    /// # Errors
+    /// If there are too many unknowns to be numbered.
     pub(super) fn new(
         space: &FsiSpace<D>,
         physics: &Physics,
         stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
-    ) -> Self {
+    ) -> Result<Self, SolverError> {
         let cells = |region| -> Vec<usize> {
             (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect()
         };
@@ -100,11 +120,13 @@ where
         };
         let fluid = physics
             .fluid
-            .map(|form| Kernel::new(form, space, Region::Fluid, batches(Region::Fluid), options.threads));
+            .map(|form| Kernel::new(form, space, Region::Fluid, batches(Region::Fluid), options.threads))
+            .transpose()?;
         let solid = physics
             .solid
-            .map(|form| Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads));
-        Pair { fluid, solid, stabilizer: None }
+            .map(|form| Kernel::new(form, space, Region::Solid, batches(Region::Solid), options.threads))
+            .transpose()?;
+        Ok(Pair { fluid, solid, stabilizer: None })
     }
 }
 
@@ -126,13 +148,14 @@ where
         }
     }
 
-    fn set_slots(&mut self, constraints: &Constraints<D>, n_entries: usize, find: &dyn Fn(u32, u32) -> u32) {
-        if let Some(k) = &mut self.fluid {
-            k.set_slots(constraints, n_entries, find);
-        }
-        if let Some(k) = &mut self.solid {
-            k.set_slots(constraints, n_entries, find);
-        }
+    fn set_slots(
+        &mut self,
+        constraints: &Constraints<D>,
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) -> Result<(), SolverError> {
+        both!(mut self, k, k.set_slots(constraints, n_entries, find)?);
+        Ok(())
     }
 
     fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<D>>) {
@@ -243,8 +266,14 @@ where
         both!(self, k, k.condensed_entries(number, &mut visit));
     }
 
-    fn set_condensed_slots(&mut self, number: &[u32], n_entries: usize, find: &dyn Fn(u32, u32) -> u32) {
-        both!(mut self, k, k.set_condensed_slots(number, n_entries, find));
+    fn set_condensed_slots(
+        &mut self,
+        number: &[u32],
+        n_entries: usize,
+        find: &dyn Fn(u32, u32) -> u32,
+    ) -> Result<(), SolverError> {
+        both!(mut self, k, k.set_condensed_slots(number, n_entries, find)?);
+        Ok(())
     }
 
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
@@ -268,9 +297,16 @@ where
         }
     }
 
-    fn stabilize(&mut self, how: &Stabilization, fluid: Fluid, space: &FsiSpace<D>, options: &Options) {
-        self.stabilizer =
-            Some(Stabilizer::<D, 1>::new(how, fluid, space, options.quadrature, options.threads));
+    fn stabilize(
+        &mut self,
+        how: &Stabilization,
+        fluid: Fluid,
+        space: &FsiSpace<D>,
+        options: &Options,
+    ) -> Result<(), SolverError> {
+        let stabilizer = Stabilizer::<D, 1>::new(how, fluid, space, options.quadrature, options.threads)?;
+        self.stabilizer = Some(stabilizer);
+        Ok(())
     }
 
     fn stabilization_entries(&self, columns: Columns, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
@@ -289,9 +325,10 @@ where
         number: &[u32],
         n_entries: usize,
         find: &dyn Fn(u32, u32) -> u32,
-    ) {
-        if let Some(s) = &mut self.stabilizer {
-            s.set_slots(columns, number, n_entries, find);
+    ) -> Result<(), SolverError> {
+        match &mut self.stabilizer {
+            Some(s) => s.set_slots(columns, number, n_entries, find),
+            None => Ok(()),
         }
     }
 }

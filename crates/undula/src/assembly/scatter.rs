@@ -1,26 +1,43 @@
 //! Writing from several threads into one array.
 #![allow(unsafe_code)]
 
-use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// Marks a row or entry that is not there: a constrained unknown, or a row of another owner.
 pub const DROP: u32 = u32::MAX;
 
-/// An array that several threads write at the same time, at places that never coincide, and copies of
-/// its entries behind it, see [`super::chunks`].
+/// An array that several threads write at the same time, and copies of its entries behind it, see
+/// [`super::chunks`].
+///
+/// Two threads never write the same entry at the same time, or sums would lose terms: what several chunks of
+/// batches write has a copy for each. Entries are atomic, so that a mistake here would give wrong numbers, not
+/// undefined behaviour. Relaxed loads and stores are the plain instructions of the processor.
 #[derive(Copy, Clone)]
 pub struct Shared<'a> {
-    start: *mut f64,
-    len: usize,
-    copies: *mut f64,
-    n_copies: usize,
-    array: PhantomData<&'a mut [f64]>,
+    array: &'a [AtomicU64],
+    copies: &'a [AtomicU64],
 }
 
-// SAFETY: concurrent writers are kept apart, see `Shared::add`.
-unsafe impl Send for Shared<'_> {}
-// SAFETY: as above.
-unsafe impl Sync for Shared<'_> {}
+const _: () =
+    assert!(align_of::<f64>() == align_of::<AtomicU64>() && size_of::<f64>() == size_of::<AtomicU64>());
+
+/// The same memory as atomic numbers.
+fn atomic(array: &mut [f64]) -> &[AtomicU64] {
+    // SAFETY: the two types have one size and alignment, every pattern of bits is valid for both, and the exclusive
+    // borrow of the array lasts as long as the result, so that all access goes through it.
+    unsafe { std::slice::from_raw_parts(array.as_mut_ptr().cast(), array.len()) }
+}
+
+#[inline(always)]
+fn load(entry: &AtomicU64) -> f64 {
+    f64::from_bits(entry.load(Ordering::Relaxed))
+}
+
+#[inline(always)]
+fn store(entry: &AtomicU64, x: f64) {
+    entry.store(x.to_bits(), Ordering::Relaxed);
+}
 
 impl<'a> Shared<'a> {
     /// Share `array` for the length of its borrow.
@@ -30,99 +47,86 @@ impl<'a> Shared<'a> {
 
     /// Share `array` and `copies`, whose first one has the number behind the last entry.
     pub fn with_copies(array: &'a mut [f64], copies: &'a mut [f64]) -> Shared<'a> {
-        Shared {
-            start: array.as_mut_ptr(),
-            len: array.len(),
-            copies: copies.as_mut_ptr(),
-            n_copies: copies.len(),
-            array: PhantomData,
-        }
+        Shared { array: atomic(array), copies: atomic(copies) }
     }
 
     /// `array[at] += x` or that of a copy, nothing for [`DROP`].
-    ///
-    /// Two threads never call this with the same `at` at the same time: what several chunks of batches
-    /// write has a copy for each.
     #[inline(always)]
     pub fn add(&self, at: u32, x: f64) {
         let at = at as usize;
-        if at < self.len {
-            // SAFETY: within bounds; no other thread touches this entry now.
-            unsafe { *self.start.add(at) += x };
-        } else if at - self.len < self.n_copies {
-            // SAFETY: as above.
-            unsafe { *self.copies.add(at - self.len) += x };
+        if let Some(entry) = self.array.get(at) {
+            store(entry, load(entry) + x);
+        } else if let Some(copy) = self.copies.get(at - self.array.len()) {
+            store(copy, load(copy) + x);
         } else {
             debug_assert!(at == DROP as usize);
         }
     }
 
-    /// `array[at]`; no thread writes this entry now.
+    /// `array[at]`.
     #[inline(always)]
     pub fn get(&self, at: u32) -> f64 {
-        assert!((at as usize) < self.len);
-        // SAFETY: within bounds, and not written meanwhile.
-        unsafe { *self.start.add(at as usize) }
+        load(&self.array[at as usize])
     }
 
-    /// `array[at] = x`, under the same condition.
+    /// `array[at] = x`.
     #[inline(always)]
     pub fn set(&self, at: usize, x: f64) {
-        assert!(at < self.len);
-        // SAFETY: within bounds; each batch writes its own entry.
-        unsafe { *self.start.add(at) = x };
+        store(&self.array[at], x);
     }
 }
 
-/// An array in pieces of one size, each worked on by its own batch.
-#[derive(Copy, Clone)]
-pub struct Pieces<'a, T> {
-    start: *mut T,
-    len: usize,
-    size: usize,
-    array: PhantomData<&'a mut [T]>,
-}
-
-// SAFETY: each batch reaches its own piece only, see `Pieces::of`.
-unsafe impl<T: Send> Send for Pieces<'_, T> {}
-// SAFETY: as above.
-unsafe impl<T: Send> Sync for Pieces<'_, T> {}
-
-impl<'a, T> Pieces<'a, T> {
-    /// Cut `array` into pieces of `size`.
-    pub fn new(array: &'a mut [T], size: usize) -> Pieces<'a, T> {
-        Pieces { start: array.as_mut_ptr(), len: array.len(), size, array: PhantomData }
-    }
-
-    /// The piece of `batch`, which is worked on by one thread and asked for once in that work.
-    #[inline(always)]
-    #[allow(clippy::mut_from_ref)]
-    pub fn of(&self, batch: usize) -> &mut [T] {
-        assert!((batch + 1) * self.size <= self.len);
-        // SAFETY: within bounds; pieces are disjoint, and a batch is in the hands of one thread.
-        unsafe { std::slice::from_raw_parts_mut(self.start.add(batch * self.size), self.size) }
-    }
-}
-
-/// One object per thread, reached from within a parallel loop.
-pub struct PerThread<T>(Vec<std::cell::UnsafeCell<T>>);
-
-// SAFETY: each thread of the pool reaches its own element only, see `PerThread::get`.
-unsafe impl<T: Send> Sync for PerThread<T> {}
+/// Work space for parallel loops: one object for each thread that they are meant for.
+///
+/// With more threads than objects, as in the pool of somebody else, some wait: slower, and the same result.
+pub struct PerThread<T>(Vec<Mutex<T>>);
 
 impl<T> PerThread<T> {
     /// One object for each of `threads` threads.
     pub fn new(threads: usize, mut make: impl FnMut() -> T) -> Self {
-        PerThread((0..threads.max(1)).map(|_| std::cell::UnsafeCell::new(make())).collect())
+        PerThread((0..threads.max(1)).map(|_| Mutex::new(make())).collect())
     }
 
-    /// Use the object of the current thread.
+    /// Use an object that no other thread uses now.
     ///
-    /// `f` must not wait for other work of the pool, or this thread could enter a second time.
+    /// `f` must not wait for other work of the pool, which may need the same object.
     #[inline(always)]
     pub fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
-        let index = rayon::current_thread_index().unwrap_or(0);
-        // SAFETY: an index belongs to one thread, and `f` does not come back here.
-        f(unsafe { &mut *self.0[index].get() })
+        f(&mut self.free())
+    }
+
+    /// The object of this thread, else another one that is free, else that of this thread once it is.
+    fn free(&self) -> MutexGuard<'_, T> {
+        let n = self.0.len();
+        let own = rayon::current_thread_index().unwrap_or(0) % n;
+        for i in 0..n {
+            match self.0[(own + i) % n].try_lock() {
+                Ok(object) => return object,
+                // What a panic left behind is overwritten before it is read.
+                Err(TryLockError::Poisoned(object)) => return object.into_inner(),
+                Err(TryLockError::WouldBlock) => {}
+            }
+        }
+        self.0[own].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Threads of no pool all have the number 0, and so has the first one of each pool.
+    #[test]
+    fn an_object_is_used_by_one_thread_at_a_time() {
+        for objects in [1, 3] {
+            let counts = PerThread::new(objects, || 0_u64);
+            std::thread::scope(|scope| {
+                for _ in 0..4 {
+                    scope.spawn(|| (0..10_000).for_each(|_| counts.with(|count| *count += 1)));
+                }
+            });
+            let sum: u64 = counts.0.into_iter().map(|count| count.into_inner().unwrap()).sum();
+            assert_eq!(sum, 40_000);
+        }
     }
 }

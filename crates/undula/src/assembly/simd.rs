@@ -7,6 +7,8 @@
 #![allow(unsafe_code)]
 
 use crate::math::Lanes;
+#[cfg(target_arch = "x86_64")]
+use std::sync::OnceLock;
 
 /// Work on one batch; `run` must be `#[inline(always)]`.
 pub trait Task {
@@ -35,21 +37,28 @@ pub fn available(lanes: usize) -> bool {
 
 #[cfg(target_arch = "x86_64")]
 fn has_avx512() -> bool {
-    is_x86_feature_detected!("avx512f")
-        && is_x86_feature_detected!("avx512vl")
-        && is_x86_feature_detected!("avx512dq")
-        && has_avx2()
+    static HAS: OnceLock<bool> = OnceLock::new();
+    *HAS.get_or_init(|| {
+        is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512dq")
+            && has_avx2()
+    })
 }
 
 #[cfg(target_arch = "x86_64")]
 fn has_avx2() -> bool {
-    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+    static HAS: OnceLock<bool> = OnceLock::new();
+    *HAS.get_or_init(|| is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"))
 }
 
 /// A number of lanes with its entry. One entry each: a way round for processors without the
 /// instructions would be compiled for minutes and never run.
 pub trait Width {
-    /// Run `task`, compiled for the processor that the width stands for; it must be [`available`].
+    /// Run `task`, compiled for the processor that the width stands for.
+    ///
+    /// # Panics
+    /// If it is not [`available`]; looking it up costs a nanosecond.
     fn dispatch(task: impl Task);
 }
 
@@ -63,9 +72,9 @@ impl Width for Lanes<1> {
 impl Width for Lanes<4> {
     #[inline(always)]
     fn dispatch(task: impl Task) {
-        debug_assert!(available(4));
+        assert!(available(4), "four lanes need AVX2 and FMA");
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: assembly is set up with an available width only.
+        // SAFETY: the processor has the instructions.
         unsafe {
             run_avx2(task);
         }
@@ -77,9 +86,9 @@ impl Width for Lanes<4> {
 impl Width for Lanes<8> {
     #[inline(always)]
     fn dispatch(task: impl Task) {
-        debug_assert!(available(8));
+        assert!(available(8), "eight lanes need AVX-512");
         #[cfg(target_arch = "x86_64")]
-        // SAFETY: assembly is set up with an available width only.
+        // SAFETY: the processor has the instructions.
         unsafe {
             run_avx512(task);
         }

@@ -1,7 +1,7 @@
 //! The parts of a step, each called alone.
 
 use super::median;
-use crate::algebra::{Csr, LinearSolver, MultifrontalLu, Options, SolverError, Unknown};
+use crate::algebra::{Cost, Csr, LinearSolver, MultifrontalLu, Options, Sizes, SolverError, Unknown};
 use crate::assembly::differences::{Differences, deviation};
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
@@ -81,6 +81,10 @@ pub struct Kernels {
     pub factor_extension: Option<Timing>,
     /// Both substitutions with its factors.
     pub apply_extension: Option<Timing>,
+    /// Pivots of the condensed matrix in single precision that were refused in their own front.
+    pub delayed: Option<usize>,
+    /// Bytes that its factors hold.
+    pub held: Option<usize>,
     /// Residuals that a Jacobian by differences takes.
     pub difference_residuals: Option<usize>,
     /// Largest deviation of the differences from dual numbers, relative to the largest entry of the row.
@@ -123,12 +127,14 @@ struct Setting<'a> {
     rule: StepRule,
     new: &'a State,
     old: &'a State,
+    sizes: Sizes,
 }
 
 /// Measure all kernels for a step of length `k` \[s\], within the pool of the simulation.
 pub(super) fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
     let Stepper { assembler, settings, new, old, .. } = &mut simulation.stepper;
-    let mut at = Setting { assembler, rule: settings.scheme.rule(k), new, old };
+    let rule = settings.scheme.rule(k);
+    let mut at = Setting { assembler, rule, new, old, sizes: settings.scales.sizes::<2>(rule.per_k) };
     let size = settings.scales.size;
     let mut kernels = Kernels::default();
     residuals(&mut at, &mut kernels);
@@ -173,7 +179,7 @@ fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
 }
 
 fn condensed(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
-    let system = at.assembler.condensed();
+    let system = at.assembler.try_condensed()?;
     let mut matrix = Csr::zeros(&system.pattern);
     kernels.condensed_by_hand = Some(timing(|| at.condensed_matrix(Tangent::Analytic, &mut matrix)));
     kernels.condensed_dual = Some(timing(|| at.condensed_matrix(Tangent::Automatic, &mut matrix)));
@@ -184,14 +190,23 @@ fn condensed(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
     let eliminated = timing_after(&mut b, |b| b.copy_from_slice(&r), |b| assembler.eliminate_inner(b));
     kernels.eliminate_inner = Some(eliminated);
     kernels.recover_inner = Some(timing(|| assembler.recover_inner(&mut b)));
-    factorisations(&system, &matrix, kernels)
+    factorisations(&system, &matrix, at.sizes, kernels)
 }
 
-fn factorisations(system: &CondensedSystem, matrix: &Csr, kernels: &mut Kernels) -> Result<(), SolverError> {
-    let found = single(matrix, &system.unknowns)?;
+fn factorisations(
+    system: &CondensedSystem,
+    matrix: &Csr,
+    sizes: Sizes,
+    kernels: &mut Kernels,
+) -> Result<(), SolverError> {
+    let [mut single, mut double] =
+        [MultifrontalLu::single, MultifrontalLu::multifrontal].map(|solver| solver(Options::unprobed()));
+    single.set_sizes(sizes);
+    double.set_sizes(sizes);
+    let (found, cost) = factors(single, matrix, &system.unknowns, size_of::<f32>())?;
     [kernels.analyse, kernels.factor_single, kernels.apply_single] = found;
-    let double = MultifrontalLu::multifrontal(Options::unprobed());
-    let found = factors(double, matrix, &system.unknowns, size_of::<f64>())?;
+    (kernels.delayed, kernels.held) = (cost.map(|cost| cost.delayed), cost.and_then(|cost| cost.bytes));
+    let (found, _) = factors(double, matrix, &system.unknowns, size_of::<f64>())?;
     [_, kernels.factor_double, kernels.apply_double] = found;
     if kernels.factor_single.is_none() {
         kernels.leave_out(&["factor_single", "apply_single"], LARGE_FACTORS);
@@ -212,26 +227,21 @@ fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverEr
     let unknowns: Vec<Unknown> = system.places.iter().map(|&place| all[place as usize]).collect();
     let solver = MultifrontalLu::single_definite(Options::unprobed());
     [_, kernels.factor_extension, kernels.apply_extension] =
-        factors(solver, &system.matrix, &unknowns, size_of::<f32>())?;
+        factors(solver, &system.matrix, &unknowns, size_of::<f32>())?.0;
     if kernels.factor_extension.is_none() {
         kernels.leave_out(&names, LARGE_FACTORS);
     }
     Ok(())
 }
 
-/// [`factors`] in single precision.
-fn single(matrix: &Csr, unknowns: &[Unknown]) -> Result<[Option<Timing>; 3], SolverError> {
-    let solver = MultifrontalLu::single(Options::unprobed());
-    factors(solver, matrix, unknowns, size_of::<f32>())
-}
-
-/// Analysis, factorisation and substitution of `matrix`, entries of the factors having `size` bytes.
+/// Analysis, factorisation and substitution of `matrix`, entries of the factors having `size` bytes; and what the
+/// factorisation has cost.
 fn factors(
     mut solver: MultifrontalLu,
     matrix: &Csr,
     unknowns: &[Unknown],
     size: usize,
-) -> Result<[Option<Timing>; 3], SolverError> {
+) -> Result<([Option<Timing>; 3], Option<Cost>), SolverError> {
     let begun = Instant::now();
     solver.analyse(&matrix.pattern, unknowns)?;
     let seconds = begun.elapsed().as_secs_f64();
@@ -240,10 +250,10 @@ fn factors(
     let bytes = cost.bytes.map(|bytes| bytes as f64);
     let read = cost.read.map(|read| read as f64);
     if bytes.is_some_and(|bytes| bytes > LARGEST_FACTORS) {
-        return Ok([analyse, None, None]);
+        return Ok(([analyse, None, None], None));
     }
     // An error of the first call is told, later ones would be the same.
-    solver.factor(matrix)?;
+    let found = solver.factor(matrix)?.cost;
     let factor = timing(|| drop(solver.factor(matrix)));
     let mut b = vec![0.0; unknowns.len()];
     matrix.mul(&vec![1.0; b.len()], &mut b);
@@ -251,7 +261,7 @@ fn factors(
     let apply = timing(|| solver.apply(&b, &mut x));
     let factor = Timing { flops: cost.flops, bytes, ..factor };
     let apply = Timing { flops: read.map(|read| 2.0 * read / size as f64), bytes: read, ..apply };
-    Ok([analyse, Some(factor), Some(apply)])
+    Ok(([analyse, Some(factor), Some(apply)], Some(found)))
 }
 
 fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
@@ -271,7 +281,7 @@ fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
         return kernels.leave_out(&["jacobian_differences"], &reason);
     }
     let mut new = at.new.clone();
-    let h = moves(&new, size);
+    let h = moves(&new, size, at.rule.per_k);
     let steps: Vec<f64> = [(h[0], new.v.len()), (h[1], new.u.len()), (h[2], new.p.len())]
         .into_iter()
         .flat_map(|(h, n)| std::iter::repeat_n(h, n))
@@ -286,9 +296,11 @@ fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
 
 /// By how much v, u and p are moved for differences: the residual is quadratic in v, linear in p, and u
 /// must not fold a cell.
-fn moves(state: &State, size: f64) -> [f64; 3] {
+fn moves(state: &State, size: f64, per_k: f64) -> [f64; 3] {
     let largest = |x: &[f64]| x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    [1e-3 * largest(&state.v).max(1e-3), 1e-5 * size, largest(&state.p).max(1.0)]
+    // At rest any pressure will do, and a velocity that moves a node by a part of its cell.
+    let p = Some(largest(&state.p)).filter(|&p| p > 0.0);
+    [1e-3 * largest(&state.v).max(1e-3 * size * per_k), 1e-5 * size, p.unwrap_or(1.0)]
 }
 
 fn seconds(work: impl FnOnce()) -> f64 {

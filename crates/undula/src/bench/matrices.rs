@@ -28,7 +28,7 @@ pub fn write_matrices(simulation: &mut Simulation, directory: &Path) -> Result<(
         let rule = stepper.settings.scheme.rule(k);
         let (assembler, new, old) = (&mut stepper.assembler, &stepper.new, &stepper.old);
         let view = StepView { rule, new, old };
-        let system = assembler.condensed();
+        let system = assembler.try_condensed()?;
         let mut matrix = Csr::zeros(&system.pattern);
         assembler.condensed_matrix(&view, Tangent::Analytic, &mut matrix);
         write(&directory.join("condensed.bin"), &matrix, &system.unknowns)?;
@@ -38,7 +38,7 @@ pub fn write_matrices(simulation: &mut Simulation, directory: &Path) -> Result<(
             write(&directory.join("extension.bin"), &extension.matrix, &unknowns)?;
         }
         if all.len() <= LARGEST_JACOBIAN {
-            let mut matrix = Csr::zeros(&assembler.pattern());
+            let mut matrix = Csr::zeros(&assembler.try_pattern()?);
             assembler.jacobian(&view, Tangent::Analytic, &mut matrix);
             write(&directory.join("newton.bin"), &matrix, &all)?;
         }

@@ -75,6 +75,9 @@ fn write_kernels(f: &mut Formatter<'_>, kernels: &Kernels) -> Result {
             }
         }
     }
+    if let (Some(delayed), Some(held)) = (kernels.delayed, kernels.held) {
+        writeln!(f, "factor_single: {delayed} delayed pivots, {:.1} MB held", 1e-6 * held as f64)?;
+    }
     if let (Some(residuals), Some(deviation)) = (kernels.difference_residuals, kernels.difference_deviation) {
         writeln!(f, "differences: {residuals} residuals, {deviation:.1e} from dual numbers")?;
     }

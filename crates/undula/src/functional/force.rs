@@ -4,39 +4,164 @@
 use super::{Functional, Snapshot};
 use crate::assembly::facets::{FacetPoint, facet_points, fields_at};
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
+use crate::mesh::Side;
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Kinematics};
-use crate::space::{FsiSpace, Region, State};
+use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
+use std::collections::BTreeMap;
 
-/// −R_f(e_i): the residual of the fluid alone, tested with e_i on all nodes of the boundaries and 0
-/// elsewhere. It converges with twice the order of the surface integral.
+/// Boundaries of the fluid of which forces are asked for.
+pub struct Surfaces<'a, const D: usize> {
+    space: &'a FsiSpace<D>,
+    boundary: FluidBoundary,
+    /// By facet: whether the traction is given there, and not the velocity.
+    natural: Vec<bool>,
+    quadrature: usize,
+}
+
+impl<'a, const D: usize> Surfaces<'a, D> {
+    /// All boundaries of the fluid, with one condition per boundary of the mesh and `n` Gauss points.
+    pub fn new(space: &'a FsiSpace<D>, conditions: &[BoundaryCondition<D>], n: usize) -> Self {
+        let boundary = FluidBoundary::new(space);
+        let outflow = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { .. });
+        let natural =
+            boundary.facets.iter().map(|f| !f.at_solid && f.boundary.is_some_and(outflow)).collect();
+        Surfaces { space, boundary, natural, quadrature: n }
+    }
+
+    /// Whether each facet belongs to one of the boundaries `names`.
+    fn of(&self, names: &[String]) -> Vec<bool> {
+        let mut on = vec![false; self.boundary.facets.len()];
+        for name in names {
+            self.boundary.numbers(&self.space.boundary_facets(name)).into_iter().for_each(|n| on[n] = true);
+        }
+        on
+    }
+
+    fn nodes(&self, n: usize) -> Vec<u32> {
+        self.space.facet_nodes(&self.boundary.facets[n].facet())
+    }
+
+    /// The facet of number `n` with the weights that `factor` gives to its points.
+    fn tractions(&self, n: usize, factor: impl Fn(&FacetPoint<D>) -> f64) -> Tractions<D> {
+        let (space, facet) = (self.space, self.boundary.facets[n].facet());
+        let cell = facet.cell as usize;
+        let at = |point: FacetPoint<D>| {
+            let pressure = space.pressure.basis(&space.mesh, cell, &point.xi, &point.x);
+            (point.weight * factor(&point), point, pressure)
+        };
+        Tractions { cell, points: facet_points(space, &facet, self.quadrature).into_iter().map(at).collect() }
+    }
+
+    /// The same, tested with the basis functions of some of its nodes, times factors.
+    fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
+        let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
+        let place = |node: u32| nodes.iter().position(|&of_cell| of_cell == node);
+        let terms: Vec<(usize, f64)> =
+            at.iter().filter_map(|&(node, factor)| Some((place(node)?, factor))).collect();
+        self.tractions(n, |point| terms.iter().map(|&(a, factor)| factor * point.value[a]).sum())
+    }
+
+    /// For each node of the facets `on` all facets there that take part in its residual.
+    fn carrying(&self, on: &[bool]) -> BTreeMap<u32, Vec<usize>> {
+        let carries = |&n: &usize| !self.natural[n];
+        let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+        for n in (0..on.len()).filter(|&n| on[n]).filter(carries) {
+            at_node.extend(self.nodes(n).into_iter().map(|node| (node, vec![])));
+        }
+        for n in (0..on.len()).filter(carries) {
+            for node in self.nodes(n) {
+                if let Some(list) = at_node.get_mut(&node) {
+                    list.push(n);
+                }
+            }
+        }
+        at_node
+    }
+
+    /// Those of the facets `on` that have an outflow condition.
+    fn natural_among(&self, on: &[bool]) -> Vec<Side> {
+        (0..on.len()).filter(|&n| on[n] && self.natural[n]).map(|n| self.boundary.facets[n].side).collect()
+    }
+
+    /// Length or area of the facet of number `n` on the reference domain.
+    fn measure(&self, n: usize) -> f64 {
+        facet_points(self.space, &self.boundary.facets[n].facet(), self.quadrature)
+            .iter()
+            .map(|p| p.weight)
+            .sum()
+    }
+}
+
+/// −R_f(e_i): the residual of the fluid alone, tested with e_i on the nodes of the boundaries and 0 elsewhere. On
+/// a whole body it converges with twice the order of the surface integral.
+///
+/// A node at which the boundaries end belongs to its facets on both sides: R_a = Σ_f ∫_f J σ F⁻ᵀ n φ_a + d_a. Each
+/// facet takes its own integral, and a part of the rest d_a in proportion to its size. So forces on parts add up
+/// to that on the whole to rounding, they are exact where the discrete solution is, and elsewhere the last facet
+/// alone errs as the surface integral does. A facet with an outflow condition takes the traction that the
+/// condition gives it, of which R_a contains nothing.
 ///
 /// A residual over fluid and solid would contain the inertia of the body, which is force only when steady.
-pub struct ForceByResidual {
+pub struct ForceByResidual<const D: usize> {
+    /// All nodes whose residual is read.
     nodes: Vec<u32>,
+    /// Nodes that belong to the boundaries alone.
+    whole: Vec<u32>,
+    /// Nodes that belong to them in part, and that part.
+    shared: Vec<(u32, f64)>,
+    /// Surface integrals at the latter.
+    tractions: Vec<Tractions<D>>,
+    /// Facets with an outflow condition.
+    outflow: Vec<Side>,
     component: usize,
     factor: f64,
     unit: &'static str,
 }
 
-impl ForceByResidual {
+impl<const D: usize> ForceByResidual<D> {
     /// On the boundaries `names`; the value is multiplied by `factor` and has then the unit `unit`.
-    pub fn new<const D: usize>(
-        space: &FsiSpace<D>,
+    pub fn new(
+        surfaces: &Surfaces<'_, D>,
         names: &[String],
         component: usize,
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let mut nodes: Vec<u32> = names.iter().flat_map(|name| space.boundary_nodes(name)).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        ForceByResidual { nodes, component, factor, unit }
+        let on = surfaces.of(names);
+        let at_node = surfaces.carrying(&on);
+        let (mut whole, mut shared) = (vec![], vec![]);
+        // By facet the nodes at which its integral counts, with the factor.
+        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
+        for (&node, list) in &at_node {
+            if list.iter().all(|&n| on[n]) {
+                whole.push(node);
+                continue;
+            }
+            let size = |part: bool| -> f64 {
+                list.iter().filter(|&&n| on[n] == part).map(|&n| surfaces.measure(n)).sum()
+            };
+            let (own, other) = (size(true), size(false));
+            let part = own / (own + other);
+            shared.push((node, part));
+            for &n in list {
+                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
+            }
+        }
+        ForceByResidual {
+            nodes: at_node.keys().copied().collect(),
+            whole,
+            shared,
+            tractions: integrals.iter().map(|(&n, at)| surfaces.tested(n, at)).collect(),
+            outflow: surfaces.natural_among(&on),
+            component,
+            factor,
+            unit,
+        }
     }
 }
 
-impl<const D: usize> Functional<D> for ForceByResidual {
+impl<const D: usize> Functional<D> for ForceByResidual<D> {
     fn unit(&self) -> &'static str {
         self.unit
     }
@@ -50,56 +175,42 @@ impl<const D: usize> Functional<D> for ForceByResidual {
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
-        let sum: f64 = self.nodes.iter().map(|&n| at.fluid_residual[n as usize * D + self.component]).sum();
+        let residual = |n: u32| at.fluid_residual[n as usize * D + self.component];
+        let mut sum: f64 = self.whole.iter().map(|&n| residual(n)).sum();
+        for &(node, part) in &self.shared {
+            sum += part * residual(node);
+        }
+        for tractions in &self.tractions {
+            sum += tractions.sum(at).0[self.component];
+        }
+        // What the condition adds to the residual makes it vanish.
+        if let (Some(terms), false) = (at.outflow, self.outflow.is_empty()) {
+            sum -= terms.sum(&at.step(), &self.outflow).0[self.component];
+        }
         -self.factor * sum
     }
 }
 
 /// ∫ J σ_f F⁻ᵀ n ds, n pointing into the fluid: the cross-check of [`ForceByResidual`].
 pub struct ForceBySurface<const D: usize> {
-    facets: Vec<(usize, Vec<FacetPoint<D>>)>,
+    facets: Vec<Tractions<D>>,
     component: usize,
     factor: f64,
     unit: &'static str,
 }
 
 impl<const D: usize> ForceBySurface<D> {
-    /// On those facets of the boundaries `names` that belong to fluid cells, with `n` Gauss points.
+    /// On those facets of the boundaries `names` that belong to the fluid.
     pub fn new(
-        space: &FsiSpace<D>,
+        surfaces: &Surfaces<'_, D>,
         names: &[String],
         component: usize,
         factor: f64,
         unit: &'static str,
-        n: usize,
     ) -> Self {
-        let wanted = |f: &&Facet| {
-            names.iter().any(|name| space.mesh.boundary(name) == Some(f.boundary))
-                && space.regions[f.cell as usize] == Region::Fluid
-        };
-        let facets = space
-            .mesh
-            .facets
-            .iter()
-            .filter(wanted)
-            .map(|f| (f.cell as usize, facet_points(space, f, n)))
-            .collect();
+        let on = surfaces.of(names);
+        let facets = (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| 1.0)).collect();
         ForceBySurface { facets, component, factor, unit }
-    }
-
-    /// Traction at a point, the pressure `p` acting on the geometry of `state`.
-    fn traction(
-        at: &Snapshot<'_, D>,
-        fields: &Fields<f64, D>,
-        p: f64,
-        normal: Vector<f64, D>,
-    ) -> Vector<f64, D> {
-        let viscosity = at.physics.fluid.map_or(0.0, |f| f.rho * f.nu);
-        let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
-        let grad_v = fields.grad_v * F_inv;
-        let sigma = viscosity * (grad_v + grad_v.t()) - p * Tensor::identity();
-        // The normal of the fluid cell points out of the fluid.
-        -(sigma * (cofactor(&fields.grad_u) * normal))
     }
 }
 
@@ -113,21 +224,54 @@ impl<const D: usize> Functional<D> for ForceBySurface<D> {
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
+        let sum: f64 = self.facets.iter().map(|facet| facet.sum(at).0[self.component]).sum();
+        -self.factor * sum
+    }
+}
+
+/// The traction of the fluid at the quadrature points of a facet.
+struct Tractions<const D: usize> {
+    cell: usize,
+    /// Weight, point, and the basis of the pressure there.
+    points: Vec<(f64, FacetPoint<D>, Vec<f64>)>,
+}
+
+impl<const D: usize> Tractions<D> {
+    /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
+    fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
+        let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
         let theta = at.rule.theta;
-        let mut sum = 0.0;
-        for (cell, points) in &self.facets {
-            let nodes = at.space.nodes.cell(*cell);
-            let dofs = at.space.pressure.cell(*cell);
-            for point in points {
-                let basis = at.space.pressure.basis(&at.space.mesh, *cell, &point.xi, &point.x);
-                let p: f64 = dofs.iter().zip(&basis).map(|(&dof, b)| b * at.new.p[dof as usize]).sum();
-                let of = |state: &State| {
-                    let fields = fields_at(nodes, &point.value, &point.grad, state);
-                    Self::traction(at, &fields, p, point.normal).0[self.component]
-                };
-                sum += point.weight * (theta * of(at.new) + (1.0 - theta) * of(at.old));
+        let mut sum = Vector::zero();
+        for (weight, point, basis) in &self.points {
+            let p: f64 = dofs.iter().zip(basis).map(|(&dof, b)| b * at.new.p[dof as usize]).sum();
+            let fields = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
+            let mut add = |part: f64, fields: &Fields<f64, D>| {
+                sum += weight * part * traction(at, fields, p, point.normal);
+            };
+            if at.rule.quadrature.is_empty() {
+                add(theta, &fields(at.new));
+                if theta < 1.0 {
+                    add(1.0 - theta, &fields(at.old));
+                }
+            } else {
+                let (old, new) = (fields(at.old), fields(at.new));
+                at.rule.quadrature.iter().for_each(|&(part, tau)| add(part, &old.lerp(&new, tau)));
             }
         }
-        self.factor * sum
+        sum
     }
+}
+
+/// J σ F⁻ᵀ n at a point, with the pressure `p`.
+fn traction<const D: usize>(
+    at: &Snapshot<'_, D>,
+    fields: &Fields<f64, D>,
+    p: f64,
+    normal: Vector<f64, D>,
+) -> Vector<f64, D> {
+    let viscosity = at.physics.fluid.map_or(0.0, |f| f.rho * f.nu);
+    let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
+    let grad_v = fields.grad_v * F_inv;
+    let sigma = viscosity * (grad_v + grad_v.t()) - p * Tensor::identity();
+    sigma * (cofactor(&fields.grad_u) * normal)
 }

@@ -1,11 +1,14 @@
 //! Numbers of interest.
 
+pub mod balance;
 pub mod energy;
 pub mod force;
 pub mod point;
+mod signal;
 pub mod statistics;
 
-use crate::assembly::Physics;
+use crate::assembly::facets::OutflowFacets;
+use crate::assembly::{Physics, StepView};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 
@@ -24,6 +27,15 @@ pub struct Snapshot<'a, const D: usize> {
     /// Residual of the fluid alone in the last step, `[v, u, p]` \[N/m\]: what the fluid exerts on each node that a
     /// functional has asked for.
     pub fluid_residual: &'a [f64],
+    /// What the outflow conditions add to the residual; `None` where nothing does.
+    pub outflow: Option<&'a OutflowFacets<D>>,
+}
+
+impl<'a, const D: usize> Snapshot<'a, D> {
+    /// The step that it is of.
+    pub fn step(&self) -> StepView<'a> {
+        StepView { rule: self.rule, new: self.new, old: self.old }
+    }
 }
 
 /// A number computed from the solution after each step.

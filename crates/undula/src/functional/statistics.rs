@@ -1,9 +1,19 @@
 //! Mean, amplitude and frequency of histories, as benchmark tables state them.
 //!
-//! All signals of a periodic flow share the period of one *leading signal* (the deflection, else the lift).
-//! Mean (max + min)/2 and amplitude (max − min)/2 of every signal are taken over the last full period of the
-//! leading one. Extrema are those of a parabola through three samples, since sampled ones err by percents at
-//! usual step sizes. Time steps need not be equal; samples that are not finite are left out.
+//! All signals of a periodic flow share the period of one *leading signal*, see [`ranking`]. Mean (max + min)/2 and
+//! amplitude (max − min)/2 of every signal are taken over the last full period of the leading one. Extrema are
+//! those of a parabola through three samples, since sampled ones err by percents at usual step sizes. Time steps
+//! need not be equal; samples that are not finite are left out.
+//!
+//! A signal is *periodic* if its last period, of at least [`SAMPLES`] samples, is like up to [`PAST`] periods before
+//! it, of which one must be there: the amplitudes agree to 6 %; the means, to 10 % of the amplitude; and the two
+//! periods differ by 20 % of the oscillation at most, as they do where their lengths differ by 3 %. The latter two
+//! may grow by 5 % for each further period. A ramp, a zigzag from step to step, an oscillation that grows or decays
+//! have no mean, no amplitude and no frequency. `summary.json`, `undula compare` and the pictures all take their
+//! numbers from [`summarize`].
+
+pub use super::signal::{PAST, SAMPLES};
+use super::signal::{PERIODS, STEADY, Signal};
 
 /// The last full period of the leading signal.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -26,12 +36,23 @@ impl Window {
 pub struct Statistics {
     /// The last value; NaN if there is none.
     pub last: f64,
-    /// (max + min)/2 over the window; `None` where steady.
+    /// (max + min)/2 over the window; `None` where steady or not periodic.
     pub mean: Option<f64>,
-    /// (max − min)/2 over the window; `None` where steady.
+    /// (max − min)/2 over the window; `None` where steady or not periodic.
     pub amplitude: Option<f64>,
     /// 1/T of the signal itself \[Hz\]; `None` where steady or not periodic.
     pub frequency: Option<f64>,
+}
+
+/// A history with its name.
+#[derive(Copy, Clone, Debug)]
+pub struct Series<'a> {
+    /// Name, such as `uy_A`.
+    pub name: &'a str,
+    /// Times \[s\].
+    pub times: &'a [f64],
+    /// A value for every time.
+    pub values: &'a [f64],
 }
 
 /// A largest or smallest value and when it occurs.
@@ -52,13 +73,7 @@ pub struct Spectrum {
     pub amplitudes: Vec<f64>,
 }
 
-/// A signal varies by less than this, relative to its size: steady.
-const STEADY: f64 = 1e-6;
-
-/// How many leading periods the frequency of another signal is determined from.
-const PERIODS: f64 = 6.0;
-
-/// The last full period of the leading signal; `None` if it is steady or does not oscillate.
+/// The last full period of the leading signal; `None` if it is steady or not periodic.
 ///
 /// The period is first guessed as the lag of best self-similarity of the final part of the history, which
 /// harmonics and small subharmonics do not mislead, then measured between two upward crossings of the mean.
@@ -69,40 +84,74 @@ pub fn leading_window(times: &[f64], values: &[f64]) -> Option<Window> {
     [2.0, 4.0, 8.0, 1.0].into_iter().find_map(|part| {
         let guess = signal.period(end - (end - start) / part)?;
         let guess = signal.period(start.max(end - PERIODS * guess)).unwrap_or(guess);
-        signal.last_period(guess)
+        signal.last_period(guess).filter(|&w| signal.samples(w) >= SAMPLES && signal.repeats(w.period()))
     })
 }
 
-/// The last full period of the leading one among named signals `(name, times, values)`: a vertical deflection
-/// (`uy…`), else a lift (`lift…`, `c_L…`), else any that oscillates, in the order given.
-pub fn common_window<'a>(
-    signals: impl IntoIterator<Item = (&'a str, &'a [f64], &'a [f64])>,
-) -> Option<Window> {
-    let mut ranked: Vec<_> = signals.into_iter().collect();
-    ranked.sort_by_key(|(name, ..)| match name.to_lowercase() {
+/// The order in which signals are asked for a period: `leading` alone if it is given, else vertical deflections
+/// (`uy…`), then lifts (`…lift…`, `c_L…`), then all others, each in the order given.
+pub fn ranking(names: &[&str], leading: Option<&str>) -> Vec<usize> {
+    if let Some(leading) = leading {
+        return names.iter().position(|name| *name == leading).into_iter().collect();
+    }
+    let mut ranked: Vec<usize> = (0..names.len()).collect();
+    ranked.sort_by_key(|&n| match names[n].to_lowercase() {
         name if name.starts_with("uy") => 0,
         name if name.contains("lift") || name.starts_with("c_l") => 1,
         _ => 2,
     });
-    ranked.into_iter().find_map(|(_, times, values)| leading_window(times, values))
+    ranked
+}
+
+/// The last full period of the first periodic signal in the order of [`ranking`].
+pub fn common_window(series: &[Series<'_>], leading: Option<&str>) -> Option<Window> {
+    let names: Vec<&str> = series.iter().map(|s| s.name).collect();
+    let ranked = ranking(&names, leading);
+    ranked.into_iter().find_map(|n| leading_window(series[n].times, series[n].values))
+}
+
+/// Statistics of all signals over the last period of the leading one, and that period.
+pub fn summarize(series: &[Series<'_>], leading: Option<&str>) -> (Option<Window>, Vec<Statistics>) {
+    let window = common_window(series, leading);
+    (window, series.iter().map(|s| statistics(s.times, s.values, window)).collect())
 }
 
 /// Statistics of one signal over the window of the leading signal.
 ///
 /// The frequency is that of the signal itself: the drag on a body that moves up and down has twice the
-/// frequency of its lift. It is a multiple (or part) of the leading one wherever the two agree to 3 %.
+/// frequency of its lift. It is a multiple (or part) of the leading one wherever the two agree to 3 %; a signal
+/// with a period of several windows is looked at over that period.
 pub fn statistics(times: &[f64], values: &[f64], window: Option<Window>) -> Statistics {
     let signal = Signal::new(times, values);
     let last = signal.v.last().copied().unwrap_or(f64::NAN);
     let steady = Statistics { last, mean: None, amplitude: None, frequency: None };
-    let Some((window, (max, min))) = window.and_then(|w| Some((w, signal.extrema(w)?))) else {
+    let Some(window) = window else { return steady };
+    let frequency = signal.frequency(window.period());
+    // A zigzag from step to step may fit into the window.
+    if frequency.is_some_and(|f| (signal.samples(window) as f64) < 3.0 * f * window.period()) {
+        return steady;
+    }
+    let periods = frequency.map_or(1.0, |f| (1.0 / (f * window.period())).round().max(1.0));
+    let own = Window { start: window.end - periods * window.period(), end: window.end };
+    let Some((max, min)) = signal.extrema(own).filter(|_| signal.repeats(own.period())) else {
         return steady;
     };
     if max - min <= STEADY * max.abs().max(min.abs()) {
         return steady;
     }
-    let frequency = signal.frequency(window.period());
     Statistics { last, mean: Some(0.5 * (max + min)), amplitude: Some(0.5 * (max - min)), frequency }
+}
+
+/// The value at time `t` \[s\], by the cubic through the four samples around it; that of the sample if there is one.
+/// `None` outside of the times of the history.
+pub fn value_at(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
+    let signal = Signal::new(times, values);
+    let n = signal.t.partition_point(|&s| s < t);
+    match signal.t.get(n) {
+        Some(&found) if found == t => Some(signal.v[n]),
+        Some(_) if n > 0 => Some(signal.at(t)),
+        _ => None,
+    }
 }
 
 /// The largest value of the whole history, by a parabola; `None` without samples.
@@ -141,192 +190,6 @@ pub fn spectrum(times: &[f64], values: &[f64]) -> Spectrum {
     let frequencies = (0..=n / 2).map(|i| i as f64 / (end - start)).collect();
     let amplitudes = (0..=n / 2).map(|i| 4.0 / n as f64 * re[i].hypot(im[i])).collect();
     Spectrum { frequencies, amplitudes }
-}
-
-/// Finite samples at strictly increasing times.
-struct Signal {
-    t: Vec<f64>,
-    v: Vec<f64>,
-}
-
-impl Signal {
-    fn new(times: &[f64], values: &[f64]) -> Self {
-        let mut signal = Signal { t: Vec::new(), v: Vec::new() };
-        for (&t, &v) in times.iter().zip(values) {
-            if t.is_finite() && v.is_finite() && signal.t.last().is_none_or(|&last| last < t) {
-                signal.t.push(t);
-                signal.v.push(v);
-            }
-        }
-        signal
-    }
-
-    /// First and last time, if there are two.
-    fn range(&self) -> Option<(f64, f64)> {
-        (self.t.len() >= 2).then(|| (self.t[0], self.t[self.t.len() - 1]))
-    }
-
-    /// The parabola's vertex at sample `n`, or the sample if it is at the end or no local extremum.
-    fn peak(&self, n: usize) -> Extremum {
-        let sample = Extremum { time: self.t[n], value: self.v[n] };
-        if n == 0 || n + 1 == self.v.len() {
-            return sample;
-        }
-        let [t0, t1, t2] = [self.t[n - 1], self.t[n], self.t[n + 1]];
-        let [v0, v1, v2] = [self.v[n - 1], self.v[n], self.v[n + 1]];
-        let (left, right) = ((v1 - v0) / (t1 - t0), (v2 - v1) / (t2 - t1));
-        if left * right >= 0.0 {
-            return sample;
-        }
-        let curvature = (right - left) / (t2 - t0);
-        let time = (0.5 * (t0 + t1) - 0.5 * left / curvature).clamp(t0, t2);
-        Extremum { time, value: v0 + (time - t0) * (left + curvature * (time - t1)) }
-    }
-
-    /// Largest and smallest value in the window and one step around it, where the other half of an extremum
-    /// at its very ends may be.
-    fn extrema(&self, window: Window) -> Option<(f64, f64)> {
-        let first = self.t.partition_point(|&t| t < window.start).saturating_sub(1);
-        let end = (self.t.partition_point(|&t| t <= window.end) + 1).min(self.t.len());
-        let peaks: Vec<f64> = (first..end).map(|n| self.peak(n).value).collect();
-        let max = peaks.iter().copied().reduce(f64::max)?;
-        Some((max, peaks.iter().copied().reduce(f64::min)?))
-    }
-
-    /// Value at `t` by the cubic through the four samples around it.
-    fn at(&self, t: f64) -> f64 {
-        let n = self.t.len();
-        let right = self.t.partition_point(|&s| s < t);
-        let first = right.saturating_sub(2).min(n.saturating_sub(4));
-        let range = first..(first + 4).min(n);
-        let weight = |i: usize| -> f64 {
-            range.clone().filter(|&j| j != i).map(|j| (t - self.t[j]) / (self.t[i] - self.t[j])).product()
-        };
-        range.clone().map(|i| self.v[i] * weight(i)).sum()
-    }
-
-    /// Values at `start + i step`, i < n.
-    fn resample(&self, start: f64, step: f64, n: usize) -> Vec<f64> {
-        (0..n).map(|i| self.at(start + step * i as f64)).collect()
-    }
-
-    /// Mean in time over `start..end`.
-    fn mean(&self, start: f64, end: f64) -> f64 {
-        let inside = (self.t.partition_point(|&t| t < end) - self.t.partition_point(|&t| t < start)).max(8);
-        let step = (end - start) / (2 * inside) as f64;
-        self.resample(start + 0.5 * step, step, 2 * inside).iter().sum::<f64>() / (2 * inside) as f64
-    }
-
-    /// Lag of best self-similarity of the signal from time `from` on; `None` if it is steady or not similar.
-    ///
-    /// Of the peaks of 2 Σ x(t) x(t+τ) / Σ (x(t)² + x(t+τ)²) the first is taken that comes within 10 % of the
-    /// highest: later ones are multiples of the period, lower ones its harmonics.
-    fn period(&self, from: f64) -> Option<f64> {
-        let (_, end) = self.range()?;
-        let n_samples = self.t.len() - self.t.partition_point(|&t| t < from);
-        if n_samples < 8 {
-            return None;
-        }
-        let n = n_samples.clamp(256, 4096);
-        let step = (end - from) / (n - 1) as f64;
-        let x = without_trend(self.resample(from, step, n))?;
-        let similarity: Vec<f64> = (0..2 * n / 3).map(|lag| similarity(&x, lag)).collect();
-        let peaks = peaks(&similarity);
-        let highest = peaks.iter().map(|&lag| similarity[lag]).reduce(f64::max)?;
-        let lag = peaks.into_iter().find(|&lag| similarity[lag] >= 0.9 * highest && similarity[lag] > 0.5)?;
-        let lags: Vec<f64> = (lag - 1..=lag + 1).map(|l| step * l as f64).collect();
-        Some(Signal { t: lags, v: similarity[lag - 1..=lag + 1].to_vec() }.peak(1).time)
-    }
-
-    /// The last two upward crossings of the mean that are one period apart, given the period to 20 %.
-    fn last_period(&self, guess: f64) -> Option<Window> {
-        let (start, end) = self.range()?;
-        let mut window = None;
-        let mut period = guess;
-        for _ in 0..4 {
-            if end - period < start {
-                return None;
-            }
-            // A slow drift goes with the mean.
-            let mean = self.mean(end - period, end);
-            let before =
-                if end - 2.0 * period < start { mean } else { self.mean(end - 2.0 * period, end - period) };
-            let level = |t: f64| mean + (mean - before) / period * (t - end + 0.5 * period);
-            let crossings = self.upward_crossings(end - 2.5 * period, level);
-            let last = *crossings.last()?;
-            let off = |t: f64| (last - t - period).abs();
-            let first = crossings.into_iter().min_by(|&a, &b| off(a).total_cmp(&off(b)))?;
-            if off(first) > 0.2 * period {
-                return None;
-            }
-            window = Some(Window { start: first, end: last });
-            period = last - first;
-        }
-        window
-    }
-
-    /// Times from `from` on at which the signal rises through `level`.
-    fn upward_crossings(&self, from: f64, level: impl Fn(f64) -> f64) -> Vec<f64> {
-        let above = |n: usize| self.v[n] >= level(self.t[n]);
-        let first = self.t.partition_point(|&t| t < from).max(1);
-        let rising = (first..self.t.len()).filter(|&n| !above(n - 1) && above(n));
-        let crossing = |n: usize| {
-            let (mut low, mut high) = (self.t[n - 1], self.t[n]);
-            for _ in 0..60 {
-                let middle = 0.5 * (low + high);
-                *(if self.at(middle) < level(middle) { &mut low } else { &mut high }) = middle;
-            }
-            high
-        };
-        rising.map(crossing).collect()
-    }
-
-    /// 1/T of the final part, snapped to multiples and parts of the leading frequency.
-    fn frequency(&self, leading: f64) -> Option<f64> {
-        let (start, end) = self.range()?;
-        let period = self.period(start.max(end - PERIODS * leading))?;
-        let near = |ratio: f64| (ratio - ratio.round()).abs() < 0.03 * ratio.round();
-        let (multiple, part) = (leading / period, period / leading);
-        Some(match () {
-            () if near(multiple) => multiple.round() / leading,
-            () if near(part) => 1.0 / (part.round() * leading),
-            () => 1.0 / period,
-        })
-    }
-}
-
-/// `x` minus the straight line closest to it; `None` if nothing is left.
-fn without_trend(x: Vec<f64>) -> Option<Vec<f64>> {
-    let n = x.len() as f64;
-    let middle = 0.5 * (n - 1.0);
-    let mean = x.iter().sum::<f64>() / n;
-    let moment: f64 = x.iter().enumerate().map(|(i, x)| (i as f64 - middle) * x).sum();
-    let slope = moment * 12.0 / (n * (n * n - 1.0));
-    let size = x.iter().fold(0.0_f64, |size, x| size.max(x.abs()));
-    let rest: Vec<f64> =
-        x.into_iter().enumerate().map(|(i, x)| x - mean - slope * (i as f64 - middle)).collect();
-    let left = rest.iter().fold(0.0_f64, |left, x| left.max(x.abs()));
-    (left > 0.5 * STEADY * size).then_some(rest)
-}
-
-/// 1 if `x` repeats itself after `lag` samples, 0 if there is no relation, −1 if it changes sign.
-fn similarity(x: &[f64], lag: usize) -> f64 {
-    let (early, late) = (&x[..x.len() - lag], &x[lag..]);
-    let product: f64 = early.iter().zip(late).map(|(a, b)| a * b).sum();
-    let squares: f64 = early.iter().zip(late).map(|(a, b)| a * a + b * b).sum();
-    if squares > 0.0 { 2.0 * product / squares } else { 0.0 }
-}
-
-/// The highest interior position of every stretch of positive numbers but the first.
-fn peaks(similarity: &[f64]) -> Vec<usize> {
-    let mut found = Vec::new();
-    let mut n = similarity.iter().position(|&s| s <= 0.0).unwrap_or(similarity.len());
-    while let Some(begin) = (n..similarity.len()).find(|&i| similarity[i] > 0.0) {
-        n = (begin..similarity.len()).find(|&i| similarity[i] <= 0.0).unwrap_or(similarity.len());
-        let best = (begin..n).max_by(|&a, &b| similarity[a].total_cmp(&similarity[b]));
-        found.extend(best.filter(|&i| i > 0 && i + 1 < similarity.len()));
-    }
-    found
 }
 
 /// Fast Fourier transform in place; the length is a power of two.

@@ -2,6 +2,7 @@
 
 use super::Comparison;
 use crate::algebra::Csr;
+use crate::math::{rounded, shortest};
 use crate::space::{FsiSpace, PsiOwner, Region};
 use std::fmt;
 
@@ -79,7 +80,9 @@ impl fmt::Display for Unknown {
             _ => ["_x", "_y"][self.component],
         };
         let [x, y] = self.position;
-        write!(f, "{}{component} at ({x:.4}, {y:.4})", self.field)
+        let size = x.abs().max(y.abs());
+        let [x, y] = [x, y].map(|x| shortest(rounded(x, size, 6)));
+        write!(f, "{}{component} at ({x}, {y})", self.field)
     }
 }
 

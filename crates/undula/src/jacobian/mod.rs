@@ -3,7 +3,7 @@
 //! ```no_run
 //! use undula::{jacobian, problem::case::Case, simulation::Simulation};
 //! let mut simulation = Simulation::new(Case::load("fsi3", &[])?, 1)?;
-//! let report = jacobian::compare(&mut simulation, jacobian::At::Random { seed: 1 });
+//! let report = jacobian::compare(&mut simulation, jacobian::At::Random { seed: 1 })?;
 //! assert!(report.agrees(), "{report}");
 //! # Ok::<(), undula::error::Error>(())
 //! ```
@@ -14,7 +14,7 @@ mod table;
 
 pub use blocks::{Block, Entry, Equation, Field, Unknown};
 
-use crate::algebra::Csr;
+use crate::algebra::{Csr, SolverError};
 use crate::assembly::differences::Differences;
 use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
@@ -105,22 +105,28 @@ const CENTRAL_TOLERANCE: f64 = 1e-6;
 
 /// Compute all Jacobians of `simulation` at one state, and what other linearisations leave out of them. The state
 /// of the simulation is as before.
-pub fn compare(simulation: &mut Simulation, at: At) -> JacobianReport {
+///
+/// # Errors
+/// If the matrix has too many entries to be numbered.
+pub fn compare(simulation: &mut Simulation, at: At) -> Result<JacobianReport, SolverError> {
     simulation.install(|simulation| {
         let setting = Setting::new(simulation, at);
         let case = simulation.case.name.clone();
         let assembler = &mut simulation.stepper.assembler;
         let min_j = setting.min_j(assembler);
         let unknowns = assembler.space.n_unknowns();
-        let (comparisons, left_out) = matrices(assembler, &setting);
+        let (comparisons, left_out) = matrices(assembler, &setting)?;
         let Setting { text: state, rule, .. } = setting;
-        JacobianReport { case, state, rule, min_j, unknowns, comparisons, left_out }
+        Ok(JacobianReport { case, state, rule, min_j, unknowns, comparisons, left_out })
     })
 }
 
-fn matrices(assembler: &mut Assembler<2>, setting: &Setting) -> (Vec<Comparison>, Vec<LeftOut>) {
+fn matrices(
+    assembler: &mut Assembler<2>,
+    setting: &Setting,
+) -> Result<(Vec<Comparison>, Vec<LeftOut>), SolverError> {
     let view = setting.view();
-    let pattern = assembler.pattern();
+    let pattern = assembler.try_pattern()?;
     let (mut exact, mut other) = (Csr::zeros(&pattern), Csr::zeros(&pattern));
     assembler.jacobian(&view, Tangent::Automatic, &mut exact);
     let mut given = vec![1.0; pattern.n];
@@ -166,7 +172,7 @@ fn matrices(assembler: &mut Assembler<2>, setting: &Setting) -> (Vec<Comparison>
             left_out.push(LeftOut { name: name.into(), blocks });
         }
     }
-    (comparisons, left_out)
+    Ok((comparisons, left_out))
 }
 
 /// Roundings that a residual is made of, a few per term.

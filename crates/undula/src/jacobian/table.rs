@@ -1,12 +1,16 @@
 //! The report as text.
 
 use super::{Block, Comparison, JacobianReport};
+use crate::math::{rounded, shortest};
 use std::fmt::{self, Display, Formatter};
 
 impl Display for JacobianReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let step = match self.rule.per_k {
-            per_k if per_k > 0.0 => format!("k = {:.4} s, theta = {:.4}", 1.0 / per_k, self.rule.theta),
+            per_k if per_k > 0.0 => {
+                let k = shortest(rounded(1.0 / per_k, 1.0 / per_k, 5));
+                format!("k = {k} s, theta = {:.4}", self.rule.theta)
+            }
             _ => "stationary".into(),
         };
         writeln!(f, "{}: Jacobians at {} ({step}, min J {:.3}),", self.case, self.state, self.min_j)?;

@@ -109,4 +109,9 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     fn ln(self) -> Self {
         Dual { re: self.re.ln(), eps: self.eps / self.re }
     }
+
+    #[inline(always)]
+    fn below_zero(self) -> Self {
+        Dual { re: self.re.below_zero(), eps: S::zero() }
+    }
 }

@@ -13,7 +13,8 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 ///
 /// Operations must inline into a function compiled for the processor, see [`crate::assembly::simd`]: a
 /// call boundary would cost more than the operation. Arithmetic with 4 or 8 lanes on a processor
-/// without the instructions is not allowed; [`crate::assembly::simd::available`] tells.
+/// without the instructions is not allowed. Therefore the type is of this crate alone, and only
+/// kernels of a width that [`crate::assembly::simd::available`] grants compute with it.
 #[derive(Copy, Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);
@@ -176,5 +177,10 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[inline(always)]
     fn ln(self) -> Self {
         Lanes(self.0.map(f64::ln))
+    }
+
+    #[inline(always)]
+    fn below_zero(self) -> Self {
+        Lanes(self.0.map(Scalar::below_zero))
     }
 }

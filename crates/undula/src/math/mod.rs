@@ -1,13 +1,15 @@
 //! Numbers and small tensors; this layer knows nothing else of the library.
 
+mod decimal;
 pub mod dual;
 mod erf;
-pub mod lanes;
+pub(crate) mod lanes;
 pub mod scalar;
 pub mod tensor;
 
+pub use decimal::{rounded, shortest};
 pub use dual::Dual;
 pub use erf::erf;
-pub use lanes::Lanes;
+pub(crate) use lanes::Lanes;
 pub use scalar::Scalar;
 pub use tensor::{Tensor, Vector};

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// A number the equations can compute with: `f64`, [`super::Lanes`] of elements, or a [`super::Dual`].
+/// A number the equations can compute with: `f64`, lanes of several elements, or a [`super::Dual`].
 ///
 /// `Copy`, so that no clone hides in a formula. Parameters of the model stay `f64`.
 pub trait Scalar:
@@ -18,7 +18,7 @@ pub trait Scalar:
     + SubAssign
     + Mul<f64, Output = Self>
 {
-    /// The number without its derivatives: `f64` or `Lanes`.
+    /// The number without its derivatives: `f64` or lanes.
     type Value: Scalar<Value = Self::Value>;
 
     /// The same constant everywhere.
@@ -35,6 +35,9 @@ pub trait Scalar:
 
     /// Natural logarithm.
     fn ln(self) -> Self;
+
+    /// 1 where the value is below 0, else 0; without derivative.
+    fn below_zero(self) -> Self;
 
     /// Zero.
     #[inline(always)]
@@ -75,5 +78,10 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln(self) -> f64 {
         f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn below_zero(self) -> f64 {
+        if self < 0.0 { 1.0 } else { 0.0 }
     }
 }

@@ -22,8 +22,8 @@ impl<const D: usize> FacetDistance<D> {
     /// # Errors
     /// [`MeshError::UnknownName`] for a boundary that the mesh does not have.
     pub fn new(mesh: &Mesh<D>, boundaries: &[&str]) -> Result<Self, MeshError> {
-        let numbers = boundaries.iter().map(|b| mesh.require_boundary(b)).collect::<Result<Vec<_>, _>>()?;
-        let named = mesh.facets.iter().filter(|f| numbers.contains(&f.boundary));
+        boundaries.iter().try_for_each(|b| mesh.require_boundary(b).map(drop))?;
+        let named = mesh.facets_on(boundaries).into_iter();
         let facets: Vec<_> = named.map(|f| FacetMap::new(mesh, f.cell as usize, f.local as usize)).collect();
         let tree = BoxTree::new(facets.iter().map(FacetMap::bounds).collect());
         Ok(FacetDistance { facets, tree })

@@ -1,5 +1,6 @@
 //! What can be wrong with a mesh, said so that it can be put right.
 
+use crate::math::shortest;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -11,7 +12,7 @@ pub const LISTED: usize = 10;
 pub struct CellAt {
     /// Number of the cell, from 0.
     pub cell: usize,
-    /// Mean of its vertices \[m\].
+    /// Mean of its vertices \[m\], with six digits of the size of the mesh.
     pub centre: Vec<f64>,
 }
 
@@ -27,13 +28,43 @@ pub struct CellList {
 impl fmt::Display for CellList {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, at) in self.first.iter().enumerate() {
-            let centre: Vec<_> = at.centre.iter().map(|x| format!("{x:.6}")).collect();
+            let centre: Vec<_> = at.centre.iter().map(|&x| shortest(x)).collect();
             write!(f, "{}{} at ({})", if i == 0 { "" } else { ", " }, at.cell, centre.join(", "))?;
         }
         match self.count - self.first.len() {
             0 => Ok(()),
             more => write!(f, " and {more} more"),
         }
+    }
+}
+
+/// The smallest det(DX) of some cells, and where it is.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Least {
+    /// Number of the cell, from 0.
+    pub cell: usize,
+    /// The smallest det(DX) in it \[m^D\], the reference cell being of size 1.
+    pub det: f64,
+    /// The same, divided by the largest |det(DX)| in the cell.
+    pub relative: f64,
+    /// The place X(ξ) \[m\].
+    pub at: Vec<f64>,
+}
+
+impl fmt::Display for Least {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // Six digits, however small the numbers are.
+        let digits = |x: &f64| format!("{x:.5e}").parse().unwrap_or(*x).to_string();
+        let at: Vec<_> = self.at.iter().map(digits).collect();
+        write!(
+            f,
+            "the smallest det(DX) is {:.3e} m^{} in cell {} at ({}), {:.2e} of its largest",
+            self.det,
+            self.at.len(),
+            self.cell,
+            at.join(", "),
+            self.relative
+        )
     }
 }
 
@@ -66,6 +97,16 @@ pub enum MeshError {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// A place of a binary mesh file that cannot be used.
+    #[error("{}: byte {byte}: {reason}", path.display())]
+    Binary {
+        /// The file.
+        path: PathBuf,
+        /// Number of the byte, from 0.
+        byte: usize,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
     /// Cells of a shape on which the finite elements do not live, in words.
     #[error("{0}")]
     WrongCells(String),
@@ -80,8 +121,8 @@ pub enum MeshError {
         known: String,
     },
     /// Cells whose map is not orientation-preserving.
-    #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}")]
-    Inverted(CellList),
+    #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}; {1}")]
+    Inverted(CellList, Least),
     /// A facet shared by more than two cells, or by two cells with different mid nodes.
     #[error(
         "cells that do not fit their neighbour (a facet used more than twice, or with two mid nodes): {0}"
@@ -101,7 +142,7 @@ pub enum MeshError {
     UnnamedBoundary(CellList),
     /// Cells neither in nor outside a region.
     #[error(
-        "cells cut by the interface of region `{region}`; every cell must lie wholly in the fluid or the solid, \
+        "cells cut by the interface of region `{region}`; every cell must lie wholly inside or outside of it, \
          with all its interface nodes on the interface: {cells}"
     )]
     CutCells {
@@ -109,6 +150,22 @@ pub enum MeshError {
         region: String,
         /// The cells cut.
         cells: CellList,
+    },
+    /// A function without a value.
+    #[error("the expression of region `{region}` is not a number in cells {cells}")]
+    NotANumber {
+        /// The region that was to be assigned.
+        region: String,
+        /// The cells.
+        cells: CellList,
+    },
+    /// A region without cells.
+    #[error(
+        "no cell lies in region `{region}`: its expression is positive nowhere in the mesh, or in parts of cells only"
+    )]
+    NoCells {
+        /// The region that was to be assigned.
+        region: String,
     },
     /// Facets between the two regions that are not marked as interface.
     #[error("facets between `{first}` and `{second}` that are not in boundary `interface`, at cells {cells}")]

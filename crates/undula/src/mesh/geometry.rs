@@ -2,6 +2,7 @@
 
 use super::{CellAt, CellList, LISTED, Mesh};
 use crate::element::Shape;
+use crate::math::rounded;
 
 /// Lagrange basis of degree 1 or 2 on `[0, 1]` at `s`; unused entries zero.
 pub(crate) fn lagrange(degree: usize, s: f64) -> [f64; 3] {
@@ -159,7 +160,9 @@ impl<const D: usize> Mesh<D> {
 
     /// The given cells as they appear in a message.
     pub(crate) fn list_cells(&self, cells: &[usize]) -> CellList {
-        let at = |&cell: &usize| CellAt { cell, centre: self.centre(cell).to_vec() };
+        let size = self.diameter();
+        let centre = |cell| self.centre(cell).iter().map(|&x| rounded(x, size, 6)).collect();
+        let at = |&cell: &usize| CellAt { cell, centre: centre(cell) };
         CellList { first: cells.iter().take(LISTED).map(at).collect(), count: cells.len() }
     }
 }

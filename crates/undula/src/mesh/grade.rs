@@ -41,6 +41,7 @@ impl Mesh<2> {
     /// Splits `cell` around its vertex `corner`.
     fn split_in_three(&mut self, cell: usize, corner: usize, middle: &mut MidNodes) {
         let facets: Vec<Facet> = self.facets.extract_if(.., |f| f.cell as usize == cell).collect();
+        let names: Vec<Facet> = self.parts.extract_if(.., |f| f.cell as usize == cell).collect();
         for (part, vertices) in PARTS.into_iter().enumerate() {
             let mut quarters = [[0; 2]; 4];
             for (i, at) in vertices.into_iter().enumerate() {
@@ -55,11 +56,13 @@ impl Mesh<2> {
                 self.cell_nodes.extend(nodes);
                 self.cell_region.push(self.cell_region[cell]);
             }
-            for &facet in &facets {
+            let named = facets.iter().map(|f| (f, true)).chain(names.iter().map(|f| (f, false)));
+            for (&facet, first) in named {
                 let (axis, side) = (facet.local as usize / 2, facet.local as usize % 2);
                 let mut ends = (0..4).filter(|v| v >> axis & 1 == side);
                 if ends.all(|v| quarters[v][axis] == 4 * side) {
-                    self.facets.push(Facet { cell: number as u32, ..facet });
+                    let list = if first { &mut self.facets } else { &mut self.parts };
+                    list.push(Facet { cell: number as u32, ..facet });
                 }
             }
         }

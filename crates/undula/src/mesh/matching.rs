@@ -18,6 +18,15 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// The first of these defects, with the cells that have it.
     pub fn check(&self) -> Result<(), MeshError> {
+        let all: Vec<&str> = self.regions.iter().map(String::as_str).collect();
+        self.check_kept(&all)
+    }
+
+    /// The same, but the outer facets of regions that are not in `keep` need no name.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::check`].
+    pub fn check_kept(&self, keep: &[&str]) -> Result<(), MeshError> {
         self.check_orientation()?;
         let facets = self.facets_of_cells();
         if !facets.bad.is_empty() {
@@ -26,21 +35,31 @@ impl<const D: usize> Mesh<D> {
         }
         self.check_gaps(&facets)?;
         let named: HashSet<Side> = self.facets.iter().map(|f| f.side()).collect();
-        match self.cells_of(facets.outer.iter().filter(|side| !named.contains(side))) {
+        let kept =
+            |side: &&Side| keep.contains(&&*self.regions[self.cell_region[side.cell as usize] as usize]);
+        match self.cells_of(facets.outer.iter().filter(kept).filter(|side| !named.contains(side))) {
             none if none.is_empty() => Ok(()),
             cells => Err(MeshError::UnnamedBoundary(self.list_cells(&cells))),
         }
     }
 
-    /// Checks in addition that the mesh *matches* the two regions (Definition 5.9, Remark 5.10): boundary `interface` is exactly the
-    /// set of facets between `first` and `second` (every cell being in one region), and all geometry
+    /// Checks in addition that the mesh *matches* the two regions, see [`Mesh::check_interface`], and that all geometry
     /// nodes of boundaries that follow one of `curves` lie on it.
     ///
     /// # Errors
-    /// Those of [`Mesh::check`], then [`MeshError::NoInterface`], [`MeshError::UnmarkedInterface`],
-    /// [`MeshError::StrayInterface`], [`MeshError::OffCurve`].
+    /// Those of [`Mesh::check`], [`Mesh::check_interface`] and [`Mesh::check_curves`].
     pub fn check_matching(&self, first: &str, second: &str, curves: &[Curve<D>]) -> Result<(), MeshError> {
         self.check()?;
+        self.check_interface(first, second)?;
+        self.check_curves(curves)
+    }
+
+    /// Checks that the mesh matches the two regions (Definition 5.9, Remark 5.10): boundary `interface` is exactly the
+    /// set of facets between `first` and `second` (every cell being in one region).
+    ///
+    /// # Errors
+    /// [`MeshError::NoInterface`], [`MeshError::UnmarkedInterface`], [`MeshError::StrayInterface`].
+    pub fn check_interface(&self, first: &str, second: &str) -> Result<(), MeshError> {
         let sides = self.sides_between(first, second)?;
         let names = || (first.to_string(), second.to_string());
         if sides.is_empty() {
@@ -61,7 +80,7 @@ impl<const D: usize> Mesh<D> {
             let ((first, second), cells) = (names(), self.list_cells(&stray));
             return Err(MeshError::StrayInterface { first, second, cells });
         }
-        self.check_curves(curves)
+        Ok(())
     }
 
     /// Checks that all geometry nodes of boundaries that follow one of `curves` lie on it, to within
@@ -198,7 +217,7 @@ mod tests {
         let mut folded = unit_square(3);
         let (node, _) = folded.nearest_node([1.0 / 3.0, 1.0 / 3.0]).unwrap();
         folded.nodes[node as usize] = [0.9, 0.9];
-        assert!(matches!(folded.check(), Err(MeshError::Inverted(_))));
+        assert!(matches!(folded.check(), Err(MeshError::Inverted(..))));
 
         let mut unnamed = unit_square(3);
         unnamed.facets.retain(|f| f.boundary != 3);

@@ -7,10 +7,12 @@ mod box_tree;
 mod curve;
 mod distance;
 mod error;
+mod fold;
 mod geometry;
 mod grade;
 mod locate;
 mod matching;
+mod place;
 mod quality;
 mod refine;
 mod regions;
@@ -19,7 +21,7 @@ mod triangulate;
 
 pub use curve::Curve;
 pub use distance::FacetDistance;
-pub use error::{CellAt, CellList, LISTED, MeshError};
+pub use error::{CellAt, CellList, LISTED, Least, MeshError};
 pub use locate::{Located, Locator};
 pub use quality::Quality;
 pub use refine::Refined;
@@ -27,6 +29,7 @@ pub use regions::INTERFACE;
 pub use topology::{Facets, Side};
 
 use crate::element::Shape;
+use std::collections::HashSet;
 
 /// A conforming mesh of curved cells with named regions and boundaries.
 ///
@@ -51,6 +54,9 @@ pub struct Mesh<const D: usize> {
     pub facets: Vec<Facet>,
     /// Names of the boundaries, such as `inflow`, `walls`, `interface`.
     pub boundaries: Vec<String>,
+    /// Further names of facets, such as those of parts of the interface: each entry is a facet of `facets` but for its
+    /// boundary.
+    pub parts: Vec<Facet>,
 }
 
 /// One named facet.
@@ -79,6 +85,14 @@ impl<const D: usize> Mesh<D> {
     /// Index of the boundary called `name`.
     pub fn boundary(&self, name: &str) -> Option<u16> {
         self.boundaries.iter().position(|b| b == name).map(|i| i as u16)
+    }
+
+    /// All facets that bear one of `names`, further names counted: each once, in the order of `facets`.
+    pub fn facets_on<S: AsRef<str>>(&self, names: &[S]) -> Vec<Facet> {
+        let numbers: Vec<u16> = names.iter().filter_map(|name| self.boundary(name.as_ref())).collect();
+        let wanted = |f: &&Facet| numbers.contains(&f.boundary);
+        let parts: HashSet<Side> = self.parts.iter().filter(wanted).map(Facet::side).collect();
+        self.facets.iter().filter(|f| wanted(f) || parts.contains(&f.side())).copied().collect()
     }
 
     /// Index of the region called `name`.

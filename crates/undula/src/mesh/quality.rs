@@ -1,7 +1,7 @@
 //! Shape of the cells: orientation, scaled Jacobian, volume.
 
+use super::Mesh;
 use super::geometry::determinant;
-use super::{Mesh, MeshError};
 use crate::element::{Quadrature, Shape, lagrange};
 
 /// Three-point Gauss rule on `[0, 1]`: points and weights.
@@ -17,7 +17,7 @@ pub struct Quality {
     pub scaled_jacobian: Vec<f64>,
     /// Area or volume of each cell \[m^D\].
     pub volume: Vec<f64>,
-    /// Cells with `det DX <= 0` at one of these points.
+    /// Cells with `det DX <= 0` at one of these points; [`Mesh::check_orientation`] looks between them, too.
     pub inverted: Vec<usize>,
 }
 
@@ -87,7 +87,8 @@ impl<const D: usize> Mesh<D> {
         for &cell in &clockwise {
             let nodes = self.cell(cell).to_vec();
             turned.iter().enumerate().for_each(|(i, &j)| self.cell_nodes[cell * n + i] = nodes[j]);
-            for facet in self.facets.iter_mut().filter(|f| f.cell as usize == cell) {
+            let facets = self.facets.iter_mut().chain(&mut self.parts);
+            for facet in facets.filter(|f| f.cell as usize == cell) {
                 facet.local = match (self.shape, facet.local) {
                     (Shape::Triangle, 1) => 2,
                     (Shape::Triangle, 2) => 1,
@@ -97,14 +98,6 @@ impl<const D: usize> Mesh<D> {
             }
         }
         clockwise.len()
-    }
-
-    /// Refuses cells whose map is folded or numbered clockwise.
-    pub fn check_orientation(&self) -> Result<(), MeshError> {
-        match self.quality().inverted {
-            none if none.is_empty() => Ok(()),
-            cells => Err(MeshError::Inverted(self.list_cells(&cells))),
-        }
     }
 }
 

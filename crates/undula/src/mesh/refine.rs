@@ -56,6 +56,7 @@ impl<const D: usize> Mesh<D> {
             regions: self.regions.clone(),
             facets: self.facets.iter().flat_map(|&f| child_facets::<D>(self.shape, f)).collect(),
             boundaries: self.boundaries.clone(),
+            parts: self.parts.iter().flat_map(|&f| child_facets::<D>(self.shape, f)).collect(),
         };
         mesh.project_boundaries(curves);
         Refined { mesh, parent }

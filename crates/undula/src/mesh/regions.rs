@@ -1,14 +1,16 @@
 //! Regions and the interface between them.
 
 use super::{Facet, Mesh, MeshError, Side};
-use std::collections::HashMap;
+use crate::element::{Quadrature, lagrange};
+use std::collections::{HashMap, HashSet};
 
 /// Name of the boundary between fluid and solid.
 pub const INTERFACE: &str = "interface";
 
-/// A cell is not cut where the function that describes a region changes sign by no more than this part
-/// of its largest value.
-const ROUNDING: f64 = 1e-10;
+/// Intervals per direction of the lattice of points at which a function decides on a region, and the part of the
+/// cell by which the lattice is drawn in from its sides.
+const LATTICE: usize = 4;
+const DRAWN_IN: f64 = 1e-6;
 
 impl<const D: usize> Mesh<D> {
     /// The mesh of the regions named in `keep` alone.
@@ -21,23 +23,22 @@ impl<const D: usize> Mesh<D> {
         let kept = |cell: u32| region_kept[self.cell_region[cell as usize] as usize];
         let beyond = self.neighbours();
         let mut mesh = self.clone();
-        let mut attached: HashMap<Side, usize> = HashMap::new();
-        mesh.facets.retain_mut(|facet| {
-            let mut side = facet.side();
-            if !kept(side.cell) {
-                match beyond.get(&side) {
-                    Some(&other) if kept(other.cell) => side = other,
-                    _ => return false,
-                }
-            }
-            (facet.cell, facet.local) = (side.cell, side.local);
-            attached.insert(side, 0);
-            true
-        });
+        for list in [&mut mesh.facets, &mut mesh.parts] {
+            list.retain_mut(|facet| {
+                let here = Some(facet.side()).filter(|side| kept(side.cell));
+                let side =
+                    here.or_else(|| beyond.get(&facet.side()).copied().filter(|other| kept(other.cell)));
+                side.is_some_and(|side| {
+                    *facet = side.named(facet.boundary);
+                    true
+                })
+            });
+        }
+        let attached: HashSet<Side> = mesh.facets.iter().map(Facet::side).collect();
         let interface = mesh.boundary_number(INTERFACE);
         let mut exposed: Vec<Side> = beyond
             .iter()
-            .filter(|(here, other)| kept(here.cell) && !kept(other.cell) && !attached.contains_key(here))
+            .filter(|(here, other)| kept(here.cell) && !kept(other.cell) && !attached.contains(here))
             .map(|(&here, _)| here)
             .collect();
         exposed.sort_unstable();
@@ -47,7 +48,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Names all facets between regions `first` and `second` `interface`, seen from the cell of `first`;
-    /// returns how many there are. Other names of these facets are forgotten.
+    /// returns how many there are. Other names of these facets become further ones, see [`Mesh::parts`].
     ///
     /// # Errors
     /// [`MeshError::UnknownName`] for an unknown region, [`MeshError::NoInterface`] without such facets.
@@ -56,47 +57,110 @@ impl<const D: usize> Mesh<D> {
         if sides.is_empty() {
             return Err(MeshError::NoInterface { first: first.into(), second: second.into() });
         }
-        let both: std::collections::HashSet<Side> = sides.iter().flatten().copied().collect();
-        self.facets.retain(|f| !both.contains(&f.side()));
-        let interface = self.boundary_number(INTERFACE);
-        self.facets.extend(sides.iter().map(|[here, _]| here.named(interface)));
+        self.name_sides(&sides, INTERFACE, |_| false);
         Ok(sides.len())
     }
 
-    /// Puts every cell where `inside` is positive in region `name`, a new one unless there is one of that
-    /// name; returns the number of these cells.
-    ///
-    /// A cell belongs to the region if `inside >= 0` at all of its geometry nodes and not 0 at all, and does
-    /// not if `inside <= 0` at all of them: a condition such as `x < 0.5`, 0 or 1, serves as well. Facets keep their names; see [`Mesh::mark_interface`].
+    /// Names the sides of `region` at the cells of the regions in `keep`, seen from these cells: those without a name
+    /// of their own are called as the region. `interface` is no name of their own, but it stays as a further one.
     ///
     /// # Errors
-    /// [`MeshError::CutCells`] if there are other cells; the mesh is then unchanged.
+    /// [`MeshError::UnknownName`] for an unknown region.
+    pub fn mark_sides(&mut self, region: &str, keep: &[&str]) -> Result<(), MeshError> {
+        let mut sides = vec![];
+        for kept in keep {
+            sides.extend(self.sides_between(kept, region)?);
+        }
+        let interface = self.boundary(INTERFACE);
+        self.name_sides(&sides, region, |boundary| Some(boundary) != interface);
+        Ok(())
+    }
+
+    /// Names the facets `sides` as the first cell of each pair sees them. Another name that they have stays where
+    /// `own` holds, and becomes a further one elsewhere.
+    fn name_sides(&mut self, sides: &[[Side; 2]], name: &str, own: impl Fn(u16) -> bool) {
+        if sides.is_empty() {
+            return;
+        }
+        let number = self.boundary_number(name);
+        let seen_from: HashMap<Side, Side> = sides.iter().flat_map(|&[a, b]| [(a, a), (b, a)]).collect();
+        let mut done: HashSet<Side> = HashSet::new();
+        let Self { facets, parts, .. } = self;
+        for part in parts.iter_mut() {
+            *part = seen_from.get(&part.side()).map_or(*part, |side| side.named(part.boundary));
+        }
+        facets.retain_mut(|facet| {
+            let Some(&side) = seen_from.get(&facet.side()) else { return true };
+            let first = done.insert(side);
+            let further = facet.boundary != number && (!first || !own(facet.boundary));
+            if further {
+                parts.push(side.named(facet.boundary));
+            }
+            *facet = side.named(if further { number } else { facet.boundary });
+            first
+        });
+        facets.extend(sides.iter().filter(|[a, _]| !done.contains(a)).map(|[a, _]| a.named(number)));
+    }
+
+    /// Puts every cell where `inside` is positive in region `name`, a new one unless there is one of that
+    /// name; returns these cells.
+    ///
+    /// The function is taken at points inside of the cells, some of them close to their corners and sides. A cell
+    /// belongs to the region if it is positive at all of them, and does not if it is at none: a condition such as
+    /// `x < 0.5`, 0 or 1, gives the same cells as `0.5 - x`, and rounding on the sides of cells does not matter.
+    /// Facets keep their names; see [`Mesh::mark_interface`].
+    ///
+    /// # Errors
+    /// [`MeshError::CutCells`] if there are other cells, [`MeshError::NoCells`] if none belongs to the region,
+    /// [`MeshError::NotANumber`] where the function has no value; the mesh is then unchanged.
     pub fn assign_region(
         &mut self,
         name: &str,
         inside: impl Fn([f64; D]) -> f64,
-    ) -> Result<usize, MeshError> {
-        let values: Vec<f64> = self.nodes.iter().map(|&x| inside(x)).collect();
-        let rounding = ROUNDING * values.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
-        let (mut belong, mut cut) = (vec![], vec![]);
+    ) -> Result<Vec<u32>, MeshError> {
+        let points = self.points_inside();
+        let (mut belong, mut cut, mut unknown) = (vec![], vec![], vec![]);
         for cell in 0..self.n_cells() {
-            let at = self.cell(cell).iter().map(|&n| values[n as usize]);
-            let (some_in, some_out) = (at.clone().any(|v| v > rounding), at.clone().any(|v| v < -rounding));
-            match (some_in, some_out) {
-                (true, false) => belong.push(cell),
-                (true, true) => cut.push(cell),
-                (false, _) => {}
+            let mut within = 0;
+            for value in points.iter().map(|&xi| inside(self.map(cell, xi))) {
+                within += usize::from(value > 0.0);
+                if value.is_nan() && unknown.last() != Some(&cell) {
+                    unknown.push(cell);
+                }
             }
+            match within {
+                0 => {}
+                n if n == points.len() => belong.push(cell as u32),
+                _ => cut.push(cell),
+            }
+        }
+        if !unknown.is_empty() {
+            return Err(MeshError::NotANumber { region: name.into(), cells: self.list_cells(&unknown) });
         }
         if !cut.is_empty() {
             return Err(MeshError::CutCells { region: name.into(), cells: self.list_cells(&cut) });
+        }
+        if belong.is_empty() {
+            return Err(MeshError::NoCells { region: name.into() });
         }
         let region = self.region(name).unwrap_or_else(|| {
             self.regions.push(name.into());
             self.regions.len() as u16 - 1
         });
-        belong.iter().for_each(|&cell| self.cell_region[cell] = region);
-        Ok(belong.len())
+        belong.iter().for_each(|&cell| self.cell_region[cell as usize] = region);
+        Ok(belong)
+    }
+
+    /// Reference coordinates of points inside of a cell that see where it is cut: a lattice drawn in from the sides by
+    /// [`DRAWN_IN`], and Gauss points.
+    fn points_inside(&self) -> Vec<[f64; D]> {
+        let centre = self.reference_centre();
+        let lattice = (0..self.shape.n_nodes(LATTICE)).map(|n| {
+            let at = lagrange::node(self.shape, LATTICE, n);
+            std::array::from_fn(|d| centre[d] + (1.0 - DRAWN_IN) * (at[d] - centre[d]))
+        });
+        let gauss = Quadrature::cell(self.shape, 3).points;
+        lattice.chain(gauss.into_iter().map(|x| std::array::from_fn(|d| x[d]))).collect()
     }
 
     /// Facets between regions `first` and `second`, the side of `first` first, in the order of its cells.
@@ -137,16 +201,17 @@ impl<const D: usize> Mesh<D> {
     pub(crate) fn drop_cells(&mut self, kept: impl Fn(u32) -> bool) {
         let cells: Vec<usize> = (0..self.n_cells()).filter(|&c| kept(c as u32)).collect();
         self.facets.retain(|f| kept(f.cell));
+        self.parts.retain(|f| kept(f.cell));
         let new_cell: HashMap<u32, u32> =
             cells.iter().zip(0..).map(|(&old, new)| (old as u32, new)).collect();
-        self.facets.iter_mut().for_each(|f| f.cell = new_cell[&f.cell]);
+        self.facets.iter_mut().chain(&mut self.parts).for_each(|f| f.cell = new_cell[&f.cell]);
         self.cell_nodes = cells.iter().flat_map(|&c| self.cell(c)).copied().collect();
         self.cell_region = cells.iter().map(|&c| self.cell_region[c]).collect();
         let nodes = renumber(self.nodes.len(), self.cell_nodes.iter_mut());
         self.nodes = nodes.into_iter().map(|n| self.nodes[n]).collect();
         let regions = renumber(self.regions.len(), self.cell_region.iter_mut());
         self.regions = regions.into_iter().map(|r| std::mem::take(&mut self.regions[r])).collect();
-        let used = self.facets.iter_mut().map(|f| &mut f.boundary);
+        let used = self.facets.iter_mut().chain(&mut self.parts).map(|f| &mut f.boundary);
         let boundaries = renumber(self.boundaries.len(), used);
         self.boundaries = boundaries.into_iter().map(|b| std::mem::take(&mut self.boundaries[b])).collect();
     }

@@ -50,6 +50,41 @@ impl<const D: usize> Mesh<D> {
         inner.into_iter().flat_map(|[one, two]| [(one, two), (two, one)]).collect()
     }
 
+    /// The connected part in which each cell is: cells of one region that hang together by facets. Parts are numbered
+    /// in the order of their first cells.
+    pub fn components(&self) -> Vec<u32> {
+        self.components_by(&self.facets_of_cells().inner)
+    }
+
+    /// The same, if the facets between cells are known.
+    pub fn components_by(&self, inner: &[[Side; 2]]) -> Vec<u32> {
+        let mut next: Vec<Vec<u32>> = vec![vec![]; self.n_cells()];
+        for [one, two] in inner {
+            if self.cell_region[one.cell as usize] == self.cell_region[two.cell as usize] {
+                next[one.cell as usize].push(two.cell);
+                next[two.cell as usize].push(one.cell);
+            }
+        }
+        let (mut component, mut n) = (vec![u32::MAX; self.n_cells()], 0);
+        for first in 0..self.n_cells() {
+            if component[first] != u32::MAX {
+                continue;
+            }
+            let mut stack = vec![first as u32];
+            component[first] = n;
+            while let Some(cell) = stack.pop() {
+                for &other in &next[cell as usize] {
+                    if component[other as usize] == u32::MAX {
+                        component[other as usize] = n;
+                        stack.push(other);
+                    }
+                }
+            }
+            n += 1;
+        }
+        component
+    }
+
     /// All sides of all cells with their vertices, sorted.
     pub(crate) fn sides_by_vertices(&self) -> Vec<(FacetKey, Side)> {
         let corners = self.shape.vertices(self.degree);

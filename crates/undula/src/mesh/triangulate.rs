@@ -1,7 +1,7 @@
 //! Triangles from quadrilaterals.
 
-use super::Mesh;
 use super::geometry::distance;
+use super::{Mesh, Side};
 use crate::element::Shape;
 use std::collections::HashMap;
 
@@ -33,11 +33,13 @@ impl Mesh<2> {
             cell_nodes: vec![],
             cell_region: vec![],
             facets: vec![],
+            parts: vec![],
             ..self.clone()
         };
-        let mut named = vec![[None; 4]; self.n_cells()];
-        for facet in &self.facets {
-            named[facet.cell as usize][facet.local as usize] = Some(facet.boundary);
+        // The name of each side, and its further ones.
+        let mut named: Vec<[Vec<u16>; 4]> = vec![Default::default(); self.n_cells()];
+        for facet in self.facets.iter().chain(&self.parts) {
+            named[facet.cell as usize][facet.local as usize].push(facet.boundary);
         }
         for (cell, named) in named.iter().enumerate() {
             let mut new = HashMap::new();
@@ -49,8 +51,8 @@ impl Mesh<2> {
     }
 
     /// The triangles of `cell`, some of whose facets have names.
-    fn parts(&self, cell: usize, named: &[Option<u16>; 4]) -> &'static [[Place; 3]] {
-        let is_corner = |v: usize| named[v & 1].is_some() && named[2 + (v >> 1)].is_some();
+    fn parts(&self, cell: usize, named: &[Vec<u16>; 4]) -> &'static [[Place; 3]] {
+        let is_corner = |v: usize| !named[v & 1].is_empty() && !named[2 + (v >> 1)].is_empty();
         let at = self.cell_vertices(cell).into_iter().map(|n| self.nodes[n as usize]).collect::<Vec<_>>();
         match (is_corner(0) || is_corner(3), is_corner(1) || is_corner(2)) {
             (true, true) => &CROSS,
@@ -68,7 +70,7 @@ impl Mesh<2> {
         of: &Mesh<2>,
         cell: usize,
         corners: [Place; 3],
-        named: &[Option<u16>; 4],
+        named: &[Vec<u16>; 4],
         new: &mut HashMap<Place, u32>,
     ) {
         let (degree, number) = (of.degree, self.n_cells() as u32);
@@ -101,13 +103,15 @@ impl Mesh<2> {
             self.cell_nodes.push(number);
         }
         self.cell_region.push(of.cell_region[cell]);
-        for (side, boundary) in named.iter().enumerate() {
+        for (side, names) in named.iter().enumerate() {
             let on_side = |local: &usize| {
                 let mut ends = (0..3).filter(|v| v != local);
                 ends.all(|v| corners[v][side / 2] == 4 * (side % 2))
             };
-            if let (Some(boundary), Some(local)) = (*boundary, (0..3).find(on_side)) {
-                self.facets.push(super::Facet { cell: number, local: local as u8, boundary });
+            if let (Some((first, further)), Some(local)) = (names.split_first(), (0..3).find(on_side)) {
+                let side = Side { cell: number, local: local as u8 };
+                self.facets.push(side.named(*first));
+                self.parts.extend(further.iter().map(|&boundary| side.named(boundary)));
             }
         }
     }

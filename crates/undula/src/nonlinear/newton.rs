@@ -3,6 +3,8 @@
 use super::secants::Secants;
 use super::system::{NonlinearSystem, Seconds};
 use crate::algebra::SolverError;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// How far a full step with a new Jacobian may raise the residual above its start value.
@@ -20,6 +22,9 @@ const ROUNDING: f64 = 1e-5;
 /// residual is that stays what it is.
 const STAGNATION: f64 = 1e-9;
 
+/// A residual of some times the rounding that is expected, which a new Jacobian cannot halve, is rounding.
+const EXPECTED: f64 = 100.0;
+
 /// Rate at which a new Jacobian of the condensed system converges in developed motion.
 const FRESH_RATE: f64 = 0.03;
 
@@ -31,8 +36,9 @@ const MATRIX_RATE: f64 = 0.5;
 pub struct Settings {
     /// Reduction of the scaled residual relative to the reference.
     pub tolerance: f64,
-    /// Scaled residual below which a step is solved whatever the reference.
-    pub floor: f64,
+    /// Scaled residual below which a step is solved whatever the reference. `None`: that of
+    /// [rounding](NonlinearSystem::rounding).
+    pub floor: Option<f64>,
     /// γ_nt: the Jacobian is kept while ‖r_n‖/‖r_{n−1}‖ ≤ γ_nt, (5.20). 0 is the exact method. `None`: it is
     /// kept as long as that costs less than a new one.
     pub rate_max: Option<f64>,
@@ -73,15 +79,30 @@ pub struct NewtonReport {
 /// Why a solve failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NewtonError {
-    /// The iteration no longer reduces the residual.
-    #[error("Newton's method stalled: scaled residuals {}", list(.norms))]
+    /// The iteration no longer reduces the residual, or not within the iterations allowed.
+    #[error("the nonlinear iteration does not converge")]
     Stalled {
         /// Scaled residual after each iteration.
         norms: Vec<f64>,
     },
+    /// The iteration is linear, and too slow to end within the iterations allowed.
+    #[error("the nonlinear iteration converges too slowly: by the factor {rate:.3} per iteration")]
+    Slow {
+        /// Scaled residual after each iteration.
+        norms: Vec<f64>,
+        /// Mean factor of the last iterations.
+        rate: f64,
+        /// Iterations that would be left at this rate, infinite from 1 on.
+        left: f64,
+        /// Iterations allowed.
+        allowed: usize,
+    },
     /// The start value, or every shortened update, is not admissible.
     #[error("the iterate is not admissible (the domain map folds or a value is not finite)")]
     Inadmissible,
+    /// The user stops it.
+    #[error("stopped")]
+    Stopped,
     /// The linear system could not be solved.
     #[error(transparent)]
     Linear(#[from] SolverError),
@@ -92,9 +113,39 @@ fn is_rounding(rate: f64, size: f64, exact: bool) -> bool {
     if exact { rate > 0.5 && size < ROUNDING } else { rate > 0.9 && size < STAGNATION }
 }
 
-fn list(norms: &[f64]) -> String {
-    let shown: Vec<String> = norms.iter().map(|n| format!("{n:.2e}")).collect();
-    shown.join(", ")
+impl NewtonError {
+    /// Scaled residuals at the start and after each iteration, as far as there are any.
+    pub fn norms(&self) -> &[f64] {
+        match self {
+            NewtonError::Stalled { norms } | NewtonError::Slow { norms, .. } => norms,
+            NewtonError::Inadmissible | NewtonError::Stopped | NewtonError::Linear(_) => &[],
+        }
+    }
+}
+
+/// Iterations over which the rate of a linear iteration is estimated. Before twice as many it is not judged.
+const WINDOW: usize = 10;
+/// From here on, and before with this margin, an iteration that will not end within those allowed is given up.
+const JUDGED: usize = 6 * WINDOW;
+const MARGIN: f64 = 1.5;
+
+/// Why an iteration with the residuals `norms` is given up before the `allowed` iterations: extrapolated at the better
+/// of its last two mean rates it would need more to reach `target`.
+fn too_slow(norms: &[f64], target: f64, allowed: usize) -> Option<NewtonError> {
+    let done = norms.len() - 1;
+    if done < 2 * WINDOW {
+        return None;
+    }
+    let mean = |end: usize| (norms[end] / norms[end - WINDOW]).powf(1.0 / WINDOW as f64);
+    let rate = mean(done).min(mean(done - WINDOW));
+    let left = if rate < 1.0 { (target / norms[done]).ln() / rate.ln() } else { f64::INFINITY };
+    let margin = if done < JUDGED { MARGIN } else { 1.0 };
+    (left > margin * (allowed - done) as f64).then(|| NewtonError::Slow {
+        norms: norms.to_vec(),
+        rate,
+        left: left.ceil(),
+        allowed,
+    })
 }
 
 /// Newton's method; keeps the factorised Jacobian from one solve to the next.
@@ -114,6 +165,10 @@ pub struct Newton {
     /// Mean rate of the iterations after the first, with the Jacobian of an earlier step, over the rate of the first,
     /// as last seen; in single precision, for checkpoints.
     pub worsening: f32,
+    /// Set from outside to end a solve before its next iteration.
+    pub stop: Option<Arc<AtomicBool>>,
+    /// Give an iteration up that is known to converge linearly, and too slowly.
+    pub gives_up: bool,
 }
 
 /// How far a solve has come.
@@ -166,6 +221,8 @@ impl Newton {
             secants: Secants::new(settings.secants, measured),
             age: Age::default(),
             worsening: 1.0,
+            stop: None,
+            gives_up: false,
         }
     }
 
@@ -177,6 +234,11 @@ impl Newton {
     /// Whether the next solve starts with the Jacobian at hand.
     pub fn keeps(&self) -> bool {
         self.keep
+    }
+
+    /// Say of the Jacobian at hand whether it is kept.
+    pub(crate) fn set_kept(&mut self, keep: bool) {
+        self.keep = keep;
     }
 
     /// How the kept Jacobian has done.
@@ -192,6 +254,11 @@ impl Newton {
         system.renew(&mut Seconds::default())?;
         (self.keep, self.age) = (true, age);
         Ok(())
+    }
+
+    /// The residual that was evaluated last.
+    pub fn residual(&self) -> &[f64] {
+        &self.residual
     }
 
     /// Scaled residual of `system` at its iterate.
@@ -213,13 +280,21 @@ impl Newton {
         mut norm: f64,
         reference: f64,
     ) -> Result<NewtonReport, NewtonError> {
-        let target = (self.settings.tolerance * reference).max(self.settings.floor);
+        let noise = system.rounding();
+        let target = (self.settings.tolerance * reference).max(self.settings.floor.unwrap_or(noise));
         let mut report = NewtonReport { norms: vec![norm], ..NewtonReport::default() };
         self.secants.clear();
         let mut state = self.begin(system);
         while norm > target {
+            if self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed)) {
+                return Err(NewtonError::Stopped);
+            }
             if report.steps == self.settings.max_steps {
                 return Err(NewtonError::Stalled { norms: report.norms });
+            }
+            let allowed = self.settings.max_steps;
+            if let Some(slow) = self.gives_up.then(|| too_slow(&report.norms, target, allowed)).flatten() {
+                return Err(slow);
             }
             self.prepare(system, &mut state, &mut report)?;
             if let Err(error) = self.correct(system, &mut report) {
@@ -239,7 +314,9 @@ impl Newton {
                     let size = norm / reference;
                     let rounding = state.factors
                         && rate > 0.5
-                        && (is_rounding(rate, size, system.is_exact()) || system.is_negligible(&self.delta));
+                        && (is_rounding(rate, size, system.is_exact())
+                            || norm < EXPECTED * noise
+                            || system.is_negligible(&self.delta));
                     let good = self.is_good(system.price(), &report, &state, rate, (target / next).ln());
                     *if state.iterative { &mut state.usable } else { &mut self.keep } = good;
                     norm = next;

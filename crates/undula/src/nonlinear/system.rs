@@ -36,6 +36,10 @@ pub trait NonlinearSystem {
     fn is_negligible(&self, _delta: &[f64]) -> bool {
         false
     }
+    /// Scaled residual that rounding leaves of a solution of the size of the iterate.
+    fn rounding(&self) -> f64 {
+        0.0
+    }
     /// What a new Jacobian costs, in iterations; where it [is iterative](NonlinearSystem::is_iterative) what its factors
     /// alone cost, in iterations of the linear solver.
     fn price(&self) -> f64;

@@ -63,19 +63,41 @@ impl Checkpoint {
         }
     }
 
+    /// The file of step `step` in `directory`.
+    pub fn path(directory: impl AsRef<Path>, step: u64) -> PathBuf {
+        directory.as_ref().join(format!("checkpoint_{step:08}.npz"))
+    }
+
     /// Saves the state after step `step` into `directory`, atomically, and removes all but the last two
     /// checkpoints there; those of later steps, left over from before a restart, go too.
     ///
     /// # Errors
     /// [`OutputError::Io`].
     pub fn save(&self, directory: impl AsRef<Path>, step: u64) -> Result<PathBuf, OutputError> {
+        self.save_instead(directory, step, None)
+    }
+
+    /// The same; of the last two one is that before step `instead_of`, if there is such a step.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn save_instead(
+        &self,
+        directory: impl AsRef<Path>,
+        step: u64,
+        instead_of: Option<u64>,
+    ) -> Result<PathBuf, OutputError> {
         let directory = directory.as_ref();
-        let path = directory.join(format!("checkpoint_{step:08}.npz"));
+        let path = Checkpoint::path(directory, step);
         // A zip archive is finished by going back in it, and complains where that fails: make it in memory.
         let mut bytes = io::Cursor::new(Vec::new());
         self.write(&mut bytes).map_err(OutputError::io("write", &path))?;
         write_atomic(&path, |file| file.write_all(bytes.get_ref()))?;
-        let found = list(directory)?;
+        let mut found = Checkpoint::list(directory)?;
+        if let Some(at) = found.iter().position(|(n, _)| Some(*n) == instead_of && *n < step) {
+            let (_, old) = found.remove(at);
+            fs::remove_file(&old).map_err(OutputError::io("remove", old))?;
+        }
         let (later, earlier): (Vec<_>, Vec<_>) = found.into_iter().partition(|(n, _)| *n > step);
         let surplus = earlier.len().saturating_sub(KEPT);
         for (_, old) in later.iter().chain(&earlier[..surplus]) {
@@ -138,12 +160,8 @@ impl Checkpoint {
     /// # Errors
     /// The error of the newest checkpoint if none is sound.
     pub fn load_latest(directory: impl AsRef<Path>) -> Result<Option<Latest>, OutputError> {
-        let directory = directory.as_ref();
-        if !directory.exists() {
-            return Ok(None);
-        }
         let mut skipped = Vec::new();
-        for (step, path) in list(directory)?.into_iter().rev() {
+        for (step, path) in Checkpoint::list(directory)?.into_iter().rev() {
             match Checkpoint::load(&path) {
                 Ok(checkpoint) => return Ok(Some(Latest { checkpoint, step, skipped })),
                 Err(error) => skipped.push(error),
@@ -154,21 +172,28 @@ impl Checkpoint {
             None => Ok(None),
         }
     }
-}
 
-/// Checkpoints in `directory` by step, ascending.
-fn list(directory: &Path) -> Result<Vec<(u64, PathBuf)>, OutputError> {
-    let mut found = Vec::new();
-    for entry in fs::read_dir(directory).map_err(OutputError::io("list", directory))? {
-        let path = entry.map_err(OutputError::io("list", directory))?.path();
-        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-        let step = name.strip_prefix("checkpoint_").and_then(|n| n.strip_suffix(".npz"));
-        if let Some(step) = step.and_then(|n| n.parse().ok()) {
-            found.push((step, path));
+    /// Checkpoints in `directory` by step, ascending; none if there is no such directory.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn list(directory: impl AsRef<Path>) -> Result<Vec<(u64, PathBuf)>, OutputError> {
+        let directory = directory.as_ref();
+        let mut found = Vec::new();
+        if !directory.exists() {
+            return Ok(found);
         }
+        for entry in fs::read_dir(directory).map_err(OutputError::io("list", directory))? {
+            let path = entry.map_err(OutputError::io("list", directory))?.path();
+            let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+            let step = name.strip_prefix("checkpoint_").and_then(|n| n.strip_suffix(".npz"));
+            if let Some(step) = step.and_then(|n| n.parse().ok()) {
+                found.push((step, path));
+            }
+        }
+        found.sort();
+        Ok(found)
     }
-    found.sort();
-    Ok(found)
 }
 
 /// Header of a `.npy` file for a vector of `n` numbers, padded such that the data is aligned.
@@ -230,7 +255,8 @@ mod tests {
         for step in [5, 10, 15] {
             example(step).save(&directory, step).unwrap();
         }
-        let steps: Vec<u64> = list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
+        let steps: Vec<u64> =
+            Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
         assert_eq!(steps, [10, 15]);
         let latest = Checkpoint::load_latest(&directory).unwrap().unwrap();
         assert_eq!((latest.step, latest.skipped.len()), (15, 0));
@@ -246,6 +272,16 @@ mod tests {
         let directory = scratch("checkpoint-future");
         [10, 15, 12].into_iter().for_each(|step| drop(example(step).save(&directory, step).unwrap()));
         assert_eq!(Checkpoint::load_latest(&directory).unwrap().unwrap().step, 12);
+    }
+
+    #[test]
+    fn a_checkpoint_can_make_way_for_the_one_before_it() {
+        let directory = scratch("checkpoint-instead");
+        [5, 10, 12].into_iter().for_each(|step| drop(example(step).save(&directory, step).unwrap()));
+        example(15).save_instead(&directory, 15, Some(12)).unwrap();
+        let steps: Vec<u64> =
+            Checkpoint::list(&directory).unwrap().into_iter().map(|(step, _)| step).collect();
+        assert_eq!(steps, [10, 15]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ const SUBDIRECTORIES: [(&str, &[&str]); 3] =
     [("fields", &["vtu", "tmp"]), ("checkpoints", &["npz", "tmp"]), ("plots", &["png", "svg", "tmp"])];
 
 /// Files of a run besides `summary.json`.
-const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
+const FILES: [&str; 4] = ["case.toml", "history.csv", "fields.pvd", "breakdown.txt"];
 
 /// The directory of one run, locked against other processes while this value lives.
 ///
@@ -19,6 +19,7 @@ const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
 /// | `case.toml` | the case with all defaults resolved |
 /// | `history.csv` | functionals and solver counts, a row per step |
 /// | `summary.json` | status, sizes, times, statistics |
+/// | `breakdown.txt` | after a breakdown: its cause, and the residuals of all that was tried |
 /// | `fields.pvd`, `fields/*.vtu` | the solution on the deformed mesh |
 /// | `checkpoints/*.npz` | exact restart data, the last two |
 /// | `plots/*.png`, `plots/*.svg` | pictures |
@@ -26,16 +27,18 @@ const FILES: [&str; 3] = ["case.toml", "history.csv", "fields.pvd"];
 pub struct RunDirectory {
     path: PathBuf,
     lock: Option<File>,
+    /// The directory as it was opened, to see whether it is still there; `None` if it is only read.
+    identity: Option<Identity>,
 }
 
 impl RunDirectory {
     /// Makes `path` the directory of a new run, with a `summary.json` of status `running`.
     ///
-    /// A completed run there is replaced: its own files go, others stay. An unfinished one is replaced only
-    /// with `force`. Nothing is changed before all checks have passed.
+    /// A run that is there is replaced only with `force`: its own files go, others stay. Nothing is changed before all
+    /// checks have passed.
     ///
     /// # Errors
-    /// [`OutputError::Unfinished`], [`OutputError::Foreign`] if it is not empty and no run,
+    /// [`OutputError::Completed`], [`OutputError::Unfinished`], [`OutputError::Foreign`] if it is not empty and no run,
     /// [`OutputError::Busy`], [`OutputError::Io`] if it cannot be written.
     pub fn create(path: impl AsRef<Path>, force: bool) -> Result<Self, OutputError> {
         let path = path.as_ref();
@@ -44,6 +47,10 @@ impl RunDirectory {
             Some(entry) => may_replace(path, &entry, force)?,
         }
         let directory = Self::locked(path)?;
+        // Another run may have begun and ended since.
+        if let Some(entry) = first_entry(path)? {
+            may_replace(path, &entry, force)?;
+        }
         let summary = Summary { status: Status::Running, ..Summary::default() };
         summary.write(directory.summary())?;
         directory.clear()?;
@@ -57,13 +64,21 @@ impl RunDirectory {
     /// [`OutputError::NoRun`] without `case.toml`, [`OutputError::AlreadyCompleted`],
     /// [`OutputError::Busy`], [`OutputError::Io`] if it cannot be written.
     pub fn open_for_resume(path: impl AsRef<Path>, extended: bool) -> Result<Self, OutputError> {
-        let directory = Self::open(path)?;
-        let path = directory.path.clone();
-        if !extended && Summary::read(path.join("summary.json")).is_ok_and(|s| s.status == Status::Completed)
-        {
+        let path = Self::open(path)?.path().to_path_buf();
+        let completed = || {
+            let summary = Summary::read(path.join("summary.json"));
+            !extended && summary.is_ok_and(|s| s.status == Status::Completed)
+        };
+        if completed() {
             return Err(OutputError::AlreadyCompleted { path });
         }
-        Self::locked(&path)
+        let directory = Self::locked(&path)?;
+        // Another run may have begun and ended since.
+        if completed() {
+            return Err(OutputError::AlreadyCompleted { path });
+        }
+        directory.sweep();
+        Ok(directory)
     }
 
     /// The directory of any run, to read it; takes no lock.
@@ -71,7 +86,7 @@ impl RunDirectory {
     /// # Errors
     /// [`OutputError::NoRun`] without `case.toml`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OutputError> {
-        let directory = RunDirectory { path: path.as_ref().to_path_buf(), lock: None };
+        let directory = RunDirectory { path: path.as_ref().to_path_buf(), lock: None, identity: None };
         if !directory.case().is_file() {
             return Err(OutputError::NoRun { path: directory.path.clone(), missing: "case.toml".into() });
         }
@@ -96,6 +111,11 @@ impl RunDirectory {
     /// `summary.json`.
     pub fn summary(&self) -> PathBuf {
         self.path.join("summary.json")
+    }
+
+    /// `breakdown.txt`.
+    pub fn breakdown(&self) -> PathBuf {
+        self.path.join("breakdown.txt")
     }
 
     /// `fields.pvd`, the collection of all field files.
@@ -126,15 +146,60 @@ impl RunDirectory {
         write_atomic(self.case(), |file| file.write_all(text.as_bytes()))
     }
 
+    /// Checks that the directory is still the one that was opened.
+    ///
+    /// # Errors
+    /// [`OutputError::Lost`].
+    pub fn verify(&self) -> Result<(), OutputError> {
+        match &self.identity {
+            Some(identity) if Identity::of(&self.path).ok().as_ref() != Some(identity) => {
+                Err(OutputError::Lost { path: self.path.clone(), content: "into this directory" })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Writes what there is to say of a breakdown, and removes the file of a former one for `None`.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn write_breakdown(&self, text: Option<&str>) -> Result<(), OutputError> {
+        let path = self.breakdown();
+        match text {
+            Some(text) => write_atomic(path, |file| file.write_all(text.as_bytes())),
+            None if path.exists() => fs::remove_file(&path).map_err(OutputError::io("remove", &path)),
+            None => Ok(()),
+        }
+    }
+
     /// Checks that `path` can be written and takes the lock.
     fn locked(path: &Path) -> Result<Self, OutputError> {
         let name = path.join(".lock");
-        let lock = File::create(&name).map_err(OutputError::io("write to this directory", path))?;
-        match lock.try_lock() {
-            Err(fs::TryLockError::WouldBlock) => Err(OutputError::Busy { path: path.to_path_buf() }),
+        loop {
+            let lock = File::create(&name).map_err(OutputError::io("write to this directory", path))?;
+            if let Err(fs::TryLockError::WouldBlock) = lock.try_lock() {
+                return Err(OutputError::Busy { path: path.to_path_buf() });
+            }
             // Some network file systems have no locks; that is no reason not to compute.
-            Ok(()) | Err(fs::TryLockError::Error(_)) => {
-                Ok(RunDirectory { path: path.to_path_buf(), lock: Some(lock) })
+            //
+            // Whoever ends removes the lock while holding it. One that was opened before that is no lock any more.
+            if Identity::is_of(&lock, &name) {
+                let identity = Identity::of(path).ok();
+                return Ok(RunDirectory { path: path.to_path_buf(), lock: Some(lock), identity });
+            }
+        }
+    }
+
+    /// Removes what a killed run has left half written.
+    fn sweep(&self) {
+        let folders = SUBDIRECTORIES.iter().map(|(name, _)| self.path.join(name));
+        for folder in folders.chain([self.path.clone()]) {
+            for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+                let name = entry.file_name().to_string_lossy().into_owned();
+                if name.starts_with('.') && name.ends_with(".tmp") {
+                    // One that stays does no harm.
+                    let _ = fs::remove_file(entry.path());
+                }
             }
         }
     }
@@ -167,9 +232,44 @@ impl RunDirectory {
 
 impl Drop for RunDirectory {
     fn drop(&mut self) {
-        if self.lock.take().is_some() {
-            let _ = fs::remove_file(self.path.join(".lock"));
+        if let Some(lock) = self.lock.take() {
+            let name = self.path.join(".lock");
+            // While it is held: nobody takes a lock that is removed in the same moment.
+            if Identity::is_of(&lock, &name) {
+                let _ = fs::remove_file(name);
+            }
         }
+    }
+}
+
+/// Which file or directory it is that has a name.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) struct Identity(u64, u64);
+
+impl Identity {
+    /// Of what is at `path` now.
+    pub(super) fn of(path: &Path) -> std::io::Result<Identity> {
+        fs::metadata(path).map(|metadata| Identity::from(&metadata))
+    }
+
+    /// Whether `file` is what is at `path` now.
+    pub(super) fn is_of(file: &File, path: &Path) -> bool {
+        match (file.metadata(), fs::metadata(path)) {
+            (Ok(file), Ok(path)) => Identity::from(&file) == Identity::from(&path),
+            _ => false,
+        }
+    }
+
+    #[cfg(unix)]
+    fn from(metadata: &fs::Metadata) -> Identity {
+        use std::os::unix::fs::MetadataExt;
+        Identity(metadata.dev(), metadata.ino())
+    }
+
+    /// Elsewhere files in use cannot be removed.
+    #[cfg(not(unix))]
+    fn from(_: &fs::Metadata) -> Identity {
+        Identity(0, 0)
     }
 }
 
@@ -195,10 +295,12 @@ fn may_replace(path: &Path, entry: &str, force: bool) -> Result<(), OutputError>
     let Ok(summary) = Summary::read(path.join("summary.json")) else {
         return Err(OutputError::Foreign { path: path.to_path_buf(), entry: entry.into() });
     };
-    if summary.status != Status::Completed && !force {
-        return Err(OutputError::Unfinished { path: path.to_path_buf(), status: summary.status.to_string() });
+    let path = path.to_path_buf();
+    match summary.status {
+        _ if force => Ok(()),
+        Status::Completed => Err(OutputError::Completed { path }),
+        status => Err(OutputError::Unfinished { path, status: status.to_string() }),
     }
-    Ok(())
 }
 
 /// Writes `path` by `fill` such that it holds the old content or the new one, whatever happens.
@@ -275,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn completed_runs_are_replaced_and_only_their_own_files_go() {
+    fn completed_runs_are_replaced_with_force_and_only_their_own_files_go() {
         let directory = scratch("directory-replace");
         let path = directory.join("deep/run");
         let run = RunDirectory::create(&path, false).unwrap();
@@ -286,7 +388,10 @@ mod tests {
         with_status(&path, Status::Completed);
         drop(run);
         assert!(!path.join(".lock").exists());
-        let run = RunDirectory::create(&path, false).unwrap();
+        let message = RunDirectory::create(&path, false).unwrap_err().to_string();
+        assert!(message.contains("holds a completed run") && message.contains("--force"), "{message}");
+        assert!(path.join("case.toml").exists() && !path.join(".lock").exists());
+        let run = RunDirectory::create(&path, true).unwrap();
         assert!(!run.case().exists() && !path.join(run.field_name(3)).exists());
         assert!(path.join("notes.txt").exists() && path.join("fields/state.pvsm").exists());
         assert_eq!(Summary::read(run.summary()).unwrap().status, Status::Running);
@@ -342,6 +447,51 @@ mod tests {
         assert!(matches!(RunDirectory::create(&path, true), Err(OutputError::Busy { .. })));
         drop(first);
         RunDirectory::create(&path, true).unwrap();
+    }
+
+    /// Many threads that create, hold and leave one directory: never two at once.
+    #[test]
+    fn the_lock_cannot_be_had_twice() {
+        use std::sync::atomic::{AtomicUsize, Ordering};
+        let path = scratch("directory-race");
+        let (holders, taken) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    let begun = std::time::Instant::now();
+                    while begun.elapsed().as_millis() < 300 {
+                        match RunDirectory::locked(&path) {
+                            Ok(run) => {
+                                assert_eq!(holders.fetch_add(1, Ordering::SeqCst), 0, "two have the lock");
+                                taken.fetch_add(1, Ordering::SeqCst);
+                                holders.fetch_sub(1, Ordering::SeqCst);
+                                drop(run);
+                            }
+                            Err(OutputError::Busy { .. }) => {}
+                            Err(error) => panic!("{error}"),
+                        }
+                    }
+                });
+            }
+        });
+        assert!(taken.into_inner() > 10);
+        assert!(!path.join(".lock").exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_directory_that_is_gone_is_noticed_and_another_one_is_left_alone() {
+        let directory = scratch("directory-gone");
+        let path = directory.join("run");
+        let run = RunDirectory::create(&path, false).unwrap();
+        run.verify().unwrap();
+        fs::rename(&path, directory.join("elsewhere")).unwrap();
+        let message = run.verify().unwrap_err().to_string();
+        assert!(message.contains("removed, moved or changed"), "{message}");
+        let other = RunDirectory::create(&path, false).unwrap();
+        assert!(run.verify().is_err() && other.verify().is_ok());
+        drop(run);
+        assert!(path.join(".lock").exists(), "the lock of the other run");
     }
 
     #[test]

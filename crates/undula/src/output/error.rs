@@ -28,6 +28,16 @@ pub enum OutputError {
         /// Its status in `summary.json`.
         status: String,
     },
+    /// The directory holds a completed run.
+    #[error(
+        "{}: holds a completed run; use --force to replace it, --resume with a later `time.end` to extend it, \
+         or another directory",
+        path.display()
+    )]
+    Completed {
+        /// The directory.
+        path: PathBuf,
+    },
     /// Another process writes into the directory at this moment.
     #[error("{}: another run is writing into this directory", path.display())]
     Busy {
@@ -59,6 +69,14 @@ pub enum OutputError {
     AlreadyCompleted {
         /// The directory.
         path: PathBuf,
+    },
+    /// A file of the run, or its directory, is no longer what the run has opened.
+    #[error("{}: was removed, moved or changed while the run was writing {content}", path.display())]
+    Lost {
+        /// The file or directory.
+        path: PathBuf,
+        /// What was being written there: `into it`, or the name of something else.
+        content: &'static str,
     },
     /// A file does not hold what it should: corrupt, truncated, or written by something else.
     #[error("{}: {message}", path.display())]

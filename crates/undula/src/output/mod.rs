@@ -17,9 +17,10 @@ pub mod vtu;
 pub use checkpoint::{Array, Checkpoint, Latest};
 pub use directory::{RunDirectory, write_atomic};
 pub use error::OutputError;
+pub(crate) use history::text_of;
 pub use history::{History, HistoryWriter};
 pub use pvd::Collection;
-pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, summarize};
+pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory};
 pub use vtu::{CellKind, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
 
 #[cfg(test)]

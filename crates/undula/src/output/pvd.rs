@@ -49,7 +49,8 @@ impl Collection {
         Ok(Collection { path: path.to_path_buf(), entries })
     }
 
-    /// Continues a collection after `time` \[s\]: later entries go, and their files.
+    /// Continues a collection after `time` \[s\]: later entries go, and their files; so do
+    /// entries whose file is not there.
     ///
     /// A missing collection is a new one.
     ///
@@ -61,10 +62,12 @@ impl Collection {
             return Self::create(path);
         }
         let mut collection = Self::read(path)?;
-        let (kept, later) = collection.entries.into_iter().partition(|entry| entry.0 <= time);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let parts = collection.entries.into_iter().partition(|entry| entry.0 <= time);
+        let (mut kept, later): (Vec<_>, Vec<_>) = parts;
+        kept.retain(|(_, file)| folder.join(file).exists());
         collection.entries = kept;
         collection.write()?;
-        let later: Vec<(f64, String)> = later;
         for (_, file) in later {
             // Whatever is left over is overwritten by the run or does no harm.
             let _ = fs::remove_file(collection.resolve(&file));
@@ -72,13 +75,43 @@ impl Collection {
         Ok(collection)
     }
 
-    /// Adds the field file `file`, a path relative to the collection, at time `time` \[s\].
+    /// Adds the field file `file`, a path relative to the collection, at time `time` \[s\]; one of that name is
+    /// replaced.
     ///
     /// # Errors
     /// [`OutputError::Io`].
     pub fn add(&mut self, time: f64, file: impl Into<String>) -> Result<(), OutputError> {
-        self.entries.push((time, file.into()));
+        let file = file.into();
+        self.entries.retain(|(_, former)| *former != file);
+        self.entries.push((time, file));
         self.write()
+    }
+
+    /// Takes the field file `file` out of the collection and removes it.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn remove(&mut self, file: &str) -> Result<(), OutputError> {
+        if self.entries.iter().any(|(_, name)| name == file) {
+            self.entries.retain(|(_, name)| name != file);
+            self.write()?;
+            // Whatever is left over does no harm.
+            let _ = fs::remove_file(self.resolve(file));
+        }
+        Ok(())
+    }
+
+    /// Writes the file again if it is not there.
+    ///
+    /// # Errors
+    /// [`OutputError::Io`].
+    pub fn restore(&self) -> Result<(), OutputError> {
+        if self.path.exists() { Ok(()) } else { self.write() }
+    }
+
+    /// The first field file of the collection that is not there.
+    pub fn missing(&self) -> Option<PathBuf> {
+        self.entries.iter().map(|(_, file)| self.resolve(file)).find(|path| !path.exists())
     }
 
     /// Times \[s\] and files, relative to the collection.

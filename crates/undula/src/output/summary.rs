@@ -1,7 +1,6 @@
 //! `summary.json`: what a run was and what came out of it.
 
-use super::{History, OutputError, write_atomic};
-use crate::functional::statistics::{Statistics, common_window, statistics};
+use super::{OutputError, write_atomic};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -9,8 +8,10 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-/// Content of `summary.json`. Numbers that are not finite are written as `null` and read as NaN.
+/// Content of `summary.json`. Numbers that are not finite are written as `null` and read as NaN; what is missing is
+/// read as its default.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Summary {
     /// How the run ended, or that it has not.
     pub status: Status,
@@ -40,11 +41,24 @@ pub struct Summary {
     pub phases: Phases,
     /// Largest resident memory \[B\], where the system tells.
     pub peak_memory_bytes: Option<u64>,
+    /// Largest net flow through the boundaries of the fluid, relative to the largest flow; `None` where nothing
+    /// crosses them.
+    #[serde(default, with = "optional")]
+    pub mass_balance: Option<f64>,
+    /// Largest difference in a step between the change of the fluid's volume and what the flow at the interface
+    /// sweeps, relative to the largest flow; `None` where nothing moves.
+    #[serde(default, with = "optional")]
+    pub swept_volume: Option<f64>,
     /// Statistics by functional.
     pub functionals: BTreeMap<String, FunctionalSummary>,
     /// Why it broke down.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub breakdown: Option<Breakdown>,
+}
+
+impl Summary {
+    /// Above this [`Summary::mass_balance`] something is wrong with the run.
+    pub const BALANCED: f64 = 1e-6;
 }
 
 /// How a run ended.
@@ -108,17 +122,18 @@ pub struct Phases {
 
 /// One functional in numbers, all in `unit` except the frequency.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
 pub struct FunctionalSummary {
     /// Last value.
     #[serde(with = "nullable")]
     pub last: f64,
-    /// (max + min)/2 over the last period of the leading signal; `None` where steady.
+    /// (max + min)/2 over the last period of the leading signal; `None` where steady or not periodic.
     #[serde(with = "optional")]
     pub mean: Option<f64>,
-    /// (max − min)/2 over the last period of the leading signal; `None` where steady.
+    /// (max − min)/2 over the last period of the leading signal; `None` where steady or not periodic.
     #[serde(with = "optional")]
     pub amplitude: Option<f64>,
-    /// \[Hz\]; `None` where steady.
+    /// \[Hz\]; `None` where steady or not periodic.
     #[serde(with = "optional")]
     pub frequency: Option<f64>,
     /// Such as `N/m`; empty for a pure number.
@@ -136,8 +151,14 @@ pub struct Breakdown {
     pub min_j: f64,
     /// Where it occurs, for people.
     pub r#where: String,
-    /// What happened, for people.
+    /// What happened, a sentence for people.
     pub reason: String,
+    /// Its cause, a word for programs: `folding`, `divergence`, `slow`, `singular`, `not-finite`, `solver`.
+    #[serde(default)]
+    pub cause: String,
+    /// What to try, for people; empty where nothing is known.
+    #[serde(default)]
+    pub remedy: String,
 }
 
 impl Summary {
@@ -161,23 +182,6 @@ impl Summary {
         let text = fs::read_to_string(path).map_err(OutputError::io("read", path))?;
         serde_json::from_str(&text).map_err(|e| OutputError::format(path, e.to_string()))
     }
-}
-
-/// Statistics of functionals `(name, unit)` over the last period of the leading one, see [`common_window`].
-///
-/// A functional that is no column of the history is left out.
-pub fn summarize(history: &History, functionals: &[(String, String)]) -> BTreeMap<String, FunctionalSummary> {
-    let times = history.column("time").unwrap_or_default();
-    let columns = functionals.iter().filter_map(|(name, unit)| Some((name, unit, history.column(name)?)));
-    let signals: Vec<_> = columns.collect();
-    let window =
-        common_window(signals.iter().map(|(name, _, values)| (name.as_str(), &times[..], &values[..])));
-    let summarized = |(name, unit, values): &(&String, &String, Vec<f64>)| {
-        let Statistics { mean, amplitude, frequency, .. } = statistics(&times, values, window);
-        let last = values.last().copied().unwrap_or(f64::NAN);
-        (name.to_string(), FunctionalSummary { last, mean, amplitude, frequency, unit: unit.to_string() })
-    };
-    signals.iter().map(summarized).collect()
 }
 
 /// Largest resident memory of this process \[B\]; known on Linux only.
@@ -259,29 +263,11 @@ mod tests {
     }
 
     #[test]
-    fn functionals_share_the_period_of_the_deflection() {
-        let columns = ["time", "drag", "lift", "uy_A"].map(String::from).to_vec();
-        let row = |n: i32| {
-            let (t, at) = (0.005 * f64::from(n), 0.03 * f64::from(n));
-            vec![t, 5.0 + (2.0 * at).cos(), 3.0, 0.1 * at.sin()]
-        };
-        let history = History { columns, rows: (0..2000).map(row).collect() };
-        let names = ["uy_A", "drag", "lift", "other"].map(|name| (name.to_string(), "N/m".to_string()));
-        let found = summarize(&history, &names);
-        assert_eq!(found.keys().collect::<Vec<_>>(), ["drag", "lift", "uy_A"]);
-        let close = |x: Option<f64>, y: f64| assert!((x.unwrap() / y - 1.0).abs() < 1e-4);
-        close(found["drag"].frequency, 2.0 * found["uy_A"].frequency.unwrap());
-        close(found["drag"].mean, 5.0);
-        close(found["uy_A"].amplitude, 0.1);
-        assert_eq!((found["lift"].last, found["lift"].mean), (3.0, None));
-    }
-
-    #[test]
     fn the_keys_are_the_contract() {
         let value = serde_json::to_value(Summary::default()).unwrap();
         let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
         let mut contract = "status case cells unknowns steps newton_steps jacobians factorizations threads \
-            wall_seconds phases peak_memory_bytes functionals"
+            wall_seconds phases peak_memory_bytes mass_balance swept_volume functionals"
             .split_whitespace()
             .collect::<Vec<_>>();
         contract.sort();

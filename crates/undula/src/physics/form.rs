@@ -107,6 +107,8 @@ pub trait WeakForm<const D: usize>: Sync {
 }
 
 /// A term on a boundary facet, weighed by θ and 1 − θ like transport.
+///
+/// Such a term depends on the deformation through ∇u and ∂_t u alone: `at.u` holds ∂_t u \[m/s\].
 pub trait FacetForm<const D: usize>: Sync {
     /// What stands before φ; `normal` is the outer unit normal n of the reference domain.
     fn traction<T: Scalar>(

@@ -22,7 +22,7 @@ pub use fluid::Fluid;
 pub use form::{Couplings, FacetForm, Inertia, WeakForm};
 pub use kinematics::Kinematics;
 pub use material::Material;
-pub use outflow::Outflow;
+pub use outflow::{Backflow, Outflow};
 pub use solid::Solid;
 pub use stabilization::{PressureTerm, Projection, Stabilization, TransportTerm};
 pub use step::StepRule;

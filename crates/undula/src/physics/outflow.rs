@@ -1,5 +1,6 @@
 //! Outflow conditions.
 
+use super::kinematics::cofactor;
 use super::{FacetForm, Fields, Kinematics};
 use crate::math::{Scalar, Vector};
 
@@ -31,5 +32,43 @@ impl<const D: usize> FacetForm<D> for Outflow {
         let n = F_inv_t * normal.map(T::lift);
         let trace = F_inv_t.ddot(at.grad_v);
         -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * n) - n * trace) * J
+    }
+}
+
+/// Directional do-nothing term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩ on the outflow boundary: the condition becomes
+/// `ρν ∇v n − p n = ½ ρ min(0, (v − ∂_t u)·n) v` in the current domain (Braack and Mucha 2014).
+///
+/// The term vanishes where the flow leaves. Where the flow comes in, ½ ρ ((v − ∂_t u)·n) |v|² of kinetic energy comes
+/// in through the boundary, which nothing bounds; the term takes exactly this energy away.
+#[derive(Copy, Clone, Debug)]
+pub struct Backflow {
+    /// ρ_f \[kg/m³\].
+    pub density: f64,
+}
+
+impl Backflow {
+    /// What stands before φ, with the flow through the boundary of `lag` and the v that it carries of `at`.
+    #[inline(always)]
+    pub fn term<T: Scalar, const D: usize>(
+        &self,
+        at: &Fields<T, D>,
+        lag: &Fields<T, D>,
+        normal: &Vector<T::Value, D>,
+        weight: f64,
+    ) -> Vector<T, D> {
+        let flow = (lag.v - lag.u).dot(cofactor(&lag.grad_u) * normal.map(T::lift));
+        at.v * (flow * flow.below_zero() * (-0.5 * weight * self.density))
+    }
+}
+
+impl<const D: usize> FacetForm<D> for Backflow {
+    #[inline(always)]
+    fn traction<T: Scalar>(
+        &self,
+        at: &Fields<T, D>,
+        normal: &Vector<T::Value, D>,
+        weight: f64,
+    ) -> Vector<T, D> {
+        self.term(at, at, normal, weight)
     }
 }

@@ -5,7 +5,7 @@
 //! −(J tr(F⁻¹∇w) ρ f + J ρ ∇f w, φ) is missing (its second part for a force at the current position x + u),
 //! and λ tr(dE) lacks the factor I.
 
-use super::{Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
+use super::{Backflow, Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
@@ -194,4 +194,24 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     let dtrace = grad_z.trace() - (grad_v * (W.grad_u * F_inv)).trace();
     let (q, dq) = (t - n * trace, dt - n * dtrace - dn * trace);
     -theta * form.viscosity * (q * tr + dq) * J
+}
+
+/// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩, absent from the printed theorem; `at.u`
+/// and `W.u` are ∂_t u and its direction.
+#[inline(always)]
+pub fn backflow<S: Scalar<Value = S>, const D: usize>(
+    form: &Backflow,
+    theta: f64,
+    at: &Fields<S, D>,
+    normal: &Vector<S, D>,
+    W: &Fields<S, D>,
+) -> Vector<S, D> {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+    let F_inv_t = F_inv.t();
+    let n = F_inv_t * *normal;
+    let dn = n * (F_inv * W.grad_u).trace() - F_inv_t * (W.grad_u.t() * n);
+    let relative = at.v - at.u;
+    let flow = relative.dot(n) * J;
+    let dflow = ((W.v - W.u).dot(n) + relative.dot(dn)) * J;
+    (at.v * dflow + W.v * flow) * (flow.below_zero() * (-0.5 * theta * form.density))
 }

@@ -7,8 +7,9 @@ use super::case::{
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
-use super::fit::MeshNames;
+use super::fit::{INTERFACE, MeshNames};
 use super::overview::Overview;
+use super::regions::mesh_key;
 use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
@@ -16,31 +17,55 @@ use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
-use crate::functional::force::{ForceByResidual, ForceBySurface};
+use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use crate::functional::point::{Displacement, PressureDifference};
 use crate::math::erf;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Extension, Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, Region, State, Walls};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::tangent::{Difference, Tangent};
-use crate::time::{
-    Force, KrylovSettings, Linear, MakeSolver, Purpose, Scales, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
 pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
-/// Name of the facets between fluid and solid.
-const INTERFACE: &str = "interface";
-
 impl Case {
-    /// The complete mesh with its interface marked, checked against the case.
+    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
     ///
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        Ok(self.marked_mesh()?.0)
+    }
+
+    /// The same with what should be known of it.
+    fn marked_mesh(&self) -> Result<(Mesh<2>, Vec<String>), Error> {
+        let (mut mesh, curves) = self.complete_mesh()?;
+        let mut notes = self.assign_regions(&mut mesh)?;
+        let unfit = self.check_regions(&mesh.regions);
+        if !unfit.is_empty() {
+            return Err(Error::Case(CaseErrors(unfit)));
+        }
+        notes.extend(self.mark_sides(&mut mesh)?);
+        let names = MeshNames::of(&mesh);
+        self.check_mesh(&names)?;
+        notes.extend(self.outer_interface(&names));
+        let blame = |e| self.blame(mesh_key(self), e);
+        mesh.check_kept(&self.regions()).map_err(blame)?;
+        if let [fluid, solid] = self.regions()[..]
+            && mesh.boundary(INTERFACE).is_some()
+        {
+            mesh.check_interface(fluid, solid).map_err(blame)?;
+        }
+        mesh.check_curves(&curves).map_err(blame)?;
+        Ok((mesh, notes))
+    }
+
+    /// The mesh as it is made or read, with the curves that its boundaries follow.
+    fn complete_mesh(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
+        self.check_memory(None)?;
         let spec = &self.mesh;
         let triangles = self.space.velocity.shape() == Shape::Triangle;
         // Triangles are refined after they are made.
@@ -55,7 +80,12 @@ impl Case {
                 (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
             }
             MeshSource::File(path) => {
-                let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                self.check_memory(Some(&mesh))?;
+                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
+                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
+                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
+                }
                 (mesh.refined(refine, &[]), vec![])
             }
         };
@@ -66,27 +96,7 @@ impl Case {
             mesh = mesh.refined(spec.refine as usize, &curves);
         }
         self.check_shape(&mesh)?;
-        for (name, inside) in &spec.region {
-            mesh.assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&format!("mesh.region.{name}"), e))?;
-        }
-        let (fluid, solid) = (self.fluid_region(), self.solid_region());
-        let key = if matches!(spec.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" };
-        if mesh.boundary(INTERFACE).is_none()
-            && mesh.region(fluid).is_some()
-            && mesh.region(solid).is_some()
-            && let Err(error) = mesh.mark_interface(fluid, solid)
-        {
-            // What keeps the regions apart says more than that they are.
-            return Err(self.blame(key, mesh.check().err().unwrap_or(error)));
-        }
-        self.check_mesh(&MeshNames::of(&mesh))?;
-        if mesh.boundary(INTERFACE).is_some() {
-            mesh.check_matching(fluid, solid, &curves).map_err(|e| self.blame(key, e))?;
-        } else {
-            mesh.check().map_err(|e| self.blame(key, e))?;
-        }
-        Ok(mesh)
+        Ok((mesh, curves))
     }
 
     /// Refuses cells on which the velocity does not live.
@@ -107,21 +117,18 @@ impl Case {
     }
 
     /// An error of the mesh, told with the place of the `key` of the case that is to blame.
-    fn blame(&self, key: &str, error: MeshError) -> Error {
+    pub(super) fn blame(&self, key: &str, error: MeshError) -> Error {
         self.refuse(key, error.to_string())
     }
 
-    fn refuse(&self, key: &str, message: String) -> Error {
+    /// An error of the input with the place of the `key` that is to blame.
+    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
         let place = self.place_of(key);
         Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
     }
 
-    fn fluid_region(&self) -> &str {
-        self.fluid.as_ref().map_or("fluid", |f| f.region.as_str())
-    }
-
     fn solid_region(&self) -> &str {
-        self.solid.as_ref().map_or("solid", |s| s.region.as_str())
+        self.solid.as_ref().map_or("", |s| s.region.as_str())
     }
 
     /// Spaces on the regions that take part.
@@ -129,7 +136,11 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
-        let mesh = self.build_mesh()?;
+        self.space_on(&self.build_mesh()?)
+    }
+
+    /// Spaces on the regions of the complete `mesh` that take part.
+    fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
         let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
@@ -156,6 +167,7 @@ impl Case {
             return Err(self.refuse("motion.walls", message.into()));
         }
         self.check_patches(&space)?;
+        self.check_ends(&space).map_err(Error::Case)?;
         Ok(space)
     }
 
@@ -192,16 +204,37 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
     pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
-        let space = Arc::new(self.build_space()?);
+        Ok(self.build_with_notes(threads)?.0)
+    }
+
+    /// The same with what should be known of it: regions that are left out, parts of the fluid that are closed in.
+    ///
+    /// # Errors
+    /// As [`Case::build_stepper`].
+    pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let space = Arc::new(self.space_on(&mesh)?);
+        drop(mesh);
+        self.check_data(&space)?;
+        notes.extend(self.check_enclosed(&space)?);
+        Ok((self.stepper_on(space, threads)?, notes))
+    }
+
+    fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = assembly::Options::serial(self.space.quadrature);
         options.threads = threads;
-        let mut assembler = Assembler::new(space.clone(), self.physics(), &conditions, &*stiffness, &options);
+        let mut assembler =
+            Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
         assembler.current_force = current.and_then(|f| current_force(&f.body_force));
-        assembler.stabilize(&self.stabilization, &options);
+        assembler.stabilize(&self.stabilization, &options)?;
+        let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
+        assembler.close(closed.map(|part| part.pressure(&space)).collect());
+        // What is left of data on the solid is rounding, see `check_ends`.
+        assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
@@ -275,7 +308,7 @@ impl Case {
     }
 
     /// One condition per boundary of `mesh`.
-    fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+    pub(super) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => {
@@ -286,30 +319,26 @@ impl Case {
                 }))
             }
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
-            Some(Condition::DoNothing) => BoundaryCondition::Outflow { do_nothing: true },
-            Some(Condition::TractionFree) if self.fluid.is_some() && !self.solid_only(mesh, name) => {
-                BoundaryCondition::Outflow { do_nothing: false }
+            Some(Condition::DoNothing) => {
+                BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            Some(Condition::TractionFree) => BoundaryCondition::Free,
+            // On the solid it is the same as free.
+            Some(Condition::TractionFree) => {
+                BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
+            }
             // The interface: inside the domain, or the surface of the region that is left.
-            None if both || self.fluid.is_none() => BoundaryCondition::Free,
+            None if name == INTERFACE && (both || self.fluid.is_none()) => BoundaryCondition::Free,
+            // Sides of regions that are left out. Names of parts of the interface are on no facet of the mesh.
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
-    }
-
-    /// Whether all cells at the boundary `name` are solid.
-    fn solid_only(&self, mesh: &Mesh<2>, name: &str) -> bool {
-        let (boundary, solid) = (mesh.boundary(name), mesh.region(self.solid_region()));
-        let mut facets = mesh.facets.iter().filter(|f| Some(f.boundary) == boundary);
-        facets.all(|f| Some(mesh.cell_region[f.cell as usize]) == solid)
     }
 
     /// E_e(x) with the distance d to the interface, and its largest value: (d_0 + d)^(−exponent) of the elastic
     /// models, α = 2 − erf(5 d/L) of the stiffened harmonic one.
     #[allow(clippy::type_complexity)]
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
-        let m = &self.motion;
+        let m = self.motion_on(space);
         let plain = match m.model {
             MotionModel::Harmonic | MotionModel::Biharmonic => true,
             MotionModel::StiffenedHarmonic => false,
@@ -320,29 +349,13 @@ impl Case {
         }
         let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
         if m.model == MotionModel::StiffenedHarmonic {
-            let scale = m.scale.unwrap_or_else(|| 0.5 * smaller_extent(&space.mesh));
+            let scale = m.scale.unwrap_or(1.0);
             let value = move |x: &[f64; 2]| 2.0 - erf(5.0 * distance.distance(*x) / scale);
             return Ok((Box::new(value), 2.0));
         }
-        let (offset, exponent) = (m.offset, m.exponent);
+        let (offset, exponent) = (m.offset.unwrap_or(1.0), m.exponent);
         let value = move |x: &[f64; 2]| (offset + distance.distance(*x)).powf(-exponent);
         Ok((Box::new(value), offset.powf(-exponent)))
-    }
-
-    fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
-        let rule = crate::element::Quadrature::cell(space.mesh.shape, 2);
-        let mut area = 0.0;
-        for cell in 0..space.mesh.n_cells() {
-            for (xi, w) in rule.points.iter().zip(&rule.weights) {
-                area += w * crate::math::Tensor(space.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
-            }
-        }
-        let size = (area / space.nodes.len() as f64).sqrt();
-        // The operator of fourth order has the unit 1/m² besides.
-        let fourth = self.motion.model == MotionModel::Biharmonic;
-        let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
-        let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density));
-        Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness }
     }
 
     /// The functionals of the case.
@@ -351,9 +364,10 @@ impl Case {
     /// Points outside of the mesh.
     pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
         let mut list: Functionals = vec![];
+        let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
         for (name, spec) in &self.functional {
             let functional = self
-                .build_functional(space, spec)
+                .build_functional(space, &surfaces, spec)
                 .map_err(|e| self.blame(&format!("functional.{name}.{}", point_key(spec, &e)), e))?;
             list.push((name.clone(), functional));
         }
@@ -363,6 +377,7 @@ impl Case {
     fn build_functional(
         &self,
         space: &FsiSpace<2>,
+        surfaces: &Surfaces<'_, 2>,
         spec: &FunctionalSpec,
     ) -> Result<Box<dyn Functional<2>>, MeshError> {
         let quadrature = self.space.quadrature;
@@ -375,9 +390,9 @@ impl Case {
                 };
                 // An interface that is not there, as in a flow without body, carries no force.
                 if *surface_integral {
-                    Box::new(ForceBySurface::new(space, on, *component, factor, unit, quadrature + 1))
+                    Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))
                 } else {
-                    Box::new(ForceByResidual::new(space, on, *component, factor, unit))
+                    Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
             FunctionalSpec::Displacement { point, component } => {
@@ -396,15 +411,6 @@ impl Case {
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
         })
     }
-}
-
-/// The smaller side of the box around the mesh \[m\].
-fn smaller_extent(mesh: &Mesh<2>) -> f64 {
-    let extent = |d: usize| {
-        let along = mesh.nodes.iter().map(|x| x[d]);
-        along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
-    };
-    extent(0).min(extent(1))
 }
 
 /// The key of `spec` that `error` is about.
@@ -454,8 +460,12 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
-        let space = self.build_space()?;
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let space = self.space_on(&mesh)?;
+        self.check_data(&space)?;
         self.build_functionals(&space)?;
-        Ok(self.overview(&space))
+        notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.notes_on(&space));
+        Ok(Overview { left_out: self.left_out_of(&mesh), notes, ..self.overview(&space) })
     }
 }

@@ -64,6 +64,9 @@ impl Case {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(no_such_case(path_or_builtin)),
             Err(source) => return Err(LoadError::Unreadable { path: path.into(), source }),
         };
+        if let Some(what) = no_case(path, &bytes) {
+            return Err(mistake(path_or_builtin, what).into());
+        }
         let text =
             String::from_utf8(bytes).map_err(|e| not_text(path_or_builtin, e.utf8_error().valid_up_to()))?;
         Ok(Self::from_toml(&text, path_or_builtin, overrides)?)
@@ -71,12 +74,42 @@ impl Case {
 }
 
 fn not_text(name: &str, position: usize) -> CaseErrors {
-    CaseErrors(vec![super::error::CaseError {
-        place: super::error::Place::File { name: name.into(), line: 1, column: 1 },
-        key: String::new(),
-        value: None,
-        message: format!("not a text file: byte {position} is not UTF-8"),
-    }])
+    mistake(name, format!("not a text file: byte {position} is not UTF-8"))
+}
+
+/// A mistake of the whole file.
+fn mistake(name: &str, message: String) -> CaseErrors {
+    let place = super::error::Place::File { name: name.into(), line: 1, column: 1 };
+    CaseErrors(vec![super::error::CaseError { place, key: String::new(), value: None, message }])
+}
+
+/// Endings of files that programs for meshes and fields write.
+const MESHES: [&str; 14] =
+    ["msh", "msh2", "msh4", "mesh", "vtk", "vtu", "stl", "inp", "med", "unv", "cgns", "xdmf", "bdf", "su2"];
+
+/// Endings of files that geometries are in.
+const GEOMETRIES: [&str; 7] = ["geo", "geo_unrolled", "step", "stp", "brep", "iges", "igs"];
+
+/// What to do with a file that is a mesh or a geometry; `None` if it may be a case.
+fn no_case(path: &Path, bytes: &[u8]) -> Option<String> {
+    let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let name = path.to_string_lossy();
+    let line = format!("[mesh] with file = {:?}", path.file_name().unwrap_or_default().to_string_lossy());
+    let gmsh = bytes.split(|b| *b == b'\n').take(100).any(|line| line.trim_ascii() == b"$MeshFormat");
+    if gmsh || ending == "msh" {
+        return Some(format!(
+            "a mesh, not a case: write a case beside it, a TOML file that has {line} (`undula new fsi3 own.toml` makes \
+             one to change), and take that"
+        ));
+    }
+    let (mesh, geometry) = (MESHES.contains(&&*ending), GEOMETRIES.contains(&&*ending));
+    (mesh || geometry).then(|| {
+        let what = if mesh { "a mesh" } else { "a geometry" };
+        format!(
+            "{what}, not a case: make a Gmsh mesh of it (`gmsh -2 {name} -o own.msh`) and write a case, a TOML file \
+             that has [mesh] with file = \"own.msh\""
+        )
+    })
 }
 
 fn no_such_case(name: &str) -> LoadError {

@@ -10,7 +10,7 @@ use crate::physics::{Material, Stabilization};
 use crate::space::Walls;
 pub use crate::tangent::Linearization;
 use crate::time::Scheme;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 /// A complete, valid description of one computation.
@@ -20,6 +20,8 @@ pub struct Case {
     pub name: String,
     /// One line for people.
     pub title: String,
+    /// The built-in case whose published results may be set beside this one, as long as the problem is the same.
+    pub reference: Option<String>,
     /// Geometry and cells.
     pub mesh: MeshSpec,
     /// Finite element spaces.
@@ -34,6 +36,8 @@ pub struct Case {
     pub motion: MotionSpec,
     /// What holds on each named boundary (except `interface`).
     pub boundary: BTreeMap<String, Condition>,
+    /// Boundaries with the directional term against flow that comes in, all of them `do-nothing` or `traction-free`.
+    pub directional: BTreeSet<String>,
     /// `None`: a stationary solution is sought.
     pub time: Option<TimeSpec>,
     /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
@@ -71,6 +75,8 @@ pub struct Record {
     pub places: BTreeMap<String, Place>,
     /// Settings without effect and parts that are left out.
     pub notes: Vec<String>,
+    /// `mesh.file` was given by a path relative to the case: the two are moved together.
+    pub relative_mesh: bool,
 }
 
 impl PartialEq for Record {
@@ -84,12 +90,16 @@ impl PartialEq for Record {
 pub struct MeshSpec {
     /// A built-in generator or a file.
     pub source: MeshSource,
+    /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
+    pub scale: f64,
     /// Number of uniform refinements.
     pub refine: u32,
     /// Number of nested rings of half size around the singular corners of the generator.
     pub grading: u32,
     /// Regions defined by an expression of x, y that is positive inside (box generator only).
     pub region: BTreeMap<String, Expression>,
+    /// Regions that are not computed on; their sides are walls unless a condition names them.
+    pub leave_out: Vec<String>,
 }
 
 /// A built-in generator or a file.
@@ -228,11 +238,13 @@ pub struct MotionSpec {
     pub model: MotionModel,
     /// Poisson ratio ν_e of the pseudo-elastic models, in (−1, ½).
     pub poisson: f64,
-    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface.
-    pub offset: f64,
+    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface; `None`: from the extents of
+    /// fluid and solid, see [`Case::motion_on`].
+    pub offset: Option<f64>,
     /// Exponent of the stiffening; 0 switches it off.
     pub exponent: f64,
-    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh.
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh, see
+    /// [`Case::motion_on`].
     pub scale: Option<f64>,
     /// Take J of the stiffening by J + 1/J from the last solution.
     pub lagged: bool,
@@ -260,13 +272,14 @@ pub enum MotionModel {
 /// What holds on a boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
-    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move.
+    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move. It must vanish on the solid.
     Velocity([Expression; 2]),
     /// v = 0, u = 0.
     NoSlip,
-    /// ρν ∇v n − p n = 0; the boundary does not move.
+    /// ρν ∇v n − p n = 0 for the fluid; its boundary moves where a free end of the solid meets it, else it does not. For the
+    /// solid σ n = 0.
     DoNothing,
-    /// σ n = 0. On a fluid boundary it does not move; a solid boundary does.
+    /// σ n = 0. The boundary of the fluid moves as with `DoNothing`; that of the solid is free.
     TractionFree,
     /// A clamped solid: v = 0, u = 0.
     Clamped,
@@ -373,8 +386,8 @@ pub struct NewtonSpec {
     pub secants: usize,
     /// Reduction of the scaled residual relative to the old solution.
     pub tolerance: f64,
-    /// Absolute floor of the scaled residual \[m/s\].
-    pub floor: f64,
+    /// Absolute floor of the scaled residual \[m/s\]; `None`: what rounding leaves of a solution of that size.
+    pub floor: Option<f64>,
     /// Iterations per step before it counts as failed.
     pub max_steps: usize,
     /// Start from the linear extrapolation of the last two solutions instead of the last.
@@ -391,7 +404,7 @@ impl Default for NewtonSpec {
             rate_max: None,
             secants: 0,
             tolerance: 1e-8,
-            floor: 1e-12,
+            floor: None,
             max_steps: 30,
             extrapolate: true,
             line_search: 5,
@@ -506,6 +519,13 @@ pub enum FunctionalSpec {
     Rotation,
 }
 
+impl FunctionalSpec {
+    /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
+    pub fn at_force_time(&self) -> bool {
+        matches!(self, FunctionalSpec::Force { .. } | FunctionalSpec::PressureDifference { .. })
+    }
+}
+
 /// Terms of the energy balance.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum EnergyKind {
@@ -530,8 +550,11 @@ pub struct OutputSpec {
     pub deformed: bool,
     /// Write cells as curved as they are, not cut into straight ones.
     pub curved: bool,
-    /// Write a checkpoint every this many steps (0: only when interrupted and at the end).
+    /// Write a checkpoint every this many steps (0: not by steps).
     pub checkpoint_every: usize,
+    /// Write a checkpoint after this many minutes by the clock on the wall (0: not by time). There is one at the end
+    /// of every run in time, whatever ends it.
+    pub checkpoint_minutes: f64,
     /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.
     pub leading: Option<String>,
 }

@@ -8,9 +8,10 @@ mod condition;
 mod solver;
 pub(super) mod stabilization;
 
+use super::builtin::{builtin_case, builtin_cases};
 use super::case::{Case, Record, TimeScheme, TimeSpec};
-use super::error::CaseErrors;
-use super::raw::{Document, Origin};
+use super::error::{CaseErrors, suggestion};
+use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use std::path::{Path, PathBuf};
@@ -38,7 +39,8 @@ impl Case {
         let errors = checker.into_errors();
         match case {
             Some(mut case) if errors.is_empty() => {
-                case.record = Record { file_name: file_name.into(), places, notes };
+                let relative_mesh = relative_mesh(&document);
+                case.record = Record { file_name: file_name.into(), places, notes, relative_mesh };
                 Ok(case)
             }
             _ => Err(CaseErrors(errors)),
@@ -51,8 +53,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let mut root = checker.root();
     let name = name(&mut root);
     let title = root.string("title").unwrap_or_default();
+    let reference = reference(&mut root);
     let mesh = body::mesh(root.section("mesh"), &root);
-    let space = body::space(root.section("space"));
+    let space = body::space(root.section("space"), mesh.as_ref());
     let fluid = body::fluid(root.section("fluid"));
     if fluid.is_some() {
         body::refuse_pair(&root.section("space"), &space);
@@ -71,7 +74,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
     }
     let motion = root.section("motion");
-    let boundary = condition::boundary(root.section("boundary"));
+    let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
         refuse_current(&root.section("fluid"), time.as_ref(), &how);
@@ -82,9 +85,13 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let (functional, names) =
         condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
     let output = solver::output(root.section("output"), &names, &functional);
+    if time.is_none() {
+        note_steps(checker, &output);
+    }
     let case = Case {
         name,
         title,
+        reference,
         mesh: mesh?,
         space,
         stabilization: how,
@@ -92,6 +99,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         solid,
         motion,
         boundary,
+        directional,
         time,
         at_time: at_time.unwrap_or(0.0),
         newton,
@@ -121,6 +129,22 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
     }
 }
 
+/// Settings of output that only matter where there are steps in time.
+fn note_steps(checker: &Checker<'_>, output: &super::case::OutputSpec) {
+    let minutes = output.checkpoint_minutes;
+    for (key, given) in [
+        ("fields-every", output.fields_every > 0),
+        ("fields-interval", output.fields_interval.is_some()),
+        ("checkpoint-every", output.checkpoint_every > 0),
+        ("checkpoint-minutes", minutes != 0.0 && minutes != solver::CHECKPOINT_MINUTES),
+    ] {
+        if given {
+            let note = format!("output.{key} has no effect: the case is stationary");
+            checker.notes.borrow_mut().push(note);
+        }
+    }
+}
+
 /// A stationary case takes its data at one time; that time must be known if it matters.
 fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
     let message =
@@ -143,14 +167,9 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
 
 /// `name`, else the file name without its folder and ending.
 fn name(root: &mut Section<'_, '_>) -> String {
-    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.');
-    let file =
-        Path::new(&root.checker.document.file_name).file_stem().map(|s| s.to_string_lossy().into_owned());
-    let fallback: String =
-        file.unwrap_or_default().chars().map(|c| if allowed(c) { c } else { '_' }).collect();
-    let fallback = if fallback.trim_matches('.').is_empty() { "case".into() } else { fallback };
+    let fallback = name_of_file(Path::new(&root.checker.document.file_name));
     match root.string("name") {
-        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(allowed) => {
+        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(in_name) => {
             root.wrong(
                 "name",
                 "expected letters, digits, `-`, `_` and `.` only (it names the output directory)",
@@ -160,6 +179,39 @@ fn name(root: &mut Section<'_, '_>) -> String {
         Some(name) => name,
         None => fallback,
     }
+}
+
+/// Whether the document names its mesh file by a relative path.
+fn relative_mesh(document: &Document) -> bool {
+    let mesh = document.root.get("mesh").map(|item| &item.value);
+    let file = match mesh {
+        Some(Value::Table(table)) => table.get("file").map(|item| &item.value),
+        _ => None,
+    };
+    matches!(file, Some(Value::String(path)) if Path::new(path).is_relative())
+}
+
+/// The name that a case in this file has unless it gives one: without folder and ending, in letters, digits, `-`, `_` and
+/// `.` only.
+pub fn name_of_file(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(|c| if in_name(c) { c } else { '_' }).collect();
+    if name.trim_matches('.').is_empty() { "case".into() } else { name }
+}
+
+fn in_name(c: char) -> bool {
+    c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
+}
+
+/// `reference`, the built-in case whose published results are asked for.
+fn reference(root: &mut Section<'_, '_>) -> Option<String> {
+    let name = root.string("reference")?;
+    if builtin_case(&name).is_none() {
+        let message =
+            format!("no published results{}", suggestion(&name, builtin_cases().iter().map(|c| c.name)));
+        root.wrong("reference", message);
+    }
+    Some(name)
 }
 
 /// A path of the case: beside the case file, or in the working directory if it comes from `--set`.

@@ -1,6 +1,8 @@
 //! Results of a run beside published ones, or beside those of another run.
 
-use super::reference::{Numbers, Published, References, Run};
+use super::reference::{Departure, Numbers, Published, References};
+use super::results::{Results, Signal, numbers};
+use std::collections::BTreeMap;
 use std::fmt;
 
 /// A run beside the published results of its case.
@@ -14,6 +16,8 @@ pub struct Comparison {
     pub rows: Vec<Row>,
     /// Functionals of the run that nobody published.
     pub unpublished: Vec<String>,
+    /// What makes functionals others than those published.
+    pub left_out: Vec<Departure>,
 }
 
 /// A published number and the computed one.
@@ -43,8 +47,10 @@ pub struct Row {
 /// Two runs side by side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Names of the two cases.
-    pub cases: [String; 2],
+    /// Names of the two runs.
+    pub names: [String; 2],
+    /// First and last time of both \[s\], over which all is compared; `None` where one is stationary.
+    pub common: Option<(f64, f64)>,
     /// One row per number that both have.
     pub rows: Vec<DifferenceRow>,
     /// Functionals that only one of them has.
@@ -78,10 +84,10 @@ fn unit_of(quantity: &str, unit: &str) -> String {
 }
 
 /// Sets the numbers of `run` beside those of `references`.
-pub fn compare(run: &Run, references: &References) -> Comparison {
-    let mut rows = Vec::new();
+pub fn compare(run: &Results, references: &References) -> Comparison {
+    let (mut rows, found) = (Vec::new(), run.computed());
     for (functional, sources) in &references.results {
-        let computed = run.functionals.get(functional);
+        let computed = found.get(functional);
         let numbers = computed.map_or(Numbers::default(), |c| c.numbers);
         for (quantity, value) in numbers.named() {
             let of = |p: &Published| {
@@ -105,20 +111,56 @@ pub fn compare(run: &Run, references: &References) -> Comparison {
             }
         }
     }
-    let unpublished = run.functionals.keys().filter(|name| !references.results.contains_key(*name));
+    let unpublished = found.keys().filter(|name| !references.results.contains_key(*name));
     Comparison {
-        case: run.case.clone(),
-        status: run.status.clone(),
+        case: run.summary.case.clone(),
+        status: run.summary.status.to_string(),
         rows,
         unpublished: unpublished.cloned().collect(),
+        left_out: vec![],
     }
 }
 
-/// Sets the numbers of `second` beside those of `first`.
-pub fn difference(first: &Run, second: &Run) -> Difference {
+/// First and last time that both runs have \[s\]; the last is below the first if they have none in common.
+fn common_time(first: &Results, second: &Results) -> Option<(f64, f64)> {
+    let span = |run: &Results| {
+        let times = run.history.column("time")?;
+        Some((*times.first()?, *times.last()?)).filter(|_| !run.is_stationary())
+    };
+    let (a, b) = (span(first)?, span(second)?);
+    Some((a.0.max(b.0), a.1.min(b.1)))
+}
+
+/// The signals of `run` over the time for which `other` has them, too.
+fn cut(run: &Results, other: &Results, common: (f64, f64)) -> Vec<Signal> {
+    let others = other.signals();
+    let cut = |signal: Signal| {
+        let partner = others.iter().find(|s| s.name == signal.name);
+        // Forces end a part of a step earlier.
+        let own = |s: &Signal| s.span().unwrap_or(common);
+        let span = partner.map_or(common, |p| (own(p).0.max(own(&signal).0), own(p).1.min(own(&signal).1)));
+        signal.within(span)
+    };
+    run.signals().into_iter().map(cut).collect()
+}
+
+/// Sets the numbers of `second` beside those of `first`, both over the time that they have in common: what a run
+/// computed later does not count, and periods are looked for before.
+///
+/// `None` if they have no time in common.
+pub fn difference(first: &Results, second: &Results) -> Option<Difference> {
+    let common = common_time(first, second);
+    if common.is_some_and(|(start, end)| end < start) {
+        return None;
+    }
+    let found = |run: &Results, other: &Results| match common {
+        Some(common) => numbers(&cut(run, other, common), run.leading()),
+        None => run.computed(),
+    };
+    let (first_found, second_found) = (found(first, second), found(second, first));
     let mut rows = Vec::new();
-    for (functional, a) in &first.functionals {
-        let Some(b) = second.functionals.get(functional) else { continue };
+    for (functional, a) in &first_found {
+        let Some(b) = second_found.get(functional) else { continue };
         for ((quantity, x), (_, y)) in a.numbers.named().into_iter().zip(b.numbers.named()) {
             if let (Some(x), Some(y)) = (x, y) {
                 rows.push(DifferenceRow {
@@ -131,11 +173,11 @@ pub fn difference(first: &Run, second: &Run) -> Difference {
             }
         }
     }
-    let only = |a: &Run, b: &Run| -> Vec<String> {
-        a.functionals.keys().filter(|name| !b.functionals.contains_key(*name)).cloned().collect()
+    let only = |a: &BTreeMap<String, _>, b: &BTreeMap<String, _>| -> Vec<String> {
+        a.keys().filter(|name| !b.contains_key(*name)).cloned().collect()
     };
-    let unmatched = [only(first, second), only(second, first)].concat();
-    Difference { cases: [first.case.clone(), second.case.clone()], rows, unmatched }
+    let unmatched = [only(&first_found, &second_found), only(&second_found, &first_found)].concat();
+    Some(Difference { names: [first.name.clone(), second.name.clone()], common, rows, unmatched })
 }
 
 /// Six significant digits.
@@ -149,6 +191,11 @@ fn digits(x: f64) -> String {
     } else {
         format!("{x:.5e}")
     }
+}
+
+/// A time as it was computed, but for rounding.
+fn time(t: f64) -> f64 {
+    (t * 1e9).round() / 1e9
 }
 
 /// As many digits as were published.
@@ -217,14 +264,20 @@ impl fmt::Display for Comparison {
         if !self.unpublished.is_empty() {
             writeln!(f, "\nWithout published values: {}", self.unpublished.join(", "))?;
         }
+        for departure in &self.left_out {
+            writeln!(f, "\nNot what was published: {departure}")?;
+        }
         Ok(())
     }
 }
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some((start, end)) = self.common {
+            writeln!(f, "From {} s to {} s, which both runs have:\n", time(start), time(end))?;
+        }
         let mut rows =
-            vec![heading(&["functional", "", "unit", &self.cases[0], &self.cases[1], "deviation"])];
+            vec![heading(&["functional", "", "unit", &self.names[0], &self.names[1], "deviation"])];
         let mut last = None;
         for row in &self.rows {
             let same = last == Some(&row.functional);

@@ -47,8 +47,11 @@ impl fmt::Display for CaseError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: ", self.place)?;
         // An override already shows its key and value.
+        let same = |(parts, _): (Vec<String>, &str)| {
+            parts.iter().fold(String::new(), |path, part| super::key::join(&path, part)) == self.key
+        };
         let shown = matches!(&self.place, Place::Set(text)
-            if text.split('=').next().is_some_and(|k| k.trim() == self.key));
+            if super::key::split_override(text).is_ok_and(same));
         if !shown && !self.key.is_empty() {
             match &self.value {
                 Some(value) => write!(f, "{} = {value}: ", self.key)?,

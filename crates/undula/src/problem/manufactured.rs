@@ -132,7 +132,7 @@ impl Manufactured {
         let linear = Linear::new(Linearization::Newton, make);
         let settings = Settings {
             tolerance: 1e-11,
-            floor: 1e-12,
+            floor: Some(1e-12),
             rate_max: Some(0.1),
             secants: 0,
             max_steps: 30,
@@ -163,7 +163,9 @@ impl Manufactured {
         for_each_point(space, &zero, 2, |point| area += point.weight);
         let size = (area / space.nodes.len() as f64).sqrt();
         let density = self.physics.fluid.map(|f| f.rho).or(self.physics.solid.map(|s| s.rho));
-        Scales { mass: density.unwrap_or(1.0) * size * size, size, stiffness: 1.0 }
+        let (density, viscosity) = (density.unwrap_or(1.0), self.physics.fluid.map_or(0.0, |f| f.nu));
+        let wave = if self.physics.solid.is_some() { 1.0 / density } else { 0.0 };
+        Scales { mass: density * size * size, size, stiffness: 1.0, viscosity, wave }
     }
 
     /// The right-hand side as a stepper takes it.
@@ -180,9 +182,11 @@ impl Manufactured {
 
     /// Quadrature points of the facets with the do-nothing correction, with the nodes of their cells.
     pub fn outflow(&self) -> Vec<(Vec<u32>, Vec<FacetPoint<2>>)> {
-        let do_nothing =
-            |b: u16| matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true });
-        let facets = self.space.mesh.facets.iter().filter(|f| do_nothing(f.boundary));
+        let do_nothing = |b: u16| {
+            matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
+        };
+        let of_fluid = |cell: u32| self.space.regions[cell as usize] == Region::Fluid;
+        let facets = self.space.mesh.facets.iter().filter(|f| do_nothing(f.boundary) && of_fluid(f.cell));
         let nodes = |cell: u32| self.space.nodes.cell(cell as usize).to_vec();
         facets.map(|f| (nodes(f.cell), facet_points(&self.space, f, self.quadrature))).collect()
     }

@@ -1,22 +1,39 @@
 //! From a case file to a checked, runnable description.
 //!
-//! `expression` and `error` stand alone; `raw` is the TOML with overrides, `read` reads one table,
-//! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh; `write` is the way back,
-//! `builtin` the cases shipped with the program, `reference` their published results and `compare` the
-//! tables that set results side by side. `manufactured` makes problems whose solution is known.
+//! `expression`, `error` and `key` stand alone; `raw` is the TOML with overrides, `read` reads one table (`synonyms` has
+//! other names of its keys),
+//! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
+//! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid,
+//! `data` evaluates what is given on it.
+//! `write` is the way back,
+//! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
+//! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
+//! `manufactured` makes problems whose solution is known.
 
+mod bodies;
 pub mod build;
 pub mod builtin;
 pub mod case;
 mod check;
 pub mod compare;
+mod data;
 pub mod element;
+mod enclosed;
+mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;
+pub(crate) mod key;
+mod lengths;
 pub mod manufactured;
+pub mod memory;
 pub mod overview;
 mod raw;
 mod read;
 pub mod reference;
+mod regions;
+pub mod results;
+mod synonyms;
 mod write;
+
+pub use check::name_of_file;

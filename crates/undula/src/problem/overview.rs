@@ -19,6 +19,8 @@ pub struct Overview {
     pub sizes: [f64; 2],
     /// Regions in use: name, number of cells, area \[m²\].
     pub regions: Vec<(String, usize, f64)>,
+    /// The same of regions that are left out.
+    pub left_out: Vec<(String, usize, f64)>,
     /// Boundaries of what is in use.
     pub boundaries: Vec<Boundary>,
     /// The flow through boundaries with given velocity; `None` if there is none.
@@ -27,6 +29,8 @@ pub struct Overview {
     pub unknowns: [usize; 3],
     /// What looks wrong but can be computed.
     pub warnings: Vec<String>,
+    /// What should be known: regions that are left out, parts of the fluid that are closed in.
+    pub notes: Vec<String>,
 }
 
 /// A boundary by name.
@@ -70,7 +74,7 @@ const LARGE: f64 = 10.0;
 const DENSE: f64 = 100.0;
 
 impl Case {
-    /// What the case is on its mesh.
+    /// What the case is on its mesh, but for what only the complete mesh knows.
     pub fn overview(&self, space: &FsiSpace<2>) -> Overview {
         let mesh = &space.mesh;
         let volume = mesh.quality().volume;
@@ -85,32 +89,39 @@ impl Case {
             cells: mesh.n_cells(),
             sizes: [size(f64::min, f64::INFINITY), size(f64::max, 0.0)],
             regions: regions.collect(),
+            left_out: vec![],
             boundaries: self.boundaries(space),
             inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
             unknowns: [space.n_v(), space.n_u(), space.n_p()],
             warnings: self.looks_like_millimetres(extents).into_iter().collect(),
+            notes: vec![],
         }
     }
 
     fn boundaries(&self, space: &FsiSpace<2>) -> Vec<Boundary> {
         let of = |(number, name): (usize, &String)| {
-            let facets = || space.mesh.facets.iter().filter(move |f| usize::from(f.boundary) == number);
+            let facets = || space.mesh.facets_on(&[name]).into_iter();
+            let own = space.mesh.facets.iter().any(|f| usize::from(f.boundary) == number);
             let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
             let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
-            let bodies = match (inside || has(Region::Fluid), inside || has(Region::Solid)) {
+            let bodies = match (has(Region::Fluid), has(Region::Solid)) {
+                _ if inside => "fluid and solid",
                 (true, true) => "fluid and solid",
                 (true, false) => "fluid",
                 _ => "solid",
             };
             Boundary {
                 name: name.clone(),
-                length: facets().map(|f| length(space, f)).sum(),
+                length: facets().map(|f| length(space, &f)).sum(),
                 bodies: bodies.into(),
                 condition: match self.boundary.get(name) {
                     Some(condition) => condition.name().into(),
+                    None if !own => "part of the interface".into(),
                     None if inside => "coupling".into(),
-                    None if self.fluid.is_some() => "no-slip".into(),
-                    None => "traction-free".into(),
+                    None if name == INTERFACE && self.fluid.is_none() => "traction-free".into(),
+                    // Sides of regions that are left out.
+                    None if has(Region::Fluid) => "no-slip".into(),
+                    None => "clamped".into(),
                 },
             }
         };
@@ -130,7 +141,7 @@ impl Case {
             let nodes: Vec<[f64; 2]> =
                 space.boundary_nodes(name).iter().map(|&node| space.nodes.points[node as usize]).collect();
             let at = |t: f64| (flow(&points, data, t), largest_speed(&nodes, data, t));
-            for (flow, speed) in self.times().into_iter().map(at) {
+            for (flow, speed) in self.looked_at().into_iter().map(at) {
                 largest = largest.max(speed);
                 if found.as_ref().is_none_or(|(most, ..)| flow > *most) && flow > 0.0 {
                     found = Some((flow, name.clone(), whole));
@@ -158,7 +169,7 @@ impl Case {
     }
 
     /// Times between the start and the end of the case.
-    fn times(&self) -> Vec<f64> {
+    fn looked_at(&self) -> Vec<f64> {
         let Some(time) = &self.time else { return vec![self.at_time] };
         let at = |i: u32| time.start + (time.end - time.start) * f64::from(i) / f64::from(TIMES);
         (0..=TIMES).map(at).collect()
@@ -170,8 +181,7 @@ impl Case {
         let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
         large.then(|| {
             format!(
-                "the mesh is {} m long: if its coordinates are millimetres, save it with Mesh.ScalingFactor = 1e-3",
-                short(size)
+                "the mesh is {size:.4} m long: if its coordinates are millimetres, give mesh.scale = 1e-3"
             )
         })
     }
@@ -231,6 +241,9 @@ impl fmt::Display for Overview {
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
         for (name, cells, area) in &self.regions {
             writeln!(f, "region    {name}: {cells} cells, {} m²", short(*area))?;
+        }
+        for (name, cells, area) in &self.left_out {
+            writeln!(f, "region    {name}: {cells} cells, {} m², left out", short(*area))?;
         }
         for Boundary { name, length, bodies, condition } in &self.boundaries {
             writeln!(f, "boundary  {name}: {condition}, {} m ({bodies})", short(*length))?;

@@ -1,6 +1,7 @@
 //! The TOML of a case with overrides applied and the origin of every value; nothing is decided here.
 
 use super::error::{CaseError, Place};
+use super::key;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -81,6 +82,9 @@ pub(crate) struct Document {
     pub root: Table,
 }
 
+/// So many mistakes in the syntax of a file are told.
+const TOLD: usize = 10;
+
 impl Document {
     /// Parses `text` and applies `overrides` (`key=value` each, later ones win).
     pub fn parse(text: &str, file_name: &str, overrides: &[String]) -> Result<Self, Vec<CaseError>> {
@@ -100,6 +104,12 @@ impl Document {
                 message: format!("not TOML: {}", e.message().replace('\n', ", ")),
             })
             .collect();
+        let left = errors.len().saturating_sub(TOLD);
+        if left > 1 {
+            errors.truncate(TOLD);
+            let message = format!("not TOML, like this, in {left} more places; is this a case file?");
+            errors.push(CaseError { message, ..errors[TOLD - 1].clone() });
+        }
         document.root = convert_table(table.get_ref(), &Origin::File);
         for (index, text) in overrides.iter().enumerate() {
             if let Err(message) = set(&mut document.root, text, index) {
@@ -169,28 +179,22 @@ fn convert(key: Range<usize>, value: &Spanned<DeValue<'_>>, origin: &dyn Fn(Rang
 
 /// Applies one override: `a.b.c=value`, the value in TOML or else a bare string; `none` removes the key.
 fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
-    let Some((path, value)) = text.split_once('=') else {
-        return Err("expected key=value, such as `time.step=0.01`".into());
-    };
-    let path: Vec<&str> = path.split('.').map(str::trim).collect();
-    let valid = |k: &&str| !k.is_empty() && k.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
-    let (Some((last, tables)), true) = (path.split_last(), path.iter().all(valid)) else {
-        return Err("expected a dotted key before `=`, such as `time.step`".into());
-    };
+    let (path, value) = key::split_override(text)?;
+    let Some((last, tables)) = path.split_last() else { return Ok(()) };
     let value = value.trim();
     if value.is_empty() {
         return Err("expected a value after `=` (`none` removes the key)".into());
     }
     let mut table = root;
-    for (depth, key) in tables.iter().enumerate() {
-        let found = table.0.iter().position(|(k, _)| k == key);
+    for (depth, part) in tables.iter().enumerate() {
+        let found = table.0.iter().position(|(k, _)| k == part);
         let position = match found {
             Some(position) => position,
             None if value == "none" => return Ok(()),
             None => {
                 let value = Value::Table(Table::default());
                 table.0.push((
-                    key.to_string(),
+                    part.to_string(),
                     Item { key: Origin::Set(index), origin: Origin::Set(index), value },
                 ));
                 table.0.len() - 1
@@ -199,8 +203,8 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
         match &mut table.0[position].1.value {
             Value::Table(inner) => table = inner,
             other => {
-                let key = path[..=depth].join(".");
-                return Err(format!("`{key}` is {}, it has no keys", other.kind()));
+                let whole = path[..=depth].iter().fold(String::new(), |path, part| key::join(&path, part));
+                return Err(format!("`{whole}` is {}, it has no keys", other.kind()));
             }
         }
     }

@@ -3,6 +3,7 @@
 use super::error::{CaseError, did_you_mean, quoted};
 use super::expression::Expression;
 use super::raw::{Document, Item, Origin, Table, Value};
+use super::synonyms;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -46,6 +47,7 @@ impl<'d> Checker<'d> {
             table: Some(&self.document.root),
             origin: Origin::File(0..0),
             known: Vec::new(),
+            explained: Vec::new(),
         }
     }
 }
@@ -69,6 +71,8 @@ pub(super) struct Section<'c, 'd> {
     table: Option<&'c Table>,
     pub origin: Origin,
     known: Vec<String>,
+    /// Unknown keys with what is to be said of them.
+    explained: Vec<(String, String)>,
 }
 
 impl<'c, 'd> Section<'c, 'd> {
@@ -80,8 +84,30 @@ impl<'c, 'd> Section<'c, 'd> {
         self.table.is_some_and(|t| t.get(key).is_some())
     }
 
+    /// Whether there is another key that can only mean `key`, about which [`Section::finish`] will tell.
+    pub fn means(&self, key: &str) -> bool {
+        self.keys().iter().any(|k| synonyms::meant(&self.path, k) == Some(key))
+    }
+
+    /// The number under `key` if there is one, which does not make it a known key.
+    pub fn look_at_number(&self, key: &str) -> Option<f64> {
+        match self.table?.get(key)?.value {
+            Value::Float(x) => Some(x),
+            Value::Integer(i) => Some(i as f64),
+            _ => None,
+        }
+    }
+
+    /// Says `message` of `key` if it turns out to be unknown.
+    pub fn explain(&mut self, key: &str, message: String) {
+        self.explained.push((key.into(), message));
+    }
+
     pub fn dotted(&self, key: &str) -> String {
-        if self.path.is_empty() { key.into() } else { format!("{}.{key}", self.path) }
+        // An index such as `velocity[0]` is no part of its own.
+        let index = key.rfind('[').filter(|_| key.ends_with(']') && !self.has(key));
+        let (name, index) = key.split_at(index.unwrap_or(key.len()));
+        format!("{}{index}", super::key::join(&self.path, name))
     }
 
     /// Tells that the value of `key` is wrong.
@@ -109,7 +135,7 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// Tells that a required `key` is not there.
     pub fn missing(&self, key: &str, meaning: &str) {
-        if self.is_present() {
+        if self.is_present() && !self.means(key) {
             self.checker.error(&self.origin, &self.dotted(key), None, format!("missing: {meaning}"));
         }
     }
@@ -138,7 +164,8 @@ impl<'c, 'd> Section<'c, 'd> {
             }
         });
         let origin = item.map_or(Origin::File(0..0), |i| i.key.clone());
-        Section { checker: self.checker, path: self.dotted(key), table, origin, known: Vec::new() }
+        let (known, explained) = Default::default();
+        Section { checker: self.checker, path: self.dotted(key), table, origin, known, explained }
     }
 
     /// Names of the keys in the order of the file.
@@ -152,7 +179,16 @@ impl<'c, 'd> Section<'c, 'd> {
             if self.known.contains(key) {
                 continue;
             }
-            let hint = did_you_mean(key, self.known.iter().map(String::as_str));
+            if let Some((_, message)) = self.explained.iter().find(|(k, _)| k == key) {
+                self.checker.error(&item.key, &self.dotted(key), None, format!("unknown key; {message}"));
+                continue;
+            }
+            let hint = match synonyms::meant(&self.path, key)
+                .filter(|meant| self.known.iter().any(|k| k == meant))
+            {
+                Some(meant) => format!("; did you mean `{meant}`?"),
+                None => did_you_mean(key, self.known.iter().map(String::as_str)),
+            };
             let hint = if hint.is_empty() { ";".into() } else { hint };
             let table = if self.path.is_empty() { "a case".into() } else { format!("[{}]", self.path) };
             let known = quoted(self.known.iter().map(String::as_str));
@@ -357,10 +393,15 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// A non-empty array of strings; a single string counts as one.
     pub fn strings(&mut self, key: &str) -> Option<Vec<String>> {
+        self.names(key, "[\"cylinder\", \"interface\"]", 1)
+    }
+
+    /// An array of at least so many strings, such as `example`; a single string counts as one.
+    pub fn names(&mut self, key: &str, example: &str, at_least: usize) -> Option<Vec<String>> {
         let item = self.item(key)?;
         let words: Option<Vec<String>> = match &item.value {
             Value::String(s) => Some(vec![s.clone()]),
-            Value::Array(items) if !items.is_empty() => items
+            Value::Array(items) if items.len() >= at_least => items
                 .iter()
                 .map(|i| match &i.value {
                     Value::String(s) => Some(s.clone()),
@@ -370,11 +411,7 @@ impl<'c, 'd> Section<'c, 'd> {
             _ => None,
         };
         if words.is_none() {
-            self.wrong_item(
-                key,
-                item,
-                "expected an array of names, such as [\"cylinder\", \"interface\"]".into(),
-            );
+            self.wrong_item(key, item, format!("expected an array of names, such as {example}"));
         }
         words
     }

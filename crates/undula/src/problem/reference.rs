@@ -14,8 +14,11 @@
 //! A single entry may be `[reference.drag]`. Stationary cases give `value`; `min` and `max` are those
 //! over the whole time.
 
+use super::builtin::builtin_case;
+use super::case::Case;
 use serde::Deserialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 /// Published results of one case.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,79 +137,131 @@ impl References {
 
     /// The published results of the built-in case `name`; none for other cases.
     pub fn builtin(name: &str) -> Option<Self> {
-        Self::from_toml(super::builtin::builtin_case(name)?.reference).ok()
+        Self::from_toml(builtin_case(name)?.reference).ok()
     }
 }
 
-/// What one run computed for one functional.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Computed {
-    /// Its numbers; `value` is the last one.
-    pub numbers: Numbers,
-    /// Unit.
-    pub unit: String,
+/// What published results may be set beside a run.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Beside {
+    /// The case refers to none.
+    Nothing,
+    /// The case is not the one that it refers to: in these keys.
+    Departs(&'static str, Vec<Departure>),
+    /// These; functionals that are others than those of the case referred to are left out, see the keys.
+    Results(References, Vec<Departure>),
 }
 
-/// The results of one run, as in `summary.json`.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Run {
-    /// Name of the case.
-    pub case: String,
-    /// How it ended.
-    pub status: String,
-    /// Results by functional.
-    pub functionals: BTreeMap<String, Computed>,
+/// A key that is not as in the case referred to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Departure {
+    /// Dotted key, or a table such as `[solid]`.
+    pub key: String,
+    /// Its value (of a table nothing but that it is there); `None` if it is missing.
+    pub value: Option<String>,
+    /// That in the case referred to.
+    pub original: Option<String>,
 }
 
-impl Run {
-    /// Reads the text of `summary.json`.
-    ///
-    /// # Errors
-    /// The parser's message.
-    pub fn from_json(text: &str) -> Result<Self, serde_json::Error> {
-        #[derive(Deserialize)]
-        struct Item {
-            last: Option<f64>,
-            mean: Option<f64>,
-            amplitude: Option<f64>,
-            frequency: Option<f64>,
-            min: Option<f64>,
-            max: Option<f64>,
-            unit: Option<String>,
+impl fmt::Display for Departure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let key = &self.key;
+        match (&self.value, &self.original) {
+            (Some(value), Some(original)) => write!(f, "{key} = {value} instead of {original}"),
+            (Some(value), None) if !key.starts_with('[') => write!(f, "{key} = {value} is added"),
+            (Some(_), None) => write!(f, "{key} is added"),
+            (None, Some(original)) if !key.starts_with('[') => write!(f, "{key} = {original} is missing"),
+            (None, _) => write!(f, "{key} is missing"),
         }
-        #[derive(Deserialize)]
-        struct Summary {
-            #[serde(default)]
-            status: String,
-            case: String,
-            functionals: BTreeMap<String, Item>,
-        }
-        let summary: Summary = serde_json::from_str(text)?;
-        let computed = |item: Item| {
-            let Item { last, mean, amplitude, frequency, min, max, unit } = item;
-            let numbers = Numbers { value: last, mean, amplitude, frequency, min, max };
-            Computed { numbers, unit: unit.unwrap_or_default() }
+    }
+}
+
+impl Beside {
+    /// The published results for `case`: those of the built-in case named by `reference`, as long as fluid, solid,
+    /// boundaries and geometry are those of that case. How it is computed, from the mesh size to the motion of the
+    /// mesh, does not matter.
+    pub fn of(case: &Case) -> Beside {
+        let Some(shipped) = case.reference.as_deref().and_then(builtin_case) else { return Beside::Nothing };
+        let (Ok(original), Some(mut references)) =
+            (Case::builtin(shipped.name, &[]), References::builtin(shipped.name))
+        else {
+            return Beside::Nothing;
         };
-        let functionals =
-            summary.functionals.into_iter().map(|(name, item)| (name, computed(item))).collect();
-        Ok(Self { case: summary.case, status: summary.status, functionals })
-    }
-
-    /// Fills in least and greatest values from the text of `history.csv`, a column per functional.
-    pub fn add_history(&mut self, csv: &str) {
-        let mut lines = csv.lines().filter(|line| !line.starts_with('#'));
-        let Some(header) = lines.next() else { return };
-        let columns: Vec<&str> = header.split(',').map(str::trim).collect();
-        for line in lines {
-            for (column, cell) in columns.iter().zip(line.split(',')) {
-                let (Some(computed), Ok(x)) = (self.functionals.get_mut(*column), cell.trim().parse::<f64>())
-                else {
-                    continue;
-                };
-                let numbers = &mut computed.numbers;
-                numbers.min = Some(numbers.min.map_or(x, |old| old.min(x)));
-                numbers.max = Some(numbers.max.map_or(x, |old| old.max(x)));
-            }
+        let all = departures(case, &original);
+        let (functionals, physics): (Vec<_>, Vec<_>) =
+            all.into_iter().partition(|departure| departure.functional().is_some());
+        if !physics.is_empty() {
+            return Beside::Departs(shipped.name, physics);
         }
+        let others: Vec<&str> = functionals.iter().filter_map(Departure::functional).collect();
+        let published = |name: &str| references.results.contains_key(name);
+        let left_out =
+            functionals.iter().filter(|d| d.functional().is_some_and(published)).cloned().collect();
+        references.results.retain(|name, _| !others.contains(&name.as_str()));
+        Beside::Results(references, left_out)
+    }
+}
+
+impl Departure {
+    /// The functional that it is about.
+    fn functional(&self) -> Option<&str> {
+        let name = self.key.trim_matches(['[', ']']).strip_prefix("functional.")?;
+        Some(name.split('.').next().unwrap_or(name))
+    }
+}
+
+/// Where `case` is another problem than `original`, or has another functional of the same name.
+fn departures(case: &Case, original: &Case) -> Vec<Departure> {
+    let (ours, theirs) = (keys(case), keys(original));
+    let table = |key: &str| key.rsplit_once('.').map_or(String::new(), |(table, _)| table.to_string());
+    let there = |keys: &BTreeMap<String, String>, name: &str| {
+        keys.keys().any(|key| key.starts_with(name) && key[name.len()..].starts_with('.'))
+    };
+    let mut found: Vec<Departure> = vec![];
+    for key in ours.keys().chain(theirs.keys()).collect::<BTreeSet<_>>() {
+        let (value, original) = (ours.get(key), theirs.get(key));
+        let name = table(key);
+        let whole = [there(&ours, &name), there(&theirs, &name)];
+        if name.starts_with("functional.") && whole != [true; 2] {
+            // One of its own, or none: no other functional of the same name.
+            continue;
+        }
+        let departure = if whole == [true; 2] {
+            Departure { key: key.clone(), value: value.cloned(), original: original.cloned() }
+        } else {
+            let shown = |there: bool| there.then(String::new);
+            Departure { key: format!("[{name}]"), value: shown(whole[0]), original: shown(whole[1]) }
+        };
+        if value != original && !found.contains(&departure) {
+            found.push(departure);
+        }
+    }
+    found
+}
+
+/// The keys that make the problem, and those of the functionals, by dotted name.
+fn keys(case: &Case) -> BTreeMap<String, String> {
+    let mut keys = BTreeMap::new();
+    if let Ok(table) = case.to_toml().parse::<toml::Table>() {
+        flatten("", &toml::Value::Table(table), &mut keys);
+    }
+    keys.retain(|key, _| {
+        let numerical = ["mesh.refine", "mesh.grading"].contains(&key.as_str());
+        let method = key.starts_with("functional.") && key.ends_with(".method");
+        let counts = ["fluid.", "solid.", "boundary.", "mesh.", "functional."];
+        !numerical && !method && counts.iter().any(|table| key.starts_with(table))
+    });
+    keys
+}
+
+fn flatten(path: &str, value: &toml::Value, into: &mut BTreeMap<String, String>) {
+    let toml::Value::Table(table) = value else {
+        // Spaces do not make another expression.
+        into.insert(path.to_string(), value.to_string().replace(' ', ""));
+        return;
+    };
+    for (key, value) in table {
+        let path = if path.is_empty() { key.clone() } else { format!("{path}.{key}") };
+        flatten(&path, value, into);
     }
 }

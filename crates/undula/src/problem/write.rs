@@ -6,8 +6,10 @@ use super::case::{
 };
 use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
 use super::expression::Expression;
+use super::key;
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::Walls;
+use std::path::{Component, Path, PathBuf};
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
 pub(super) fn number(x: f64) -> String {
@@ -73,17 +75,23 @@ impl Case {
         let mut out = Lines(String::new());
         out.word("name", &self.name);
         out.word("title", &self.title);
+        if let Some(reference) = &self.reference {
+            out.key("reference", string(reference), "published results");
+        }
         self.write_mesh(&mut out);
         self.write_stabilization(&mut out);
         self.write_bodies(&mut out);
         for (name, condition) in &self.boundary {
-            out.table(&format!("boundary.{}", key(name)));
+            out.table(&key::join("boundary", name));
             write_condition(&mut out, condition);
+            if self.directional.contains(name) {
+                out.word("backflow", "directional");
+            }
         }
         self.write_time(&mut out);
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
-            out.table(&format!("functional.{}", key(name)));
+            out.table(&key::join("functional", name));
             write_functional(&mut out, functional);
         }
         out.table("output");
@@ -93,11 +101,29 @@ impl Case {
         }
         out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
         out.word("cells", if self.output.curved { "curved" } else { "linear" });
-        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: only at the end");
+        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: not by steps");
+        out.key(
+            "checkpoint-minutes",
+            number(self.output.checkpoint_minutes),
+            "by the clock on the wall; 0: not by time",
+        );
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
         }
         out.0
+    }
+
+    /// The same for a file in `directory`: a mesh file that the case names by a relative path is named relative to it,
+    /// so that both can be moved together.
+    pub fn to_toml_in(&self, directory: &Path) -> String {
+        let mut case = self.clone();
+        if let MeshSource::File(path) = &mut case.mesh.source
+            && self.record.relative_mesh
+            && let Some(relative) = relative(path, directory)
+        {
+            *path = relative;
+        }
+        case.to_toml()
     }
 
     fn write_mesh(&self, out: &mut Lines) {
@@ -112,14 +138,21 @@ impl Case {
                 out.key("upper", pair(upper), "m");
                 out.key("cells", format!("{cells:?}"), "");
             }
-            MeshSource::File(path) => out.word("file", &path.to_string_lossy()),
+            MeshSource::File(path) => {
+                out.word("file", &path.to_string_lossy());
+                out.key("scale", number(self.mesh.scale), "m per unit of the file");
+            }
         }
         out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
         out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
+        if !self.mesh.leave_out.is_empty() {
+            let names: Vec<String> = self.mesh.leave_out.iter().map(|name| string(name)).collect();
+            out.key("leave-out", format!("[{}]", names.join(", ")), "regions that are not computed on");
+        }
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
             for (name, inside) in &self.mesh.region {
-                out.key(&key(name), expression(inside), "positive inside");
+                out.key(&key::quote(name), expression(inside), "positive inside");
             }
         }
         out.table("space");
@@ -190,7 +223,9 @@ impl Case {
             },
         );
         out.key("poisson", number(self.motion.poisson), "");
-        out.key("offset", number(self.motion.offset), "m");
+        if let Some(offset) = self.motion.offset {
+            out.key("offset", number(offset), "m");
+        }
         out.key("exponent", number(self.motion.exponent), "");
         if let Some(scale) = self.motion.scale {
             out.key("scale", number(scale), "m");
@@ -287,7 +322,9 @@ impl Case {
         }
         out.key("secants", newton.secants.to_string(), "pairs that improve corrections of a kept Jacobian");
         out.key("tolerance", number(newton.tolerance), "relative to the old solution");
-        out.key("floor", number(newton.floor), "m/s");
+        if let Some(floor) = newton.floor {
+            out.key("floor", number(floor), "m/s");
+        }
         out.key("max-steps", newton.max_steps.to_string(), "");
         out.word("start", if newton.extrapolate { "extrapolated" } else { "old" });
         out.key("line-search", newton.line_search.to_string(), "halvings of an update");
@@ -315,9 +352,16 @@ impl Case {
     }
 }
 
-/// A key, quoted if it must be.
-fn key(name: &str) -> String {
-    if super::check::is_name(name) { name.into() } else { string(name) }
+/// The path of `file` as seen from `directory`; `None` if they have no folder in common but the root.
+fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
+    let name = file.file_name()?;
+    let folder = file.parent()?.canonicalize().ok()?;
+    let directory = directory.canonicalize().ok()?;
+    let (to, from): (Vec<_>, Vec<_>) = (folder.components().collect(), directory.components().collect());
+    let common = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    let named = to[..common].iter().any(|part| matches!(part, Component::Normal(_)));
+    let up = from[common..].iter().map(|_| Component::ParentDir);
+    named.then(|| up.chain(to[common..].iter().copied()).collect::<PathBuf>().join(name))
 }
 
 fn write_condition(out: &mut Lines, condition: &Condition) {

@@ -1,9 +1,10 @@
 //! The state of a run in a checkpoint, and back.
 
+use super::identity::identity;
 use crate::error::Error;
+use crate::functional::balance::Largest;
 use crate::nonlinear::{Age, Counters, Seconds};
 use crate::output::{Array, Checkpoint, RunDirectory};
-use crate::problem::case::{Case, OutputSpec};
 use crate::simulation::Simulation;
 use crate::space::State;
 use crate::time::adaptive::Memory;
@@ -33,20 +34,37 @@ pub(super) struct Metadata {
     /// Next step, largest v and u, rejected steps and times of the past of step-size control.
     #[serde(default)]
     adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
+    /// Largest flows so far, see [`crate::functional::balance`].
+    #[serde(default)]
+    balance: Option<Largest>,
     counters: [u64; 3],
     #[serde(default)]
     linear_iterations: u64,
     pub(super) seconds: [f64; 4],
     pub(super) wall_seconds: f64,
     pub(super) case: String,
+    /// Number for the content of its mesh file.
+    #[serde(default)]
+    pub(super) mesh: Option<String>,
+    /// The row of the step in `history.csv`.
+    #[serde(default)]
+    pub(super) row: Option<String>,
+    /// The end \[s\] that a step was shortened for: a run to a later one does not pass here.
+    #[serde(default)]
+    pub(super) cut: Option<f64>,
+}
+
+/// What a checkpoint has from the run, not from its simulation.
+pub(super) struct OfRun<'a> {
+    pub(super) output_seconds: f64,
+    pub(super) wall_seconds: f64,
+    pub(super) mesh: &'a Option<String>,
+    pub(super) row: Option<String>,
+    pub(super) cut: Option<f64>,
 }
 
 /// A checkpoint of `simulation` as it is.
-pub(super) fn of(
-    simulation: &Simulation,
-    output_seconds: f64,
-    wall_seconds: f64,
-) -> Result<Checkpoint, Error> {
+pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
     let stepper = &simulation.stepper;
     let (clock, point) = (stepper.clock(), stepper.jacobian_point());
     let (counters, seconds) = (stepper.newton.counters, stepper.newton.seconds);
@@ -63,11 +81,15 @@ pub(super) fn of(
             let times = memory.past.iter().map(|(t, _)| *t).collect();
             (memory.next, memory.scales, memory.rejected, times)
         }),
+        balance: simulation.balance.as_ref().map(|b| b.largest),
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
-        seconds: [seconds.assembly, seconds.factorization, seconds.solve, output_seconds],
-        wall_seconds,
+        seconds: [seconds.assembly, seconds.factorization, seconds.solve, run.output_seconds],
+        wall_seconds: run.wall_seconds,
         case: identity(&simulation.case),
+        mesh: run.mesh.clone(),
+        row: run.row.clone(),
+        cut: run.cut,
     };
     let text = serde_json::to_string(&metadata).map_err(|e| Error::Resume(e.to_string()))?;
     let mut checkpoint = Checkpoint { metadata: text, ..Checkpoint::default() };
@@ -88,43 +110,80 @@ pub(super) fn of(
     Ok(checkpoint)
 }
 
-/// The case without what may change when a run goes on: its end and its output.
-pub(super) fn identity(case: &Case) -> String {
-    let mut case = case.clone();
-    if let Some(time) = &mut case.time {
-        time.end = 0.0;
-    }
-    // How the equations are solved may change: a run that broke down can go on with a smaller rate.
-    (case.newton, case.linear) = Default::default();
-    case.output = OutputSpec {
-        fields_every: 0,
-        fields_interval: case.output.fields_interval,
-        deformed: true,
-        curved: false,
-        checkpoint_every: 0,
-        leading: None,
-    };
-    case.to_toml()
-}
-
 /// Take `simulation` to the newest checkpoint of the run in `directory`; its case may differ from that of the
-/// run in all but its unknowns.
+/// run in all but its unknowns. Returns why newer ones were passed over.
 ///
 /// # Errors
 /// If there is no run or no checkpoint, or if it has other unknowns.
-pub fn restore_latest(simulation: &mut Simulation, directory: impl AsRef<Path>) -> Result<(), Error> {
+pub fn restore_latest(
+    simulation: &mut Simulation,
+    directory: impl AsRef<Path>,
+) -> Result<Vec<String>, Error> {
     let directory = RunDirectory::open(directory).map_err(Error::Directory)?;
-    let (checkpoint, metadata) = latest(&directory, "expected a run that has written one")?;
-    restore(simulation, &checkpoint, &metadata)
+    let (found, notes) = newest(&directory, "expected a run that has written one", |_| Ok(()))?;
+    restore(simulation, &found.checkpoint, &found.metadata)?;
+    Ok(notes)
 }
 
-/// The newest sound checkpoint of a run; `advice` is for where there is none.
-pub(super) fn latest(directory: &RunDirectory, advice: &str) -> Result<(Checkpoint, Metadata), Error> {
-    let found = Checkpoint::load_latest(directory.checkpoints())?;
-    let none = || Error::Resume(format!("{} holds none; {advice}", directory.path().display()));
-    let checkpoint = found.ok_or_else(none)?.checkpoint;
-    let metadata = serde_json::from_str(&checkpoint.metadata).map_err(|e| Error::Resume(e.to_string()))?;
-    Ok((checkpoint, metadata))
+/// A checkpoint that was read.
+pub(super) struct Found {
+    pub(super) checkpoint: Checkpoint,
+    pub(super) metadata: Metadata,
+}
+
+/// Why a checkpoint is not the one to go on from.
+pub(super) enum Unfit {
+    /// It is no good; the sentence says why.
+    Unsound(String),
+    /// It can be taken where there is no other; the sentence says what to expect then.
+    SecondChoice(String),
+    /// None of the run is.
+    Refused(Error),
+}
+
+/// The newest sound checkpoint of a run that `fits`, and why newer ones were passed over; `advice` is for where there is none.
+pub(super) fn newest(
+    directory: &RunDirectory,
+    advice: &str,
+    mut fits: impl FnMut(&Metadata) -> Result<(), Unfit>,
+) -> Result<(Found, Vec<String>), Error> {
+    let (mut notes, mut second) = (vec![], None);
+    for (_, path) in Checkpoint::list(directory.checkpoints())?.into_iter().rev() {
+        let found = match load(&path) {
+            Ok(found) => found,
+            Err(message) => {
+                notes.push(message);
+                continue;
+            }
+        };
+        match fits(&found.metadata) {
+            Ok(()) => return Ok((found, passed_over(notes))),
+            Err(Unfit::Refused(error)) => return Err(error),
+            Err(Unfit::Unsound(message)) => notes.push(message),
+            Err(Unfit::SecondChoice(message)) => {
+                second.get_or_insert((found, message));
+            }
+        }
+    }
+    if let Some((found, message)) = second {
+        return Ok((found, vec![message]));
+    }
+    let shown = directory.path().display();
+    Err(Error::Resume(match notes.is_empty() {
+        true => format!("{shown} holds none; {advice}"),
+        false => format!("{shown} holds no sound one; {advice}: {}", notes.join("; ")),
+    }))
+}
+
+fn passed_over(notes: Vec<String>) -> Vec<String> {
+    notes.into_iter().map(|note| format!("{note}; an older checkpoint is taken")).collect()
+}
+
+fn load(path: &Path) -> Result<Found, String> {
+    let checkpoint = Checkpoint::load(path).map_err(|e| e.to_string())?;
+    let metadata = serde_json::from_str(&checkpoint.metadata)
+        .map_err(|e| format!("{}: not a checkpoint of this program ({e})", path.display()))?;
+    Ok(Found { checkpoint, metadata })
 }
 
 /// Take `simulation` to a checkpoint.
@@ -182,6 +241,9 @@ pub(super) fn restore(
             past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
         }
         adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
+    }
+    if let (Some(balance), Some(largest)) = (&mut simulation.balance, metadata.balance) {
+        balance.largest = largest;
     }
     let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);

@@ -1,22 +1,26 @@
 //! Dirichlet data.
 
-use super::FsiSpace;
+use super::{FsiSpace, PsiOwner};
 use std::sync::Arc;
 
 /// A velocity given as a function of position and time \[m/s\].
 pub type VelocityData<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
-/// What holds on a named boundary, as far as the spaces are concerned.
+/// What holds on a named boundary, as far as the spaces are concerned. On each facet it means what it can mean to the
+/// body of its cell.
 #[derive(Clone)]
 pub enum BoundaryCondition<const D: usize> {
     /// v given, u = 0.
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
-    /// v free, u = 0: outflow on a boundary that does not move.
+    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is
+    /// free there, too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
+        /// Add the directional term against flow that comes in.
+        directional: bool,
     },
     /// v and u free: surface of the solid without traction.
     Free,
@@ -40,6 +44,8 @@ pub struct Constraints<const D: usize> {
     pub v: Vec<bool>,
     /// Components of the deformation that are given (always 0), those of bubbles among them.
     pub u: Vec<[bool; D]>,
+    /// Pressure unknowns that are given; empty if none is, see [`super::ClosedPressure`].
+    pub p: Vec<bool>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
     /// Factor of the velocity data, for loads that are raised in parts.
@@ -54,8 +60,9 @@ impl<const D: usize> Constraints<D> {
         let n = space.nodes.len();
         let mut fixed = vec![false; n];
         let (v, u) = (vec![false; n], vec![[false; D]; n]);
-        let mut c = Constraints { v, u, data: vec![], load: 1.0, follows: false };
+        let mut c = Constraints { v, u, p: vec![], data: vec![], load: 1.0, follows: false };
         let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
+        let moves = super::ends::moving(space, conditions);
         for facet in &space.mesh.facets {
             for node in space.facet_nodes(facet) {
                 let node = node as usize;
@@ -67,8 +74,13 @@ impl<const D: usize> Constraints<D> {
                     BoundaryCondition::Fixed => {
                         (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
                     }
-                    BoundaryCondition::Outflow { .. } => c.u[node] = [true; D],
-                    BoundaryCondition::Free => {}
+                    // Nodes of the solid are free, as both u and v.
+                    BoundaryCondition::Outflow { .. }
+                        if space.owner[node] == PsiOwner::Extension && !moves[facet.boundary as usize] =>
+                    {
+                        c.u[node] = [true; D];
+                    }
+                    BoundaryCondition::Outflow { .. } | BoundaryCondition::Free => {}
                 }
             }
         }
@@ -76,7 +88,7 @@ impl<const D: usize> Constraints<D> {
         c.u[space.nodes.n_lagrange..].fill([true; D]);
         if space.walls == Walls::Sliding {
             for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some(axis) = axis {
+                if let Some(axis) = axis.filter(|_| c.u[node] == [true; D]) {
                     c.u[node] = std::array::from_fn(|d| d == axis);
                 }
             }

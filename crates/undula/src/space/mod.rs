@@ -2,12 +2,17 @@
 
 pub mod conditions;
 pub mod dofs;
+pub mod enclosed;
+pub mod ends;
+pub mod fluid_boundary;
 pub mod pressure;
 mod sliding;
 pub mod state;
 
 pub use conditions::{BoundaryCondition, Constraints, VelocityData, Walls};
 pub use dofs::Nodes;
+pub use enclosed::{ClosedPressure, Enclosed, enclosed};
+pub use fluid_boundary::{FluidBoundary, FluidFacet};
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
 
@@ -153,11 +158,15 @@ impl<const D: usize> FsiSpace<D> {
         sliding::normals(self).iter().any(Option::is_some)
     }
 
+    /// All facets of the boundary or part of the interface called `name`.
+    pub fn boundary_facets(&self, name: &str) -> Vec<Facet> {
+        self.mesh.facets_on(&[name])
+    }
+
     /// All nodes on the boundary called `name`, ascending.
     pub fn boundary_nodes(&self, name: &str) -> Vec<u32> {
-        let Some(boundary) = self.mesh.boundary(name) else { return vec![] };
-        let facets = self.mesh.facets.iter().filter(|f| f.boundary == boundary);
-        let mut nodes: Vec<u32> = facets.flat_map(|f| self.facet_nodes(f)).collect();
+        let mut nodes: Vec<u32> =
+            self.boundary_facets(name).iter().flat_map(|f| self.facet_nodes(f)).collect();
         nodes.sort_unstable();
         nodes.dedup();
         nodes

@@ -14,6 +14,7 @@ use crate::assembly::points::{PointValues, for_each_point};
 use crate::math::Vector;
 use crate::physics::Kinematics;
 use crate::space::{Constraints, FsiSpace, PressureKind, PsiOwner, Region, State};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Added to γ²: modes without any velocity get 1/SHIFT as the largest eigenvalue of the inverse.
@@ -24,7 +25,7 @@ const SHIFT: f64 = 1e-10;
 pub struct InfSup {
     /// γ_h; 0 to about 1e-5 if a pressure does no work on any velocity.
     pub constant: f64,
-    /// Whether constant pressures do no work, as in a fluid that is closed in: they are left out.
+    /// Whether constant pressures do no work, as in a connected part of the fluid that is closed in: they are left out.
     pub closed: bool,
 }
 
@@ -155,11 +156,18 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>, number: &[u32], n_v: usize) -> 
     list
 }
 
-/// Coefficients of the pressure 1.
-fn constants<const D: usize>(space: &FsiSpace<D>) -> Vec<f64> {
-    let first = |dof: usize| dof.is_multiple_of(space.pressure.per_cell);
-    let one = |dof: usize| matches!(space.pressure.kind, PressureKind::Continuous(_)) || first(dof);
-    (0..space.n_p()).map(|dof| if one(dof) { 1.0 } else { 0.0 }).collect()
+/// Coefficients of the pressure that is 1 in one connected part of the fluid and 0 in the others, for each part.
+fn constants<const D: usize>(space: &FsiSpace<D>) -> Vec<Vec<f64>> {
+    let continuous = matches!(space.pressure.kind, PressureKind::Continuous(_));
+    let mut list: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
+    for (cell, part) in space.mesh.components().into_iter().enumerate() {
+        let dofs = space.pressure.cell(cell);
+        let ones = if continuous { dofs } else { &dofs[..dofs.len().min(1)] };
+        for &dof in ones {
+            list.entry(part).or_insert_with(|| vec![0.0; space.n_p()])[dof as usize] = 1.0;
+        }
+    }
+    list.into_values().collect()
 }
 
 /// The inf-sup constant of velocity and pressure on the fluid with the deformation `u`, `[node][component]`:
@@ -181,16 +189,18 @@ pub fn inf_sup<const D: usize>(
     solver.analyse(&system.matrix.pattern, &system.unknowns)?;
     solver.factor(&system.matrix)?;
     let (n_v, n_p) = (system.n_v, space.n_p());
-    let constants = constants(space);
-    let closed = system.is_closed(&constants);
-    let mut weighted = vec![0.0; n_p];
-    system.mass.mul(&constants, &mut weighted);
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let size = dot(&constants, &weighted);
+    let parts = constants(space).into_iter().filter(|constants| system.is_closed(constants));
+    let weighted = |constants: Vec<f64>| {
+        let mut weighted = vec![0.0; n_p];
+        system.mass.mul(&constants, &mut weighted);
+        (dot(&constants, &weighted), constants, weighted)
+    };
+    let closed: Vec<(f64, Vec<f64>, Vec<f64>)> = parts.map(weighted).collect();
     let project = |q: &mut [f64]| {
-        if closed {
-            let mean = dot(q, &weighted) / size;
-            q.iter_mut().zip(&constants).for_each(|(q, one)| *q -= mean * one);
+        for (size, constants, weighted) in &closed {
+            let mean = dot(q, weighted) / size;
+            q.iter_mut().zip(constants).for_each(|(q, one)| *q -= mean * one);
         }
     };
     // (S + SHIFT M)⁻¹ M: the second row reads −(S + SHIFT M) q = M q_0.
@@ -202,5 +212,5 @@ pub fn inf_sup<const D: usize>(
     };
     let value = largest(n_p, apply, |x, y| system.mass.mul(x, y), project);
     let square = if value > 0.0 { 1.0 / value - SHIFT } else { 0.0 };
-    Ok(InfSup { constant: square.max(0.0).sqrt(), closed })
+    Ok(InfSup { constant: square.max(0.0).sqrt(), closed: !closed.is_empty() })
 }

@@ -82,7 +82,7 @@ fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f
 /// Condition numbers of the whole Jacobian (5.35) of the next step at the present state, or of the stationary problem.
 ///
 /// # Errors
-/// If memory is short.
+/// If memory is short, or the problem too large.
 pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError> {
     let now = simulation.stepper.time;
     let rule = match (&simulation.case.time, simulation.case.theta()) {
@@ -90,7 +90,7 @@ pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError
         _ => StepRule::STATIONARY,
     };
     let Stepper { assembler, new, .. } = &mut simulation.stepper;
-    let mut matrix = Csr::zeros(&assembler.pattern());
+    let mut matrix = Csr::zeros(&assembler.try_pattern()?);
     assembler.jacobian(&StepView { rule, new, old: new }, Tangent::Automatic, &mut matrix);
     let space = &*assembler.space;
     let (unknowns, blocks) = (assembler.unknowns(), blocks(space, &assembler.constraints));

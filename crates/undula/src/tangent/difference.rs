@@ -74,20 +74,20 @@ impl Difference {
         difference.map(|x| x * weight)
     }
 
-    /// The same for a term on a facet.
-    pub fn facet<S: Scalar<Value = S>, F: FacetForm<D>, const D: usize>(
+    /// The same for a term on a facet, in a direction of ∇u or of v and ∂_t u.
+    pub fn facet<F: FacetForm<D>, const D: usize>(
         &self,
         form: &F,
         theta: f64,
-        at: &Fields<S, D>,
-        normal: &Vector<S, D>,
-        W: &Fields<S, D>,
-    ) -> Vector<S, D> {
-        let h = self.epsilon;
-        let value = |h: f64| form.traction(&moved(at, W, S::constant(h)), normal, theta);
+        at: &Fields<f64, D>,
+        normal: &Vector<f64, D>,
+        W: &Fields<f64, D>,
+    ) -> Vector<f64, D> {
+        let h = self.epsilon * if W.grad_u.ddot(W.grad_u) > 0.0 { 1.0 } else { self.sizes.v };
+        let value = |h: f64| form.traction(&moved(at, W, h), normal, theta);
         match self.central {
-            true => (value(h) - value(-h)) * S::constant(0.5 / h),
-            false => (value(h) - value(0.0)) * S::constant(1.0 / h),
+            true => (value(h) - value(-h)) * (0.5 / h),
+            false => (value(h) - value(0.0)) * (1.0 / h),
         }
     }
 }

@@ -7,7 +7,7 @@ pub use difference::{Difference, Sizes};
 
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::{
-    FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
+    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
 };
 
 /// Which derivatives the matrix of an iteration holds; the residual is always that of the whole problem.
@@ -139,17 +139,39 @@ pub fn automatic_facet<S: Scalar<Value = S>, F: FacetForm<D>, const D: usize>(
 
 /// Derivative of the outflow term in direction `W`, whichever way.
 #[inline(always)]
-pub fn outflow<S: Scalar<Value = S>, const D: usize>(
+pub fn outflow<const D: usize>(
     tangent: Tangent,
     form: &Outflow,
     theta: f64,
-    at: &Fields<S, D>,
-    normal: &Vector<S, D>,
-    W: &Fields<S, D>,
-) -> Vector<S, D> {
+    at: &Fields<f64, D>,
+    normal: &Vector<f64, D>,
+    W: &Fields<f64, D>,
+) -> Vector<f64, D> {
     match tangent {
         Tangent::Automatic => automatic_facet(form, theta, at, normal, W),
         Tangent::Analytic => theorem_5_2::outflow(form, theta, at, normal, W),
+        Tangent::Difference(by) => by.facet(form, theta, at, normal, W),
+    }
+}
+
+/// Derivative of the directional term in direction `W`, whichever way; `lagged`: the flow through the boundary stays
+/// that of `at`, as in a fixed-point iteration.
+#[inline(always)]
+pub fn backflow<const D: usize>(
+    (tangent, lagged): (Tangent, bool),
+    form: &Backflow,
+    theta: f64,
+    at: &Fields<f64, D>,
+    normal: &Vector<f64, D>,
+    W: &Fields<f64, D>,
+) -> Vector<f64, D> {
+    if lagged {
+        let moved = seeded(at, W);
+        return form.term(&moved, &moved.frozen(), normal, theta).map(|x: Dual<f64>| x.eps);
+    }
+    match tangent {
+        Tangent::Automatic => automatic_facet(form, theta, at, normal, W),
+        Tangent::Analytic => theorem_5_2::backflow(form, theta, at, normal, W),
         Tangent::Difference(by) => by.facet(form, theta, at, normal, W),
     }
 }

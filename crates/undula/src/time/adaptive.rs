@@ -6,6 +6,7 @@
 
 use super::report::{StepFailure, StepReport};
 use super::restart::Clock;
+use super::schedule::decimal;
 use super::scheme::{FRACTIONAL, Scheme};
 use super::stepper::Stepper;
 use crate::space::State;
@@ -72,13 +73,35 @@ impl Adaptive {
         if self.memory.past.is_empty() {
             self.remember(stepper);
         }
-        let mut spent = StepReport::default();
+        let (next, rejected) = (self.memory.next, self.memory.rejected);
+        let result = self.steps(stepper, target);
+        if result.is_err() {
+            (self.memory.next, self.memory.rejected) = (next, rejected);
+        }
+        result
+    }
+
+    /// Whether the target, `rest` \[s\] from now, determines the length of the next step.
+    pub fn feels(&self, rest: f64) -> bool {
+        self.length(rest) != self.length(f64::INFINITY)
+    }
+
+    /// Steps until one is accepted.
+    fn steps<const D: usize>(
+        &mut self,
+        stepper: &mut Stepper<D>,
+        target: f64,
+    ) -> Result<StepReport, StepFailure> {
+        let mut spent = StepReport::none();
         loop {
-            let k = self.length(target - stepper.time);
+            let rest = target - stepper.time;
+            let k = self.length(rest);
             let before = self.save(stepper);
-            let mut report = stepper.step(k)?;
-            report.newton_steps += spent.newton_steps;
-            report.jacobians += spent.jacobians;
+            let end = if k == rest { target } else { decimal(stepper.time, k) };
+            let of_last = stepper.step_to(k, end)?;
+            let (parts, min_j) = (of_last.parts, of_last.min_j);
+            spent.add(of_last);
+            let report = StepReport { parts, min_j, ..spent };
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
             let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
             if !rejected || k <= self.settings.min_step {

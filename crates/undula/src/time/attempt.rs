@@ -1,7 +1,7 @@
 //! One step without division: boundary data, start value, Newton.
 
-use super::report::{StepFailure, StepReport};
-use super::restart::decimal;
+use super::cause::{self, Cause};
+use super::report::{Ended, StepFailure, StepReport, keep};
 use super::scheme::{Formula, Past, multistep};
 use super::stepper::Stepper;
 use super::system::{BlockNorms, StepSystem};
@@ -55,27 +55,29 @@ impl<const D: usize> Stepper<D> {
         Formula { rule: self.settings.domain_motion.apply(rule), ratio }
     }
 
-    /// A step of one part, or part `part` of one; on failure everything is as before.
-    pub(super) fn attempt(&mut self, k: f64, part: usize) -> Result<StepReport, StepFailure> {
+    /// A step of one part, or part `part` of one, of length `k` to the time `t`; on failure everything is as before.
+    pub(super) fn attempt(&mut self, k: f64, t: f64, part: usize) -> Result<StepReport, StepFailure> {
         let formula = self.formula(k, part);
-        let (t_old, t) = (self.time, self.time + k);
+        let t_old = self.time;
         std::mem::swap(&mut self.older, &mut self.old);
         std::mem::swap(&mut self.old, &mut self.new);
         // Now `old` is the last solution and `older` the one before.
-        let solved = self.solve_step(&formula, t_old, t);
+        let solved = self.solve_step(&formula, k, t_old, t);
         match solved {
             Ok((report, norms, min_j)) => {
-                self.time = decimal(t);
+                self.time = t;
                 (self.last_step, self.last) = (k, formula);
+                self.assembler.level(&mut self.new.p);
                 Ok(StepReport::new(report, norms, min_j))
             }
-            Err(reason) => {
-                let worst = self.assembler.worst();
+            Err(ended) => {
                 std::mem::swap(&mut self.old, &mut self.new);
                 std::mem::swap(&mut self.older, &mut self.old);
                 // `new` and `old` are as before; only the spare third state was written.
                 self.newton.forget();
-                Err(StepFailure { time: t, step: k, reason, worst })
+                let failure = StepFailure::new(t, k, None, ended);
+                keep(&mut self.attempts, failure.attempt(1.0));
+                Err(failure)
             }
         }
     }
@@ -84,9 +86,14 @@ impl<const D: usize> Stepper<D> {
     /// returns the time of the body force.
     fn prepare(&mut self, formula: &Formula, t_old: f64, t: f64) -> f64 {
         let (start, rule) = (Instant::now(), formula.rule);
+        self.fault = None;
         // cG(1) integrates over the step: its body force is that of the middle.
         let t_force = if rule.quadrature.is_empty() { t } else { 0.5 * (t_old + t) };
         self.set_forces(End::Old, t_old, 1.0);
+        if !rule.has_explicit() {
+            // It has no part in the step.
+            self.fault = None;
+        }
         self.set_forces(End::New, t_force, 1.0);
         let view = StepView { rule, new: &self.old, old: &self.old };
         self.assembler.explicit(&view, &mut self.explicit);
@@ -105,12 +112,16 @@ impl<const D: usize> Stepper<D> {
     fn solve_step(
         &mut self,
         formula: &Formula,
+        k: f64,
         t_old: f64,
         t: f64,
-    ) -> Result<(NewtonReport, BlockNorms, f64), NewtonError> {
+    ) -> Result<(NewtonReport, BlockNorms, f64), Ended> {
         let t_force = self.prepare(formula, t_old, t);
+        if let Some(fault) = self.fault.take() {
+            let (worst, cause) = (self.assembler.worst(), Box::new(Cause::Data(fault)));
+            return Err(Ended { reason: NewtonError::Inadmissible, worst, cause });
+        }
         let rule = formula.rule;
-        let k = t - t_old;
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
         let extrapolate = self.settings.extrapolate && ratio > 0.0;
         let mut system = StepSystem {
@@ -128,21 +139,12 @@ impl<const D: usize> Stepper<D> {
             min_j: 1.0,
             norms: BlockNorms::default(),
         };
-        // The criterion refers to the old solution with the new boundary data, whatever the start value.
-        let reference = self.newton.norm(&mut system).ok_or(NewtonError::Inadmissible)?;
-        let start = Start { old: &self.old, older: extrapolate.then_some((&self.older, ratio)), reference };
-        let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
-        let mut solved = self.newton.solve(&mut system, norm, reference);
-        if solved.is_err() && system.linear.fall_back() {
-            self.newton.forget();
-            let norm = start.set(&mut self.newton, &mut system).ok_or(NewtonError::Inadmissible)?;
-            solved = self.newton.solve(&mut system, norm, reference);
-        }
-        let report = solved?;
-        let min_j = system.assembler.nodal_min_j(system.new);
-        if min_j <= 0.0 {
-            return Err(NewtonError::Inadmissible);
-        }
+        let older = extrapolate.then_some((&self.older, ratio));
+        let solved = iterate(&mut self.newton, &mut system, &self.old, older);
+        let (report, min_j) = match solved {
+            Ok(solved) => solved,
+            Err(reason) => return Err(cause::find(&mut system, &mut self.newton, reason)),
+        };
         if let Some(point) = &mut system.point {
             point.age = self.newton.age();
         }
@@ -151,4 +153,27 @@ impl<const D: usize> Stepper<D> {
         }
         Ok((report, system.norms, min_j))
     }
+}
+
+/// Solve `system` from `old`, or from its extrapolation with `older`; the smallest J of the solution.
+fn iterate<const D: usize>(
+    newton: &mut Newton,
+    system: &mut StepSystem<'_, D>,
+    old: &State,
+    older: Option<(&State, f64)>,
+) -> Result<(NewtonReport, f64), NewtonError> {
+    // The criterion refers to the old solution with the new boundary data, whatever the start value.
+    let reference = newton.norm(system).ok_or(NewtonError::Inadmissible)?;
+    let start = Start { old, older, reference };
+    let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
+    let mut solved = newton.solve(system, norm, reference);
+    let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);
+    if solved.is_err() && !stopped && system.linear.fall_back() {
+        newton.forget();
+        let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
+        solved = newton.solve(system, norm, reference);
+    }
+    let report = solved?;
+    let min_j = system.assembler.nodal_min_j(system.new);
+    if min_j > 0.0 { Ok((report, min_j)) } else { Err(NewtonError::Inadmissible) }
 }

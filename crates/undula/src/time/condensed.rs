@@ -31,7 +31,7 @@ impl Condensed {
         make: &MakeSolver,
         krylov: Option<KrylovSettings>,
     ) -> Result<Condensed, SolverError> {
-        let system = assembler.condensed();
+        let system = assembler.try_condensed()?;
         let mut solver = make(Purpose::Correction);
         solver.analyse(&system.pattern, &system.unknowns)?;
         let extension = Extension::new(assembler, view, make)?;

@@ -1,6 +1,7 @@
 //! A step, and smaller ones where it fails.
 
 use super::report::{StepFailure, StepReport};
+use super::schedule::decimal;
 use super::scheme::Scheme;
 use super::stepper::Stepper;
 
@@ -10,24 +11,38 @@ impl<const D: usize> Stepper<D> {
     /// # Errors
     /// [`StepFailure`]; everything is then as before the step, whatever its parts had reached.
     pub fn step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
-        self.damping = self.settings.scheme.damping(self.damping, self.time - self.start);
-        let result = self.step_or_halves(k);
-        if result.is_ok() {
-            self.damping.left = self.damping.left.saturating_sub(1);
+        self.step_to(k, decimal(self.time, k))
+    }
+
+    /// The same to the time `end` \[s\], which is the present one and `k` but for rounding.
+    ///
+    /// # Errors
+    /// As [`Stepper::step`].
+    pub fn step_to(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
+        let damping = self.damping;
+        self.damping = self.settings.scheme.damping(damping, self.time - self.start);
+        self.attempts.clear();
+        let mut result = self.step_or_halves(k, end);
+        match &mut result {
+            Ok(_) => self.damping.left = self.damping.left.saturating_sub(1),
+            Err(failure) => {
+                self.damping = damping;
+                failure.details.attempts = std::mem::take(&mut self.attempts);
+            }
         }
         result
     }
 
-    fn step_or_halves(&mut self, k: f64) -> Result<StepReport, StepFailure> {
-        let failure = match self.whole(k) {
+    fn step_or_halves(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
+        let failure = match self.whole(k, end) {
             Ok(report) => return Ok(report),
             Err(failure) => failure,
         };
-        if self.settings.max_halvings == 0 {
+        if self.settings.max_halvings == 0 || !self.can_halve(&failure, end) {
             return Err(failure);
         }
         let (clock, states) = (self.clock(), (self.new.clone(), self.old.clone()));
-        let result = self.halves(k, self.settings.max_halvings);
+        let result = self.halves(k, end, self.settings.max_halvings);
         if result.is_err() {
             self.set_clock(clock);
             (self.new, self.old) = states;
@@ -36,33 +51,37 @@ impl<const D: usize> Stepper<D> {
     }
 
     /// One step of the scheme without division; on failure everything is as before.
-    fn whole(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+    fn whole(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
         match self.settings.scheme {
-            Scheme::FractionalStepTheta => self.fractional_step(k),
-            _ => self.attempt(k, 0),
+            Scheme::FractionalStepTheta => self.fractional_step(k, end),
+            _ => self.attempt(k, end, 0),
         }
     }
 
-    fn divided(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
-        match self.whole(k) {
+    fn divided(&mut self, k: f64, end: f64, halvings: u32) -> Result<StepReport, StepFailure> {
+        match self.whole(k, end) {
             Ok(report) => Ok(report),
-            Err(failure) if halvings == 0 => Err(failure),
-            Err(_) => self.halves(k, halvings),
+            Err(failure) if halvings == 0 || !self.can_halve(&failure, end) => Err(failure),
+            Err(_) => self.halves(k, end, halvings),
         }
     }
 
-    fn halves(&mut self, k: f64, halvings: u32) -> Result<StepReport, StepFailure> {
+    /// Whether smaller parts of a step to `end` may help after `failure`: not where the user stops, where something else
+    /// is to blame, nor where they have no length.
+    fn can_halve(&self, failure: &StepFailure, end: f64) -> bool {
+        let middle = self.middle(end);
+        !failure.is_stop() && !failure.is_final() && self.time < middle && middle < end
+    }
+
+    fn middle(&self, end: f64) -> f64 {
+        self.time + 0.5 * (end - self.time)
+    }
+
+    fn halves(&mut self, k: f64, end: f64, halvings: u32) -> Result<StepReport, StepFailure> {
         self.newton.forget();
-        let first = self.divided(0.5 * k, halvings - 1)?;
-        let second = self.divided(0.5 * k, halvings - 1)?;
+        let mut total = self.divided(0.5 * k, self.middle(end), halvings - 1)?;
+        total.add(self.divided(0.5 * k, end, halvings - 1)?);
         self.newton.forget();
-        Ok(StepReport {
-            newton_steps: first.newton_steps + second.newton_steps,
-            jacobians: first.jacobians + second.jacobians,
-            parts: first.parts + second.parts,
-            norms: second.norms,
-            min_j: first.min_j.min(second.min_j),
-            residuals: [first.residuals, second.residuals].concat(),
-        })
+        Ok(total)
     }
 }

@@ -3,7 +3,7 @@
 use super::condensed::Condensed;
 use super::extension::Extension;
 use super::krylov::{Krylov, KrylovSettings};
-use crate::algebra::{Cost, Csr, LinearSolver, SolverError};
+use crate::algebra::{Cost, Csr, LinearSolver, Sizes, SolverError};
 use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
@@ -52,6 +52,8 @@ pub struct Linear {
     /// Steps to go with the whole Jacobian after that has failed.
     pub detour: u32,
     make: MakeSolver,
+    /// Typical sizes of the unknowns in a step, for the factorisations to come.
+    pub sizes: Sizes,
     /// GMRES, if factors may be older than the matrix.
     pub(super) krylov: Option<KrylovSettings>,
     pub(super) full: Option<Full>,
@@ -71,7 +73,8 @@ pub(super) struct Full {
 impl Linear {
     /// Nothing is prepared yet.
     pub fn new(chosen: Linearization, make: MakeSolver) -> Linear {
-        Linear { active: chosen, chosen, detour: 0, make, krylov: None, full: None, condensed: None }
+        let sizes = Sizes::default();
+        Linear { active: chosen, chosen, detour: 0, make, sizes, krylov: None, full: None, condensed: None }
     }
 
     /// With GMRES: factors are kept longer than matrices.
@@ -132,6 +135,7 @@ impl Linear {
                 assembler.matrix(view, self.active, tangent, &mut full.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
+                full.solver.set_sizes(self.sizes);
                 let factored = full.solver.factor(&full.matrix);
                 seconds.factorization += assembled.elapsed().as_secs_f64();
                 factored?;
@@ -151,6 +155,7 @@ impl Linear {
                 assembler.condensed_matrix(view, tangent, &mut condensed.matrix);
                 let assembled = Instant::now();
                 seconds.assembly += (assembled - start).as_secs_f64();
+                condensed.solver.set_sizes(self.sizes);
                 let factored = condensed.solver.factor(&condensed.matrix);
                 seconds.factorization += assembled.elapsed().as_secs_f64();
                 factored?;
@@ -282,7 +287,7 @@ impl Full {
         mut solver: Box<dyn LinearSolver>,
         krylov: Option<KrylovSettings>,
     ) -> Result<Full, SolverError> {
-        let pattern = assembler.pattern();
+        let pattern = assembler.try_pattern()?;
         solver.analyse(&pattern, &assembler.unknowns())?;
         let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n));
         let matrix = Csr::zeros(&pattern);

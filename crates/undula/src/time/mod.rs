@@ -2,6 +2,7 @@
 
 pub mod adaptive;
 mod attempt;
+pub mod cause;
 mod condensed;
 mod extension;
 mod halves;
@@ -10,6 +11,7 @@ pub mod linear;
 pub mod parts;
 pub mod report;
 pub mod restart;
+pub mod schedule;
 pub mod scheme;
 mod stationary;
 pub mod stepper;
@@ -17,10 +19,12 @@ pub mod system;
 
 pub use crate::tangent::Linearization;
 pub use adaptive::{Adaptive, AdaptiveSettings};
+pub use cause::{Cause, DataFault, DataKind};
 pub use krylov::KrylovSettings;
 pub use linear::{Linear, MakeSolver, Purpose};
-pub use report::{StepFailure, StepReport};
+pub use report::{Attempt, Details, StepFailure, StepReport};
 pub use restart::{Clock, JacobianPoint};
+pub use schedule::{Next, Schedule};
 pub use scheme::{Damping, DomainMotion, Scheme};
 pub use stepper::{Force, Stepper, StepperSettings};
 pub use system::{BlockNorms, Scales};

@@ -4,7 +4,6 @@
 //! of second order at the middle of the step; so are the means of forces.
 
 use super::report::{StepFailure, StepReport};
-use super::restart::decimal;
 use super::scheme::FRACTIONAL;
 use super::stepper::Stepper;
 use crate::assembly::{Assembler, End, StepView};
@@ -32,16 +31,17 @@ impl Parts {
 }
 
 impl<const D: usize> Stepper<D> {
-    /// A step of three parts; on failure everything is as before.
-    pub(super) fn fractional_step(&mut self, k: f64) -> Result<StepReport, StepFailure> {
+    /// A step of three parts to the time `end` \[s\]; on failure everything is as before.
+    pub(super) fn fractional_step(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
         let clock = self.clock();
         let mut parts = self.parts.take().unwrap_or_else(|| Parts::new(&self.new));
         parts.states[0].copy_from(&self.new);
         parts.old.copy_from(&self.old);
         (parts.length, parts.times[0]) = (k, self.time);
-        let mut total = StepReport { min_j: f64::INFINITY, ..StepReport::default() };
+        let mut total = StepReport::none();
         for (i, part) in FRACTIONAL.iter().enumerate() {
-            match self.attempt(part.length * k, i) {
+            let t = if i == 2 { end } else { self.time + part.length * k };
+            match self.attempt(part.length * k, t, i) {
                 Ok(report) => total.add(report),
                 Err(failure) => {
                     self.set_clock(clock);
@@ -53,7 +53,6 @@ impl<const D: usize> Stepper<D> {
             parts.states[i + 1].copy_from(&self.new);
             (parts.rules[i], parts.times[i + 1]) = (self.last_step().0, self.time);
         }
-        self.time = decimal(clock.time + k);
         for (n, p) in self.new.p.iter_mut().enumerate() {
             *p = (0..3).map(|i| FRACTIONAL[i].length * parts.states[i + 1].p[n]).sum();
         }

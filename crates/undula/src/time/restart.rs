@@ -4,8 +4,8 @@ use super::scheme::Damping;
 use super::stepper::Stepper;
 use super::system::{BlockNorms, StepSystem};
 use crate::assembly::End;
-use crate::nonlinear::NewtonError;
 use crate::nonlinear::newton::Age;
+use crate::nonlinear::{Counters, NewtonError};
 use crate::physics::StepRule;
 use crate::space::State;
 
@@ -35,7 +35,55 @@ pub struct Clock {
     pub damping: Damping,
 }
 
+/// What a step changes besides solution and clock, as it was before: a step that the user stops must leave no trace
+/// in a checkpoint.
+#[derive(Default)]
+pub(super) struct Before {
+    point: Option<JacobianPoint>,
+    /// The factorisation that `point` belongs to.
+    factorization: Option<usize>,
+    keeps: bool,
+    worsening: f32,
+    detour: u32,
+    counters: Counters,
+}
+
 impl<const D: usize> Stepper<D> {
+    /// Remember what the step to come may change, so that [`Stepper::undo`] can take it back. Costs a copy of two
+    /// states after each new Jacobian.
+    pub(crate) fn remember(&mut self) {
+        let Stepper { before, newton, point, .. } = self;
+        if newton.keeps() {
+            match (&mut before.point, point) {
+                (Some(kept), Some(point)) if before.factorization == Some(newton.counters.factorizations) => {
+                    kept.age = point.age;
+                }
+                (Some(kept), Some(point)) => {
+                    (kept.rule, kept.time, kept.age) = (point.rule, point.time, point.age);
+                    kept.new.copy_from(&point.new);
+                    kept.old.copy_from(&point.old);
+                }
+                (kept, point) => kept.clone_from(point),
+            }
+            before.factorization = Some(newton.counters.factorizations);
+        }
+        (before.keeps, before.worsening) = (newton.keeps(), newton.worsening);
+        (before.detour, before.counters) = (self.linear.detour, newton.counters);
+    }
+
+    /// After a step that was stopped: what a checkpoint keeps is that of before the step. The factors at hand belong
+    /// to the step, so another one would not have the bits of a run that goes on from the checkpoint.
+    pub(crate) fn undo(&mut self) {
+        let Stepper { before, newton, point, .. } = self;
+        if before.keeps {
+            std::mem::swap(point, &mut before.point);
+        }
+        before.factorization = None;
+        newton.set_kept(before.keeps);
+        (newton.worsening, newton.counters) = (before.worsening, before.counters);
+        self.linear.detour = before.detour;
+    }
+
     /// The clock, for a checkpoint.
     pub fn clock(&self) -> Clock {
         Clock { time: self.time, last_step: self.last_step, damping: self.damping }
@@ -70,6 +118,7 @@ impl<const D: usize> Stepper<D> {
     ) -> Result<(), NewtonError> {
         self.set_clock(clock);
         (self.new, self.old, self.parts) = (new, old, None);
+        self.before = Before::default();
         self.newton.forget();
         if let Some(point) = point {
             self.set_forces(End::New, point.time, 1.0);
@@ -95,9 +144,4 @@ impl<const D: usize> Stepper<D> {
         self.set_forces(End::Old, clock.time, 1.0);
         Ok(())
     }
-}
-
-/// `t` as a decimal number: 0.3, not 0.30000000000000004.
-pub(super) fn decimal(t: f64) -> f64 {
-    (t * 1e12).round() / 1e12
 }

@@ -1,6 +1,7 @@
 //! Stationary solutions, with the load raised in parts if need be.
 
-use super::report::{StepFailure, StepReport};
+use super::cause::{self, Cause};
+use super::report::{Ended, StepFailure, StepReport, keep};
 use super::stepper::Stepper;
 use super::system::{BlockNorms, StepSystem};
 use crate::assembly::End;
@@ -13,33 +14,70 @@ use crate::tangent::Linearization;
 const SETTLING: usize = 20;
 const SETTLED: f64 = 1e-7;
 
+/// Iterations after which a linear iteration whose load must be raised in parts is given up: a smaller part of the
+/// load changes nothing of its rate at the end.
+const PATIENCE: usize = 80;
+
 impl<const D: usize> Stepper<D> {
     /// The stationary solution at the present time, with the load raised in parts if need be.
     ///
     /// # Errors
     /// [`StepFailure`] if even small increments of the load have no solution.
     pub fn stationary(&mut self) -> Result<StepReport, StepFailure> {
+        self.newton.gives_up =
+            matches!(self.linear.active, Linearization::Reduced | Linearization::FixedPoint);
+        self.attempts.clear();
+        let mut result = self.raise_load();
+        if let Err(failure) = &mut result {
+            failure.details.attempts = std::mem::take(&mut self.attempts);
+        }
+        self.newton.gives_up = false;
+        result
+    }
+
+    fn raise_load(&mut self) -> Result<StepReport, StepFailure> {
         let (mut load, mut increment) = (0.0f64, 1.0f64);
-        let mut total = StepReport::default();
-        let mut last_load = 0.0f64;
+        let mut total = StepReport::none();
+        let (mut last_load, mut spent) = (0.0f64, 0);
         while load < 1.0 {
             let next = (load + increment).min(1.0);
             match self.stationary_at(next, load, last_load, 0.0) {
                 Ok(report) => {
-                    total.newton_steps += report.newton_steps;
-                    total.jacobians += report.jacobians;
-                    total.parts += 1;
-                    total.residuals.extend(report.residuals);
-                    (total.norms, total.min_j) = (report.norms, report.min_j);
+                    let min_j = report.min_j;
+                    spent += report.newton_steps;
+                    total.add(report);
+                    total.min_j = min_j;
                     (last_load, load) = (load, next);
                     increment *= 2.0;
                 }
-                Err(failure) if increment < 1e-3 => return Err(failure),
-                Err(_) => increment = 0.5 * increment.min(1.0 - load),
+                Err(mut failure) => {
+                    spent += failure.reason.norms().len().saturating_sub(1);
+                    failure.details.load = Some(load);
+                    if failure.is_stop() || failure.is_final() {
+                        return Err(failure);
+                    }
+                    let slow = matches!(failure.reason, NewtonError::Slow { .. }) || spent >= PATIENCE;
+                    if increment < 1e-3 || self.newton.gives_up && slow {
+                        self.blame_rate(&mut failure, spent);
+                        return Err(failure);
+                    }
+                    increment = 0.5 * increment.min(1.0 - load);
+                }
             }
         }
         self.settle(&mut total)?;
         Ok(total)
+    }
+
+    /// A linear iteration that failed after `spent` iterations, all in all: its rate is the cause.
+    fn blame_rate(&self, failure: &mut StepFailure, spent: usize) {
+        if let Cause::Slow { done, .. } = &mut failure.details.cause {
+            *done = spent;
+        } else if let (true, [first, .., last]) = (self.newton.gives_up, failure.reason.norms()) {
+            let rate = (last / first).powf(1.0 / (failure.reason.norms().len() - 1) as f64);
+            let allowed = self.newton.settings.max_steps;
+            failure.details.cause = Cause::Slow { rate, done: spent, left: f64::INFINITY, allowed };
+        }
     }
 
     /// Parameters of the stabilisation come from the state before: repeat until they are those of the solution.
@@ -48,12 +86,13 @@ impl<const D: usize> Stepper<D> {
         for _ in 0..if self.assembler.is_stabilized() { SETTLING } else { 0 } {
             let before = self.new.v.clone();
             let report = self.stationary_at(1.0, 0.0, 0.0, reference)?;
-            total.newton_steps += report.newton_steps;
-            total.jacobians += report.jacobians;
-            (total.norms, total.min_j) = (report.norms, report.min_j);
+            let (newton_steps, min_j) = (report.newton_steps, report.min_j);
+            let parts = total.parts;
+            total.add(report);
+            (total.parts, total.min_j) = (parts, min_j);
             let size = |sum: f64, x: f64| sum.max(x.abs());
             let change = before.iter().zip(&self.new.v).map(|(a, b)| a - b).fold(0.0, size);
-            if report.newton_steps == 0 || change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
+            if newton_steps == 0 || change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
                 break;
             }
         }
@@ -87,6 +126,7 @@ impl<const D: usize> Stepper<D> {
                 if before > earlier && earlier > 0.0 { (load - before) / (before - earlier) } else { 0.0 };
             self.new.extrapolate(&earlier_state, &before_state, ratio);
         }
+        self.fault = None;
         self.set_load(t, load);
         self.newton.forget();
         let active = self.linear.active;
@@ -109,7 +149,8 @@ impl<const D: usize> Stepper<D> {
             min_j: 1.0,
             norms: BlockNorms::default(),
         };
-        let solved = match self.newton.norm(&mut system) {
+        let fault = self.fault.take();
+        let solved = match self.newton.norm(&mut system).filter(|_| fault.is_none()) {
             Some(norm) => {
                 self.reference = norm.max(least);
                 self.newton.solve(&mut system, norm, self.reference)
@@ -118,16 +159,26 @@ impl<const D: usize> Stepper<D> {
         };
         let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
         let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
-        self.linear.active = active;
         match solved {
             Ok(report) => {
+                self.linear.active = active;
                 self.old = before_state;
+                self.assembler.level(&mut self.new.p);
                 Ok(StepReport::new(report, norms, min_j))
             }
             Err(reason) => {
-                let worst = self.assembler.worst();
+                let ended = match fault {
+                    Some(fault) => {
+                        let (worst, cause) = (system.assembler.worst(), Box::new(Cause::Data(fault)));
+                        Ended { reason, worst, cause }
+                    }
+                    None => cause::find(&mut system, &mut self.newton, reason),
+                };
+                self.linear.active = active;
                 self.new = before_state;
-                Err(StepFailure { time: t, step: 0.0, reason, worst })
+                let failure = StepFailure::new(t, 0.0, Some(0.0), ended);
+                keep(&mut self.attempts, failure.attempt(load));
+                Err(failure)
             }
         }
     }

@@ -1,9 +1,12 @@
 //! The solution at one time, and all that carries it on: steps in `halves.rs` and `attempt.rs`, stationary
 //! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
 
+use super::cause::{DataFault, DataKind};
 use super::linear::Linear;
 use super::parts::Parts;
-use super::restart::JacobianPoint;
+use super::report::Attempt;
+use super::restart::{Before, JacobianPoint};
+use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
 use super::system::Scales;
 use crate::assembly::{Assembler, End};
@@ -11,6 +14,7 @@ use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
 use crate::tangent::Tangent;
+use std::cell::Cell;
 
 /// Body force per mass as a function of position and time \[m/s²\].
 pub type Force<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
@@ -77,7 +81,12 @@ pub struct Stepper<const D: usize> {
     pub(super) reference: f64,
     /// Where the kept Jacobian was taken.
     pub(super) point: Option<JacobianPoint>,
+    pub(super) before: Before,
     pub(super) force: [Option<Force<D>>; 2],
+    /// Data set last that are not finite.
+    pub(super) fault: Option<DataFault>,
+    /// Iterations of the present step that failed.
+    pub(super) attempts: Vec<Attempt>,
     /// Manufactured right-hand side.
     pub source: Option<Source>,
 }
@@ -111,8 +120,11 @@ impl<const D: usize> Stepper<D> {
             parts: None,
             reference: 0.0,
             point: None,
+            before: Before::default(),
             explicit: vec![0.0; n],
             force,
+            fault: None,
+            attempts: vec![],
             source: None,
         };
         stepper.set_forces(End::New, time, 1.0);
@@ -120,21 +132,41 @@ impl<const D: usize> Stepper<D> {
         stepper
     }
 
-    /// Set the body forces of `end` to those at `t` \[s\], times `load`.
+    /// Set the body forces of `end` to those at `t` \[s\], times `load`, and note where they are not finite.
     pub(super) fn set_forces(&mut self, end: End, t: f64, load: f64) {
         self.assembler.set_current_force(end, t, load);
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
-                self.assembler.set_force(region, end, Some(&|x| force(x, t).map(|f| f * load)));
+                let wrong = Cell::new(None);
+                let at = |x: &[f64; D]| {
+                    let f = force(x, t);
+                    if !f.iter().all(|f| f.is_finite()) {
+                        wrong.set(wrong.get().or(Some((*x, f))));
+                    }
+                    f.map(|f| f * load)
+                };
+                self.assembler.set_force(region, end, Some(&at));
+                if let Some((x, f)) = wrong.get() {
+                    let kind = DataKind::Force(region);
+                    self.fault = Some(DataFault { kind, at: x.to_vec(), time: t, value: f.to_vec() });
+                }
             }
         }
     }
 
-    /// Set the boundary data of `t` \[s\], times `load`, in the new solution.
+    /// Set the boundary data of `t` \[s\], times `load`, in the new solution, and note where they are not finite.
     pub(super) fn apply_boundary(&mut self, t: f64, load: f64) {
         let State { v, u, .. } = &mut self.new;
         self.assembler.constraints.load = load;
-        self.assembler.constraints.apply(&self.assembler.space, t, v, u);
+        let Assembler { constraints, space, .. } = &self.assembler;
+        constraints.apply(space, t, v, u);
+        let given = v.chunks_exact(D).zip(&constraints.v).enumerate().filter(|(_, (_, given))| **given);
+        let wrong = |(_, (v, _)): &(usize, (&[f64], _))| !v.iter().all(|v| v.is_finite());
+        if let Some((node, (value, _))) = given.into_iter().find(wrong) {
+            let kind = DataKind::Velocity { node: node as u32 };
+            let at = space.nodes.points[node].to_vec();
+            self.fault = Some(DataFault { kind, at, time: t, value: value.to_vec() });
+        }
     }
 
     /// The last step, or its last part: its rule, the solutions that it relates, and the assembly to evaluate
@@ -147,8 +179,8 @@ impl<const D: usize> Stepper<D> {
     /// Time to which pressure and forces of the last step belong: t⁻ + θ k, for fractional-step θ the middle.
     pub fn force_time(&self) -> f64 {
         match &self.parts {
-            Some(parts) => self.time - 0.5 * parts.length,
-            None => self.time - self.last_step + self.last.rule.theta * self.last_step,
+            Some(parts) => decimal(self.time, -0.5 * parts.length),
+            None => decimal(self.time, (self.last.rule.theta - 1.0) * self.last_step),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::linear::Linear;
 use super::restart::JacobianPoint;
-use crate::algebra::{self, SolverError};
+use crate::algebra::{self, Sizes, SolverError};
 use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
@@ -13,7 +13,9 @@ use crate::tangent::{Linearization, Tangent};
 /// Weights that give the residuals of all equations the unit of a velocity.
 ///
 /// The equations carry different units, so each has its own: momentum k/(ρ ĥ^D), divergence 1/ĥ^(D−1),
-/// extension 1/(E_e k ĥ^(D−2)), velocity-deformation relation 1/ĥ^D, with the mean distance ĥ of nodes.
+/// extension 1/(E_e k ĥ^(D−2)), velocity-deformation relation 1/ĥ^D, with the mean distance ĥ of nodes. A stationary
+/// solution takes for k the time in which momentum, or else an elastic wave, gets from node to node. Nothing here
+/// is a number of its own: the iteration is the same in every system of units.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Scales {
     /// ρ ĥ^D \[kg\].
@@ -22,7 +24,21 @@ pub struct Scales {
     pub size: f64,
     /// Largest E_e.
     pub stiffness: f64,
+    /// ν of the fluid \[m²/s\], 0 without.
+    pub viscosity: f64,
+    /// Square of the speed of elastic waves, as if the solid had the density ρ \[m²/s²\]; 0 without solid.
+    pub wave: f64,
 }
+
+/// A velocity, a deformation and a pressure are rounded to this part of themselves, and some more in sums over cells.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
+
+/// The same for stresses of the solid, which come from a deformation gradient of size 1.
+const ROUNDING_OF_STRESS: f64 = 4.0 * f64::EPSILON;
+
+/// Pressures count as much as this share of what would stop a velocity within a step: few columns of a row of
+/// momentum are pressures, but they must not decide on the pivots of velocities.
+const PRESSURE: f64 = 1e-3;
 
 /// Scaled maximum norms of the equations \[m/s\].
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
@@ -45,9 +61,38 @@ impl BlockNorms {
 }
 
 impl Scales {
+    /// k, or what stands for it in a stationary solution: ĥ²/ν, without a fluid ĥ/c.
+    pub fn step(&self, per_k: f64) -> f64 {
+        if per_k > 0.0 {
+            1.0 / per_k
+        } else if self.viscosity > 0.0 {
+            self.size * self.size / self.viscosity
+        } else {
+            self.size / self.wave.sqrt()
+        }
+    }
+
+    /// Typical sizes of a velocity, a deformation and a pressure beside each other, for a step with 1/k = `per_k`.
+    pub fn sizes<const D: usize>(&self, per_k: f64) -> Sizes {
+        let k = self.step(per_k);
+        let pressure = PRESSURE * self.mass / (self.size.powi(D as i32 - 1) * k);
+        Sizes { velocity: 1.0, deformation: k, pressure }
+    }
+
+    /// Scaled residual \[m/s\] that rounding leaves of a solution like `state`, in a step with 1/k = `per_k`: nothing
+    /// where all is at rest.
+    pub fn rounding<const D: usize>(&self, state: &State, per_k: f64) -> f64 {
+        let (k, h) = (self.step(per_k), self.size);
+        let [v, u, p] = [&state.v, &state.u, &state.p].map(|x| algebra::norm_inf(x));
+        let flow =
+            v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
+        let stress = if u > 0.0 { self.wave * k / h } else { 0.0 };
+        ROUNDING * flow + ROUNDING_OF_STRESS * stress
+    }
+
     /// Factors `[v, u, p]` of the rows that give their residuals this unit, for a step with 1/k = `per_k`.
     pub fn weights<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, out: &mut [f64]) {
-        let k = if per_k > 0.0 { 1.0 / per_k } else { 1.0 };
+        let k = self.step(per_k);
         let (v, rest) = out.split_at_mut(space.n_v());
         let (u, p) = rest.split_at_mut(space.n_u());
         v.fill(k / self.mass);
@@ -62,7 +107,7 @@ impl Scales {
 
     /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`; `None` if not finite.
     pub fn norms<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
-        let k = if per_k > 0.0 { 1.0 / per_k } else { 1.0 };
+        let k = self.step(per_k);
         let (n_v, n_u) = (space.n_v(), space.n_u());
         let mut n = BlockNorms {
             momentum: norm_inf(&r[..n_v])? * k / self.mass,
@@ -150,6 +195,7 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
                 *self.point = Some(JacobianPoint { rule, time, new, old, age: Age::default() });
             }
         }
+        self.linear.sizes = self.scales.sizes::<D>(self.rule.per_k);
         self.linear.renew(self.assembler, &view, self.tangent, seconds)
     }
 
@@ -179,6 +225,10 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         let (v, u) = (algebra::norm_inf(&self.new.v), algebra::norm_inf(&self.new.u));
         algebra::norm_inf(&delta[..n_v]) <= NEGLIGIBLE * v.max(u * self.rule.per_k)
             && algebra::norm_inf(&delta[n_v..n_v + n_u]) <= NEGLIGIBLE * u
+    }
+
+    fn rounding(&self) -> f64 {
+        self.scales.rounding::<D>(self.new, self.rule.per_k)
     }
 
     fn price(&self) -> f64 {

@@ -193,7 +193,9 @@ pub fn problem_in(
     let coupled = physics.fluid.is_some() && physics.solid.is_some();
     let condition = |name: &String| match name.as_str() {
         "interface" if coupled || physics.fluid.is_none() => BoundaryCondition::Free,
-        "right" if physics.fluid.is_some() => BoundaryCondition::Outflow { do_nothing: true },
+        "right" if physics.fluid.is_some() => {
+            BoundaryCondition::Outflow { do_nothing: true, directional: false }
+        }
         _ => BoundaryCondition::Velocity(velocity(&exact)),
     };
     let conditions = space.mesh.boundaries.iter().map(condition).collect();
@@ -203,7 +205,7 @@ pub fn problem_in(
 /// The same with a traction-free outflow.
 pub fn traction_free(mut problem: Manufactured) -> Manufactured {
     for condition in &mut problem.conditions {
-        if let BoundaryCondition::Outflow { do_nothing } = condition {
+        if let BoundaryCondition::Outflow { do_nothing, .. } = condition {
             *do_nothing = false;
         }
     }

@@ -35,18 +35,7 @@ pub const FLUID: &str =
 
 /// Names of the built-in channel with beam.
 pub fn turek_hron() -> MeshNames {
-    let one = |name: &str, region: &str| (name.to_string(), vec![region.to_string()]);
-    MeshNames {
-        regions: sets(&["fluid", "solid"]),
-        boundaries: vec![
-            one("inflow", "fluid"),
-            one("outflow", "fluid"),
-            one("walls", "fluid"),
-            one("cylinder", "fluid"),
-            one("clamp", "solid"),
-            one("interface", "fluid"),
-        ],
-    }
+    MeshNames::of(&undula::mesh::generate::turek_hron(0, 0))
 }
 
 /// Every scheme in time as a setting.

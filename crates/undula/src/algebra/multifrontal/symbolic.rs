@@ -93,7 +93,9 @@ impl Symbolic {
     /// Analyses a pattern.
     pub fn new(pattern: &Pattern, unknowns: &[Unknown], definite: bool) -> Result<Self, SolverError> {
         if u32::try_from(pattern.nnz()).is_err() {
-            return Err(SolverError::Memory(format!("{} entries are too many", pattern.nnz())));
+            let message =
+                format!("a matrix of {} entries, at most {} can be numbered", pattern.nnz(), u32::MAX);
+            return Err(SolverError::TooLarge(message));
         }
         let (graph, members) = lump(pattern, unknowns);
         let groups = fronts(&graph, PRICE);
@@ -200,7 +202,8 @@ impl Symbolic {
             front_of[shape.first..shape.first + shape.k].fill(f as u32);
             let m = shape.k + shape.rows.len();
             if m > usize::from(u16::MAX) {
-                return Err(SolverError::Memory(format!("a front of {m} rows")));
+                let message = format!("a front of {m} rows of the factorisation, at most {} fit", u16::MAX);
+                return Err(SolverError::TooLarge(message));
             }
         }
         let mut all: Vec<Vec<(u32, u32, u32)>> = vec![Vec::new(); self.fronts.len()];

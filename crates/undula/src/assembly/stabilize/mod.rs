@@ -13,6 +13,7 @@ use super::contract::Trial;
 use super::kernel::StepView;
 use super::scatter::{DROP, PerThread};
 use super::simd::Width;
+use crate::algebra::SolverError;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};
 use crate::space::FsiSpace;
@@ -92,13 +93,16 @@ where
     Lanes<L>: Width,
 {
     /// Prepare the loops.
+    ///
+    /// # Errors
+    /// If there are too many unknowns to be numbered.
     pub fn new(
         how: &Stabilization,
         fluid: Fluid,
         space: &FsiSpace<D>,
         quadrature: usize,
         threads: usize,
-    ) -> Stabilizer<D, L> {
+    ) -> Result<Stabilizer<D, L>, SolverError> {
         let tables = Tables::new(space, how, quadrature);
         let (n, m) = (tables.velocity.n, tables.pressure.n);
         let (n_v, first_pressure) = (space.n_v() as u32, (space.n_v() + space.n_u()) as u32);
@@ -109,12 +113,12 @@ where
         let mut writes = [(&mut write_phi, n, D), (&mut write_xi, m, 1)].map(|(list, per_batch, width)| {
             Writes { indices: list.as_flattened_mut(), per_batch: per_batch * L, width }
         });
-        let row_copies = Copies::new(space.n_unknowns(), &tables.chunks, &mut writes);
+        let row_copies = Copies::new(space.n_unknowns(), &tables.chunks, &mut writes)?;
         let all = couplings(how, space.deforms);
         let flow = all.iter().copied().filter(|c| !matches!(c.trial, Trial::U(_))).collect();
         let columns = 2 * n * D + m;
         let scratch = PerThread::new(threads, || Scratch::new(n, m, columns));
-        Stabilizer {
+        Ok(Stabilizer {
             how: *how,
             fluid,
             axes: axes(space.mesh.shape),
@@ -129,7 +133,7 @@ where
             n_v,
             first_pressure,
             threads,
-        }
+        })
     }
 
     /// Set the body force at the new (0) or the old (1) time.
@@ -182,13 +186,16 @@ where
     }
 
     /// Remember where every entry goes.
+    ///
+    /// # Errors
+    /// If they are too many to be numbered.
     pub fn set_slots(
         &mut self,
         columns: Columns,
         number: &[u32],
         n_entries: usize,
         find: impl Fn(u32, u32) -> u32,
-    ) {
+    ) -> Result<(), SolverError> {
         let mut slots: Vec<[u32; L]> = vec![];
         self.entries(columns, number, |l, row, column| {
             if l == 0 {
@@ -200,9 +207,10 @@ where
         });
         let per_batch = slots.len() / self.tables.n_batches().max(1) * L;
         let mut writes = [Writes { indices: slots.as_flattened_mut(), per_batch, width: 1 }];
-        let copies = Copies::new(n_entries, &self.tables.chunks, &mut writes);
+        let copies = Copies::new(n_entries, &self.tables.chunks, &mut writes)?;
         let target = &mut self.targets[columns as usize];
         (target.slots, target.copies) = (slots, copies);
+        Ok(())
     }
 
     fn for_each_batch(&self, work: impl Fn(usize) + Sync) {

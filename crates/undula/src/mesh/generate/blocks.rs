@@ -74,6 +74,7 @@ impl Blocks {
             regions: regions.iter().map(|r| r.to_string()).collect(),
             facets: vec![],
             boundaries: vec![],
+            parts: vec![],
         };
         Blocks { mesh, edges: HashMap::new() }
     }

@@ -1,24 +1,26 @@
 //! The sections of a `.msh` file, of either version, as they are.
 
-use super::lines::{Line, Lines};
+use super::source::{At, Encoding, Record, Source};
 use crate::mesh::MeshError;
 use std::collections::HashMap;
 
 /// What a file contains that a plane mesh is made of.
-#[derive(Default)]
 pub(super) struct Raw {
+    pub version: Version,
     /// Names of the physical groups by dimension and tag, in the order of the file.
     pub names: Vec<(usize, i64, String)>,
     /// The nodes.
     pub nodes: Vec<Node>,
     /// Lines, triangles and quadrilaterals.
     pub elements: Vec<Element>,
+    /// Entities of version 4 by dimension and tag, and those of partitions.
+    entities: [HashMap<(usize, i64), Entity>; 2],
 }
 
 /// A node.
 pub(super) struct Node {
-    /// Line number in the file.
-    pub line: usize,
+    /// Where it stands.
+    pub at: At,
     /// Its tag.
     pub tag: u64,
     /// Its coordinates.
@@ -27,72 +29,135 @@ pub(super) struct Node {
 
 /// A line, a triangle or a quadrilateral.
 pub(super) struct Element {
-    /// Line number in the file.
-    pub line: usize,
+    /// Where it stands.
+    pub at: At,
     /// Dimension: 1 or 2.
     pub dim: usize,
-    /// Physical group; 0 for none.
-    pub group: i64,
+    /// Tag of the physical group of version 2, of the entity of version 4; 0 for none.
+    owner: i64,
     /// Tags of the nodes in the order of Gmsh.
     pub nodes: Vec<u64>,
 }
 
+impl Element {
+    /// Whether an element of version 2 is in no physical group.
+    pub fn is_in_no_group(&self) -> bool {
+        self.owner == 0
+    }
+}
+
 /// The two versions of the format.
 #[derive(Copy, Clone, PartialEq)]
-enum Version {
+pub(super) enum Version {
     V2,
     V4,
 }
 
-/// Physical groups of the entities of a version 4 file, by dimension and tag.
-type Groups = HashMap<(usize, i64), Vec<i64>>;
+/// A piece of the geometry.
+struct Entity {
+    /// Its physical groups.
+    groups: Vec<i64>,
+    /// Of a part: dimension and tag of the piece that was divided.
+    parent: Option<(usize, i64)>,
+}
 
-/// Reads all sections; unknown ones are skipped.
-pub(super) fn parse(lines: &mut Lines) -> Result<Raw, MeshError> {
-    let version = format(lines)?;
-    let mut raw = Raw::default();
-    let mut groups = Groups::new();
-    let (mut has_nodes, mut has_elements) = (false, false);
-    while let Some(line) = lines.next() {
-        let Some(section) = line.text.strip_prefix('$') else {
-            return Err(line
-                .error(format!("expected the start of a section such as `$Nodes`, found `{}`", line.text)));
-        };
-        match (section, version) {
-            ("PhysicalNames", _) => physical_names(lines, &mut raw)?,
-            ("Entities", Version::V4) => entities(lines, &mut groups)?,
-            ("Nodes", Version::V2) => nodes_2(lines, &mut raw)?,
-            ("Nodes", Version::V4) => nodes_4(lines, &mut raw)?,
-            ("Elements", Version::V2) => elements_2(lines, &mut raw)?,
-            ("Elements", Version::V4) => elements_4(lines, &mut raw, &groups)?,
-            _ => {
-                lines.skip(section)?;
-                continue;
+impl Raw {
+    /// Tag of the physical group of `element`, 0 for none. A part is in the groups of what was divided.
+    ///
+    /// # Errors
+    /// An entity in several groups.
+    pub fn group(&self, element: &Element, source: &Source) -> Result<i64, MeshError> {
+        if self.version == Version::V2 {
+            return Ok(element.owner);
+        }
+        match self.groups(element.dim, element.owner) {
+            [] => Ok(0),
+            [group] => Ok(*group),
+            several => {
+                let what = if element.dim == 1 { "curve" } else { "surface" };
+                let names: Vec<_> = several.iter().map(|&tag| self.name(element.dim, tag)).collect();
+                let reason = format!(
+                    "{what} {} is in physical groups {}; it can be in one only",
+                    element.owner,
+                    names.join(" and ")
+                );
+                Err(super::source::error(source.path, element.at, reason))
             }
         }
-        has_nodes |= section == "Nodes";
-        has_elements |= section == "Elements";
-        lines.end(section)?;
     }
-    match (has_nodes, has_elements) {
-        (true, true) => Ok(raw),
-        (false, _) => Err(lines.error("the file has no section `$Nodes`".into())),
-        (_, false) => Err(lines.error("the file has no section `$Elements`".into())),
+
+    /// Physical groups of an entity. Entities of partitions have other tags than those that were divided.
+    fn groups(&self, dim: usize, tag: i64) -> &[i64] {
+        let [wholes, parts] = &self.entities;
+        let part = parts.get(&(dim, tag));
+        let parent = part.filter(|part| part.groups.is_empty()).and_then(|part| part.parent);
+        let whole = || wholes.get(&parent.filter(|(d, _)| *d == dim)?);
+        let found = if part.is_some() { whole().or(part) } else { wholes.get(&(dim, tag)) };
+        found.map_or(&[], |entity| &entity.groups)
+    }
+
+    /// The name of a physical group in quotes, else its tag.
+    pub fn name(&self, dim: usize, tag: i64) -> String {
+        let named = self.names.iter().find(|(d, t, _)| (*d, *t) == (dim, tag));
+        named.map_or_else(|| tag.to_string(), |(_, _, name)| format!("`{name}`"))
     }
 }
 
-/// Reads the header, which must be that of an ASCII file of a known version.
-fn format(lines: &mut Lines) -> Result<Version, MeshError> {
-    let first = lines.expect("`$MeshFormat`")?;
-    if first.text != "$MeshFormat" {
-        return Err(first.error("not a Gmsh mesh: the first line must be `$MeshFormat`".into()));
+/// Reads all sections, in whatever order; unknown ones and what stands between sections are skipped.
+pub(super) fn parse(source: &mut Source) -> Result<Raw, MeshError> {
+    let version = format(source)?;
+    let entities = [HashMap::new(), HashMap::new()];
+    let mut raw = Raw { version, names: vec![], nodes: vec![], elements: vec![], entities };
+    let (mut has_nodes, mut has_elements) = (false, false);
+    while let Some(line) = source.line() {
+        let Some(Ok(section)) = line.text.strip_prefix(b"$").map(std::str::from_utf8) else { continue };
+        match (section, version) {
+            ("PhysicalNames", _) => physical_names(source, &mut raw)?,
+            ("Entities", Version::V4) => entities_4(source, &mut raw, false)?,
+            ("PartitionedEntities", Version::V4) => entities_4(source, &mut raw, true)?,
+            ("Nodes", Version::V2) => nodes_2(source, &mut raw, false)?,
+            ("ParametricNodes", Version::V2) => nodes_2(source, &mut raw, true)?,
+            ("Nodes", Version::V4) => nodes_4(source, &mut raw)?,
+            ("Elements", Version::V2) if source.is_binary() => elements_2_binary(source, &mut raw)?,
+            ("Elements", Version::V2) => elements_2(source, &mut raw)?,
+            ("Elements", Version::V4) => elements_4(source, &mut raw)?,
+            _ => {
+                source.skip(section);
+                continue;
+            }
+        }
+        has_nodes |= section.ends_with("Nodes");
+        has_elements |= section == "Elements";
+        source.end(section)?;
     }
-    let mut line = lines.expect("the version")?;
+    match (has_nodes, has_elements) {
+        (true, true) => Ok(raw),
+        (false, _) => Err(source.error("the file has no section `$Nodes`".into())),
+        (_, false) => Err(source.error("the file has no section `$Elements`".into())),
+    }
+}
+
+/// Reads the header, wherever it is, which must be that of a known version, and goes back to the beginning.
+fn format(source: &mut Source) -> Result<Version, MeshError> {
+    let again = "write it again with `gmsh OLD.msh -save -format msh41 -o NEW.msh`";
+    loop {
+        match source.line() {
+            Some(line) if line.text == b"$MeshFormat" => break,
+            Some(line) if line.text == b"$NOD" => {
+                let reason = format!("version 1 of the format, 2.2 or 4.1 is needed: {again}");
+                return Err(line.error(reason));
+            }
+            Some(_) => {}
+            None => {
+                source.rewind();
+                let advice = "`gmsh -2 FILE -o own.msh` makes one of a geometry, or of another format";
+                let reason = format!("not a Gmsh mesh: the file has no section `$MeshFormat` ({advice})");
+                return Err(source.error(reason));
+            }
+        }
+    }
+    let mut line = source.expect("the version")?;
     let (version, binary): (f64, i64) = (line.number("the version")?, line.number("the file type")?);
-    let again = "write it again with `gmsh -save -bin 0 -format msh41` or `Mesh.Binary = 0; Mesh.MshFileVersion = 4.1;`";
-    if binary != 0 {
-        return Err(line.error(format!("the file is binary, ASCII is needed: {again}")));
-    }
     let version = match version {
         2.2 => Version::V2,
         4.1 => Version::V4,
@@ -100,140 +165,237 @@ fn format(lines: &mut Lines) -> Result<Version, MeshError> {
             return Err(line.error(format!("version {version} of the format, 2.2 or 4.1 is needed: {again}")));
         }
     };
-    lines.end("MeshFormat")?;
+    if binary != 0 {
+        let wide = line.number("the size of numbers")?;
+        if version == Version::V4 && ![4, 8].contains(&wide) {
+            return Err(line.error(format!("numbers of {wide} bytes, 4 or 8 are known: {again}")));
+        }
+        source.encoding = Encoding::Binary { swapped: false, wide };
+        source.encoding = match source.record("the order of bytes")?.int("the order of bytes")? {
+            1 => source.encoding,
+            0x0100_0000 => Encoding::Binary { swapped: true, wide },
+            _ => {
+                let reason = "the binary file is damaged, perhaps by a transfer as text: its header must end with \
+                              the number 1 in four bytes";
+                return Err(source.error(reason.into()));
+            }
+        };
+    }
+    source.end("MeshFormat")?;
+    source.rewind();
     Ok(version)
 }
 
-fn physical_names(lines: &mut Lines, raw: &mut Raw) -> Result<(), MeshError> {
-    let n: usize = lines.expect("the number of physical names")?.number("the number of physical names")?;
+fn physical_names(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let n: usize = source.expect("the number of physical names")?.number("the number of physical names")?;
     for _ in 0..n {
-        let mut line = lines.expect("a physical name")?;
-        let (dim, tag) = (line.number("the dimension")?, line.number("the tag")?);
-        let quoted = line.text.find('"').zip(line.text.rfind('"')).filter(|(a, b)| a < b);
-        let Some((a, b)) = quoted else {
-            return Err(line.error(format!("expected a name in double quotes, found `{}`", line.text)));
-        };
-        raw.names.push((dim, tag, line.text[a + 1..b].to_string()));
+        let mut line = source.expect("a physical name")?;
+        let (dim, tag): (usize, i64) = (line.number("the dimension")?, line.number("the tag")?);
+        let name = line.quoted()?;
+        if !name.is_empty() {
+            raw.names.push((dim, tag.abs(), name));
+        }
     }
     Ok(())
 }
 
-/// Reads the physical groups of all entities; their shape is of no interest.
-fn entities(lines: &mut Lines, groups: &mut Groups) -> Result<(), MeshError> {
-    let counts: Vec<usize> = lines.expect("numbers of entities")?.numbers(4, "a number of entities")?;
+/// Reads the physical groups of all entities, or of the parts of them; their shape is of no interest.
+fn entities_4(source: &mut Source, raw: &mut Raw, parts: bool) -> Result<(), MeshError> {
+    if parts {
+        source.record("the number of partitions")?.size("the number of partitions")?;
+        let n = source.record("the number of ghost entities")?.size("the number of ghost entities")?;
+        for _ in 0..n {
+            source.record("a ghost entity")?.ints(2, "tag and partition of a ghost entity")?;
+        }
+    }
+    let counts = source.record("numbers of entities")?.sizes(4, "a number of entities")?;
     for (dim, &n) in counts.iter().enumerate() {
         for _ in 0..n {
-            let mut line = lines.expect("an entity")?;
-            let tag = line.number("the tag of an entity")?;
-            line.numbers::<f64>(if dim == 0 { 3 } else { 6 }, "a coordinate")?;
-            let n_groups = line.number("the number of physical groups")?;
-            let tags: Vec<i64> = line.numbers(n_groups, "the tag of a physical group")?;
-            // Gmsh marks reversed orientation by a sign.
-            groups.insert((dim, tag), tags.into_iter().map(i64::abs).collect());
+            let mut record = source.record("an entity")?;
+            let tag = record.int("the tag of an entity")?;
+            let mut parent = None;
+            if parts {
+                let (dim, tag) =
+                    (record.int("the dimension of the parent")?, record.int("the tag of the parent")?);
+                parent = usize::try_from(dim).ok().map(|dim| (dim, tag));
+                let n = record.size("the number of partitions")?;
+                record.ints(n, "a partition")?;
+            }
+            (0..if dim == 0 { 3 } else { 6 }).try_for_each(|_| record.real("a coordinate").map(drop))?;
+            let groups = physical_groups(&mut record)?;
+            if dim > 0 && source.is_binary() {
+                let mut record = source.record("the boundary of an entity")?;
+                let n = record.size("the number of entities around")?;
+                record.ints(n, "the tag of an entity around")?;
+            }
+            raw.entities[usize::from(parts)].insert((dim, tag), Entity { groups, parent });
         }
     }
     Ok(())
 }
 
-fn node(line: &mut Line, tag: u64, raw: &mut Raw) -> Result<(), MeshError> {
-    let x = [line.coordinate("x")?, line.coordinate("y")?, line.coordinate("z")?];
-    raw.nodes.push(Node { line: line.number, tag, x });
+/// The physical groups of an entity, each once; Gmsh marks reversed orientation by a sign.
+fn physical_groups(record: &mut Record) -> Result<Vec<i64>, MeshError> {
+    let n = record.size("the number of physical groups")?;
+    let mut groups = record.ints(n, "the tag of a physical group")?;
+    groups.iter_mut().for_each(|tag| *tag = tag.abs());
+    groups.sort_unstable();
+    groups.dedup();
+    Ok(groups)
+}
+
+/// Reads the coordinates of node `tag`, and of a binary file the `parameters` on its curve or surface behind them.
+fn node(record: &mut Record, tag: u64, parameters: u64, raw: &mut Raw) -> Result<(), MeshError> {
+    let at = record.at();
+    let x = [record.coordinate("x")?, record.coordinate("y")?, record.coordinate("z")?];
+    record.leave_reals(parameters, "a parameter")?;
+    raw.nodes.push(Node { at, tag, x });
     Ok(())
 }
 
-fn nodes_2(lines: &mut Lines, raw: &mut Raw) -> Result<(), MeshError> {
-    let n: usize = lines.expect("the number of nodes")?.number("the number of nodes")?;
+fn nodes_2(source: &mut Source, raw: &mut Raw, parametric: bool) -> Result<(), MeshError> {
+    let n: u64 = source.expect("the number of nodes")?.number("the number of nodes")?;
     for _ in 0..n {
-        let mut line = lines.expect("a node")?;
-        let tag = line.number("the tag of a node")?;
-        node(&mut line, tag, raw)?;
+        let mut record = source.record("a node")?;
+        let tag = tag_2(&mut record)?;
+        node(&mut record, tag, 0, raw)?;
+        if parametric && source.is_binary() {
+            let mut record = source.record("the entity of a node")?;
+            let dim = record.int("the dimension of the entity")?;
+            record.int("the tag of the entity")?;
+            record.leave_reals(if dim == 1 || dim == 2 { dim as u64 } else { 0 }, "a parameter")?;
+        }
     }
     Ok(())
 }
 
-fn nodes_4(lines: &mut Lines, raw: &mut Raw) -> Result<(), MeshError> {
-    let blocks: usize = lines.expect("the number of blocks")?.number("the number of blocks of nodes")?;
+/// The tag of a node of version 2.
+fn tag_2(record: &mut Record) -> Result<u64, MeshError> {
+    let tag = record.int("the tag of a node")?;
+    u64::try_from(tag).map_err(|_| record.error(format!("expected the tag of a node, found `{tag}`")))
+}
+
+fn nodes_4(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let what = "the number of blocks of nodes";
+    let blocks = source.record("the number of blocks")?.sizes(4, what)?[0];
     for _ in 0..blocks {
-        let mut head = lines.expect("a block of nodes")?;
-        head.numbers::<i64>(3, "dimension, tag and parametric")?;
-        let n: usize = head.number("the number of nodes in the block")?;
+        let mut head = source.record("a block of nodes")?;
+        let dim = u64::try_from(head.int("the dimension")?).unwrap_or(0);
+        head.int("the tag of an entity")?;
+        let parameters = if head.int("0 or 1 for parametric")? == 0 { 0 } else { dim };
+        let n = head.size("the number of nodes in the block")?;
         let mut tags = vec![];
         for _ in 0..n {
-            tags.push(lines.expect("the tag of a node")?.number("the tag of a node")?);
+            tags.push(source.record("the tag of a node")?.size("the tag of a node")?);
         }
         for tag in tags {
-            node(&mut lines.expect("a node")?, tag, raw)?;
+            node(&mut source.record("a node")?, tag, parameters, raw)?;
         }
     }
     Ok(())
 }
 
-fn elements_2(lines: &mut Lines, raw: &mut Raw) -> Result<(), MeshError> {
-    let n: usize = lines.expect("the number of elements")?.number("the number of elements")?;
+fn elements_2(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let n: u64 = source.expect("the number of elements")?.number("the number of elements")?;
     for _ in 0..n {
-        let mut line = lines.expect("an element")?;
-        let _tag: u64 = line.number("the tag of an element")?;
-        let kind = line.number("the type of an element")?;
-        let n_tags = line.number("the number of tags")?;
-        let tags: Vec<i64> = line.numbers(n_tags, "a tag")?;
-        let group = tags.first().copied().unwrap_or(0).abs();
-        element(&mut line, kind, group, raw)?;
+        let mut record = source.record("an element")?;
+        record.int("the tag of an element")?;
+        let kind = record.int("the type of an element")?;
+        let n_tags = record.size("the number of tags")?;
+        element_2(&mut record, kind, n_tags, raw)?;
     }
     Ok(())
 }
 
-fn elements_4(lines: &mut Lines, raw: &mut Raw, groups: &Groups) -> Result<(), MeshError> {
-    let blocks: usize = lines.expect("the number of blocks")?.number("the number of blocks of elements")?;
-    for _ in 0..blocks {
-        let mut head = lines.expect("a block of elements")?;
-        let (dim, tag): (usize, i64) = (head.number("the dimension")?, head.number("the tag of an entity")?);
-        let (kind, n): (u32, usize) = (head.number("the type")?, head.number("the number of elements")?);
-        let group = match groups.get(&(dim, tag)).map_or(&[][..], |g| &g[..]) {
-            [] => 0,
-            [group] => *group,
-            several => {
-                let reason = format!(
-                    "entity {tag} of dimension {dim} is in physical groups {several:?}; it can be in one only"
-                );
-                return Err(head.error(reason));
-            }
+/// Elements of a binary file stand in blocks of one type each.
+fn elements_2_binary(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let n: i64 = source.expect("the number of elements")?.number("the number of elements")?;
+    let mut left = n;
+    while left > 0 {
+        let mut head = source.record("a block of elements")?;
+        let kind = head.int("the type of elements")?;
+        let (n, n_tags) = (head.int("the number of elements")?, head.int("the number of tags")?);
+        let (true, Ok(n_tags)) = (n > 0 && n <= left, u64::try_from(n_tags)) else {
+            return Err(
+                head.error(format!("a block of {n} elements with {n_tags} tags each where {left} are left"))
+            );
         };
         for _ in 0..n {
-            let mut line = lines.expect("an element")?;
-            let _tag: u64 = line.number("the tag of an element")?;
-            element(&mut line, kind, group, raw)?;
+            let mut record = source.record("an element")?;
+            record.int("the tag of an element")?;
+            element_2(&mut record, kind, n_tags, raw)?;
+        }
+        left -= n;
+    }
+    Ok(())
+}
+
+/// Tags and nodes of an element of version 2. The first tag is the physical group, partitions come last.
+fn element_2(record: &mut Record, kind: i64, n_tags: u64, raw: &mut Raw) -> Result<(), MeshError> {
+    let at = record.at();
+    let group = record.ints(n_tags, "a tag")?.first().map_or(0, |group| group.abs());
+    let (dim, n) = shape(kind, record)?;
+    let nodes = (0..n).map(|_| tag_2(record)).collect::<Result<_, _>>()?;
+    raw.add(at, dim, group, nodes);
+    Ok(())
+}
+
+fn elements_4(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
+    let what = "the number of blocks of elements";
+    let blocks = source.record("the number of blocks")?.sizes(4, what)?[0];
+    for _ in 0..blocks {
+        let mut head = source.record("a block of elements")?;
+        head.int("the dimension")?;
+        let (entity, kind) = (head.int("the tag of an entity")?, head.int("the type")?);
+        let count = head.size("the number of elements")?;
+        for _ in 0..count {
+            let mut record = source.record("an element")?;
+            let at = record.at();
+            record.size("the tag of an element")?;
+            let (dim, n) = shape(kind, &record)?;
+            let nodes = record.sizes(n, "the tag of a node")?;
+            raw.add(at, dim, entity, nodes);
         }
     }
     Ok(())
 }
 
-/// Reads the nodes of an element of type `kind`; points are left out.
-fn element(line: &mut Line, kind: u32, group: i64, raw: &mut Raw) -> Result<(), MeshError> {
-    let (dim, n) = match kind {
-        1 => (1, 2),
-        8 => (1, 3),
-        2 => (2, 3),
-        9 => (2, 6),
-        3 => (2, 4),
-        10 => (2, 9),
-        15 => return Ok(()),
-        _ => return Err(line.error(refusal(kind))),
-    };
-    let nodes = line.numbers(n, "the tag of a node")?;
-    raw.elements.push(Element { line: line.number, dim, group, nodes });
-    Ok(())
+impl Raw {
+    /// Adds an element; points are left out.
+    fn add(&mut self, at: At, dim: usize, owner: i64, nodes: Vec<u64>) {
+        if dim > 0 {
+            self.elements.push(Element { at, dim, owner, nodes });
+        }
+    }
+}
+
+/// Dimension and number of nodes of elements of type `kind`.
+fn shape(kind: i64, record: &Record) -> Result<(usize, u64), MeshError> {
+    match kind {
+        15 => Ok((0, 1)),
+        1 => Ok((1, 2)),
+        8 => Ok((1, 3)),
+        2 => Ok((2, 3)),
+        9 => Ok((2, 6)),
+        3 => Ok((2, 4)),
+        10 => Ok((2, 9)),
+        _ => Err(record.error(refusal(kind))),
+    }
 }
 
 /// Why elements of type `kind` cannot be used, and what to do.
-fn refusal(kind: u32) -> String {
+fn refusal(kind: i64) -> String {
     match kind {
         16 => "quadrilaterals with 8 nodes are not supported: write 9 nodes with \
              `Mesh.SecondOrderIncomplete = 0;`"
             .into(),
-        20..=28 | 36..=39 => {
+        20..=28 | 36..=66 => {
             "elements of order above 2 are not supported: write order 2 with `Mesh.ElementOrder = 2;`".into()
         }
-        4..=7 | 11..=14 | 17..=19 | 29..=35 => "elements of three dimensions are not supported".into(),
+        4..=7 | 11..=14 | 17..=19 | 29..=33 | 35 | 71..=83 | 87..=132 | 137 => "elements of three dimensions are not \
+             supported: give physical groups to surfaces and curves of a plane geometry only, and mesh it with \
+             `gmsh -2`"
+            .into(),
         _ => {
             format!(
                 "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9) and quadrilaterals (3, 10) are"

@@ -147,14 +147,15 @@ fn meshes_survive_writing_and_reading() {
 #[test]
 fn broken_files_are_refused_with_line_and_advice() {
     for (from, to, expected) in [
-        ("2.2 0 8", "2.2 1 8", "own.msh:2: the file is binary, ASCII is needed: write it again with"),
+        ("2.2 0 8", "2.2 1 8", "the binary file is damaged, perhaps by a transfer as text"),
+        ("2.2 0 8", "4.1 1 2", "own.msh:2: numbers of 2 bytes, 4 or 8 are known"),
         ("2.2 0 8", "4.0 0 8", "own.msh:2: version 4 of the format, 2.2 or 4.1 is needed"),
         ("$MeshFormat", "$Format", "own.msh:1: not a Gmsh mesh"),
         ("20 1 0 0", "20 1 zero 0", "own.msh:14: expected y, found `zero`"),
         ("20 1 0 0", "20 1", "own.msh:14: y is missing"),
         ("20 1 0 0", "20 1 inf 0", "own.msh:14: y is inf, not a finite number"),
         ("20 1 0 0", "20 1 0 0.5", "own.msh:14: node 20 at z = 0.5, others at z = 0"),
-        ("20 1 0 0", "10 1 0 0", "own.msh:14: node 10 is in line 13 already"),
+        ("20 1 0 0", "10 1 0 0", "own.msh:14: node 10 is in line 13 already, at another place"),
         ("20 1 0 0", "21 1 0 0", "node 20 is not in section `$Nodes`"),
         ("$Nodes\n8", "$Nodes\n9", "own.msh:21: expected the tag of a node, found `$EndNodes`"),
         ("$EndElements\n", "", "own.msh:33: the file ends where `$EndElements` should follow"),
@@ -162,14 +163,18 @@ fn broken_files_are_refused_with_line_and_advice() {
         (
             "10 3 2 1 1 10 20 50 40",
             "10 2 2 1 1 10 20 50",
-            "own.msh:33: a cell of 3 nodes after one of 4 in line 32; all must be alike",
+            "own.msh:33: the mesh has 1 triangle and 1 quadrilateral; all must be alike: `Mesh.SubdivisionAlgorithm = 1;`",
         ),
         ("10 3 2 1 1 10 20 50 40", "10 16 2 1 1 10 20 50 40 1 2 3 4", "Mesh.SecondOrderIncomplete = 0"),
         ("10 3 2 1 1", "10 3 2 0 1", "own.msh:33: a cell in no physical group: give its surface a named one"),
         ("10 3 2 1 1", "10 3 2 3 1", "own.msh:33: a cell in physical group 3, which has no name"),
         ("2 1 2 7 1 10 20", "2 1 2 8 1 10 20", "Physical Curve(\"walls\")"),
         ("2 1 2 7 1 10 20", "2 1 2 7 1 10 50", "own.msh:25: a line that is no edge of a cell"),
-        ("3 1 2 7 2 20 30", "3 1 2 9 2 10 20", "in another physical group in line 25"),
+        (
+            "3 1 2 7 2 20 30",
+            "3 1 2 9 2 10 20",
+            "own.msh:26: a line in physical groups `walls` and `interface` (it is in line 25 already)",
+        ),
         ("9 3 2 4 2", "9 3 2 1 2", "own.msh:31: a line inside of region `fluid`"),
         ("1 7 \"walls\"", "1 7 walls", "own.msh:6: expected a name in double quotes"),
         ("9 3 2 4 2 20 50 60 30", "9 10 2 4 2 20 50 60 30 10 10 10 10 10", "all must be alike"),
@@ -177,8 +182,11 @@ fn broken_files_are_refused_with_line_and_advice() {
         let found = message(V2, from, to);
         assert!(found.contains(expected), "{to}: {found}");
     }
-    assert!(message(V4, "1 1 1 1\n$End", "2 1 3 1 1\n$End").contains("is in physical groups [1, 3]"));
-    assert!(message(V4, "2 1 10 1", "2 1 99 1").contains("elements of type 99"));
+    assert!(
+        message(V4, "1 1 1 1\n$End", "2 1 3 1 1\n$End")
+            .contains("surface 1 is in physical groups `fluid` and 3; it can be in one only")
+    );
+    assert!(message(V4, "2 1 10 1", "2 1 200 1").contains("elements of type 200"));
     assert!(parsed("").is_err() && parsed("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n").is_err());
     assert!(matches!(read(Path::new("no such file.msh")), Err(MeshError::Unreadable { .. })));
 }
@@ -204,11 +212,61 @@ fn mutilated_files_do_not_panic() {
     }
 }
 
+/// Binary files of either version, cut off or with changed bytes, are read or refused.
+#[test]
+fn mutilated_binary_files_do_not_panic() {
+    let inputs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../undula-cli/tests/cli/faults/inputs/newcomer");
+    for name in ["fmt_v2.2_bin_o2.msh", "fmt_v4.1_bin_o1.msh"] {
+        let bytes = std::fs::read(inputs.join(name)).unwrap();
+        let mesh = parse(&bytes, Path::new(name)).unwrap();
+        mesh.check_orientation().unwrap();
+        for end in (0..bytes.len()).step_by(bytes.len() / 60).chain(bytes.len() - 40..bytes.len() - 14) {
+            assert!(parse(&bytes[..end], Path::new(name)).is_err(), "{name}: {end} bytes");
+        }
+        for at in (0..bytes.len()).step_by(bytes.len() / 150) {
+            for value in [0, 1, 0x7f, 0xff, b'\n', b'$'] {
+                let mut bytes = bytes.clone();
+                bytes[at] = value;
+                let _ = parse(&bytes, Path::new(name));
+            }
+        }
+    }
+}
+
+/// What other writers and transfers do to a file changes nothing.
+#[test]
+fn harmless_changes_of_a_file_are_read() {
+    for (text, ends) in [(V2, "$EndElements\n"), (V4, "$EndElements\n")] {
+        let plain = parsed(text).unwrap();
+        let moved = {
+            let (names, rest) =
+                (text.find("$PhysicalNames").unwrap(), text.find("$EndPhysicalNames\n").unwrap() + 18);
+            format!("{}{}{}", &text[..names], &text[rest..], &text[names..rest])
+        };
+        for other in [
+            text.replace('\n', "\r\n"),
+            format!("\u{feff}{text}"),
+            format!("$Comments\n$Nodes\n1 2 3\n$EndComments\n{text}"),
+            text.replace(ends, "$EndElements\n$Periodic\n0\n$EndPeriodic\nthe end\n$ 3\n"),
+            text.replace(ends, "$EndElements\nno line more"),
+            format!("{text}{text}"),
+            moved,
+        ] {
+            let mesh = parsed(&other).unwrap_or_else(|e| panic!("{e}:\n{other}"));
+            assert!(mesh.nodes == plain.nodes && mesh.cell_nodes == plain.cell_nodes, "{other}");
+            assert!(mesh.regions == plain.regions && mesh.facets == plain.facets, "{other}");
+        }
+    }
+    let latin: Vec<u8> =
+        V2.replace("walls", "W@nde").bytes().map(|b| if b == b'@' { 0xe4 } else { b }).collect();
+    assert_eq!(parse(latin, Path::new("own.msh")).unwrap().boundaries[0], "Wände");
+}
+
 /// Triangles of both degrees survive the way to a file and back; those numbered clockwise are turned.
 #[test]
 fn triangles_are_written_and_read() {
     let curved = turek_hron(0, 0).triangulated();
-    let same = parse(&write(&curved), Path::new("own.msh")).unwrap();
+    let same = parse(write(&curved), Path::new("own.msh")).unwrap();
     assert_eq!((same.shape, same.degree), (curved.shape, 2));
     assert!(same.nodes == curved.nodes && same.cell_nodes == curved.cell_nodes);
     assert_eq!(same.facets.len(), curved.facets.len());

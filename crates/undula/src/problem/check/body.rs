@@ -1,17 +1,33 @@
 //! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
 
-use super::{is_name, resolve};
+use super::resolve;
 use crate::element::Shape;
+use crate::mesh::gmsh;
 use crate::problem::case::{
-    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, SolidLaw, SolidSpec, SpaceSpec, VelocityElement,
+    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw, SolidSpec,
+    SpaceSpec, VelocityElement,
 };
 use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::problem::synonyms::meant;
+use crate::problem::write::number;
 use crate::space::Walls;
 use std::collections::BTreeMap;
 
 const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
+
+const KEPT: Range = Range {
+    text: "a number above -1 and below 0.5; 0.5 means that the volume is kept: take law = \"incompressible-neo-hookean\" \
+           or \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
+    ..POISSON
+};
+
+const FINITE: Range = Range {
+    text: "a finite number; where the volume is kept, take law = \"incompressible-neo-hookean\" or \
+           \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
+    ..ANY
+};
 
 const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
 
@@ -32,15 +48,17 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     ];
     let generator = s.choice("generator", &generators, &[]);
     let file = s.string("file");
+    let scale = s.number("scale", 1.0, POSITIVE);
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
     let region = regions(s.section("region"));
+    let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     if !s.is_present() {
         root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
-    } else if !s.has("generator") && !s.has("file") {
+    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
         s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
     }
     let is_box = generator == Some(Generator::Box);
@@ -50,6 +68,9 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         } else if is_box && !s.has(key) && key != "region" {
             s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
         }
+    }
+    if s.has("scale") && file.is_none() {
+        s.wrong("scale", "only for `file`: the generators make meshes in metres");
     }
     if let (Some(a), Some(b)) = (lower, upper)
         && (a[0] >= b[0] || a[1] >= b[1])
@@ -66,7 +87,14 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         (None, None) => MeshSource::TurekHron,
     };
     s.finish();
-    Some(MeshSpec { source, refine, grading, region })
+    Some(MeshSpec { source, scale, refine, grading, region, leave_out })
+}
+
+/// What names of regions and boundaries must be: those of a Gmsh file may have spaces and dots.
+const NAME: &str = "expected a name that is not empty, in one line";
+
+fn names_something(name: &str) -> bool {
+    !name.trim().is_empty() && !name.chars().any(char::is_control)
 }
 
 fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
@@ -76,8 +104,8 @@ fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
             if expression.depends_on_time() {
                 s.wrong(&key, "a region cannot depend on t");
             }
-            if !is_name(&key) {
-                s.wrong(&key, "expected a region name of letters, digits, `-` and `_`");
+            if !names_something(&key) {
+                s.wrong(&key, NAME);
             }
             regions.insert(key, expression);
         }
@@ -85,10 +113,21 @@ fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
     regions
 }
 
-pub(super) fn space(mut s: Section<'_, '_>) -> SpaceSpec {
+/// The velocity unless one is asked for: Q2, on the triangles of a file P2.
+fn default_velocity(mesh: Option<&MeshSpec>, pressure: Option<PressureElement>) -> VelocityElement {
+    let Some(MeshSource::File(path)) = mesh.map(|mesh| &mesh.source) else { return VelocityElement::Q(2) };
+    let triangles = match gmsh::shape(path) {
+        Ok(shape) => shape == Shape::Triangle,
+        // What is wrong with the file is told when the mesh is made, and should be the only thing that is told.
+        Err(_) => matches!(pressure, Some(PressureElement::P(_))),
+    };
+    if triangles { VelocityElement::P(2) } else { VelocityElement::Q(2) }
+}
+
+pub(super) fn space(mut s: Section<'_, '_>, mesh: Option<&MeshSpec>) -> SpaceSpec {
     let velocity = s.choice("velocity", &VELOCITIES, &[]);
     let pressure = s.choice("pressure", &PRESSURES, &[]);
-    let velocity = velocity.unwrap_or(VelocityElement::Q(2));
+    let velocity = velocity.unwrap_or_else(|| default_velocity(mesh, pressure));
     let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
     s.finish();
     SpaceSpec { velocity, pressure: pressure.unwrap_or(velocity.pressure()), quadrature }
@@ -105,8 +144,8 @@ pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
 
 fn region(s: &mut Section<'_, '_>, default: &str) -> String {
     let region = s.string("region").unwrap_or_else(|| default.into());
-    if !is_name(&region) {
-        s.wrong("region", "expected a region name of letters, digits, `-` and `_`");
+    if !names_something(&region) {
+        s.wrong("region", NAME);
     }
     region
 }
@@ -128,12 +167,35 @@ pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
             .choice("body-force-at", &[("reference", false), ("current", true)], &[])
             .unwrap_or(false),
     };
+    explain_viscosity(&mut s);
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
         let note = "fluid.body-force-at has no effect: fluid.body-force is the same everywhere";
         s.checker.notes.borrow_mut().push(note.into());
     }
     s.finish();
     Some(spec)
+}
+
+/// ν = μ/ρ for those who know μ.
+fn explain_viscosity(s: &mut Section<'_, '_>) {
+    let density = s.look_at_number("density").filter(|rho| *rho > 0.0);
+    for key in s.keys() {
+        if meant("fluid", &key) != Some("kinematic-viscosity") || key.to_lowercase().starts_with("nu") {
+            continue;
+        }
+        let value = s.look_at_number(&key).zip(density).map(|(mu, rho)| format!(" = {}", number(mu / rho)));
+        let nu = format!("kinematic-viscosity{} [m²/s], which is mu/density", value.unwrap_or_default());
+        let message = if s.has("kinematic-viscosity") {
+            "`kinematic-viscosity` is given; remove this".into()
+        } else if matches!(&*key.to_lowercase(), "viscosity" | "kinematic") {
+            format!(
+                "`kinematic-viscosity` [m²/s] is needed; if this is the dynamic viscosity mu [Pa s], write {nu}"
+            )
+        } else {
+            format!("the kinematic viscosity is needed: write {nu}")
+        };
+        s.explain(&key, message);
+    }
 }
 
 pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
@@ -228,6 +290,7 @@ fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
     let (young, poisson) = (s.optional_number("young", POSITIVE), s.optional_number("poisson", HALF));
     let ways = ["mu", "young", "c1"].into_iter().filter(|key| s.has(key)).collect::<Vec<_>>();
     match ways[..] {
+        [] if s.means("young") => {}
         [] => s.missing("mu", "the modulus `mu` [Pa], or `young` [Pa], which is 3 mu"),
         [_] => {}
         [_, other, ..] => s.wrong(other, "give one of `mu`, `young`, and `c1` with `c2`"),
@@ -244,12 +307,18 @@ fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
 
 /// μ and λ \[Pa\], given as such or as Young's modulus and Poisson ratio.
 fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
+    let is = |key: &str, x: f64| s.look_at_number(key) == Some(x);
+    let (finite, below) = (
+        if is("lambda", f64::INFINITY) { FINITE } else { ANY },
+        if is("poisson", 0.5) { KEPT } else { POISSON },
+    );
     let mu = s.optional_number("mu", POSITIVE);
-    let lambda = s.optional_number("lambda", ANY);
+    let lambda = s.optional_number("lambda", finite);
     let young = s.optional_number("young", POSITIVE);
-    let poisson = s.optional_number("poisson", POISSON);
-    let lame = s.has("mu") || s.has("lambda");
-    let engineering = s.has("young") || s.has("poisson");
+    let poisson = s.optional_number("poisson", below);
+    let given = |key: &str| s.has(key) || s.means(key);
+    let lame = given("mu") || given("lambda");
+    let engineering = given("young") || given("poisson");
     for key in ["young", "poisson"] {
         if lame && s.has(key) {
             s.wrong(key, "give either `mu` and `lambda` or `young` and `poisson`");
@@ -308,7 +377,7 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElem
     let spec = MotionSpec {
         model,
         poisson: s.number("poisson", 0.0, POISSON),
-        offset: s.number("offset", 0.01, POSITIVE),
+        offset: s.optional_number("offset", POSITIVE),
         exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
         scale: s.optional_number("scale", POSITIVE),
         lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),

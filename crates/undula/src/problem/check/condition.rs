@@ -1,10 +1,11 @@
 //! The tables `[boundary.*]` and `[functional.*]`.
 
 use super::is_name;
+use crate::output::history::COLUMNS;
 use crate::problem::case::{Condition, EnergyKind, FunctionalSpec, SolidLaw};
 use crate::problem::error::quoted;
 use crate::problem::read::{ANY, POSITIVE, Section};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Copy, Clone, PartialEq)]
 enum Kind {
@@ -15,8 +16,9 @@ enum Kind {
     Clamped,
 }
 
-pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> {
-    let mut boundary = BTreeMap::new();
+/// Conditions by name, and the names of outlets with the directional term.
+pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>, BTreeSet<String>) {
+    let (mut boundary, mut directional) = (BTreeMap::new(), BTreeSet::new());
     for name in all.keys() {
         let mut s = all.section(&name);
         if name == "interface" {
@@ -42,7 +44,18 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> 
         if kind == Some(Kind::Velocity) && !s.has("velocity") {
             s.missing("velocity", "two expressions [m/s], as velocity = [\"1.5*y\", \"0\"]");
         } else if kind.is_some_and(|k| k != Kind::Velocity) && s.has("velocity") {
-            let note = format!("boundary.{name}.velocity has no effect: the condition is not `velocity`");
+            let key = s.dotted("velocity");
+            let note = format!("{key} has no effect: the condition is not `velocity`");
+            s.checker.notes.borrow_mut().push(note);
+        }
+        let against = s.choice("backflow", &[("none", false), ("directional", true)], &[]);
+        let outlet = matches!(kind, Some(Kind::DoNothing | Kind::TractionFree) | None);
+        if against == Some(true) && outlet {
+            directional.insert(name.clone());
+        } else if against == Some(true) {
+            let note = format!(
+                "boundary.{name}.backflow has no effect: the condition is neither `do-nothing` nor `traction-free`"
+            );
             s.checker.notes.borrow_mut().push(note);
         }
         s.finish();
@@ -55,11 +68,8 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> BTreeMap<String, Condition> 
         };
         boundary.insert(name, condition);
     }
-    boundary
+    (boundary, directional)
 }
-
-/// Columns of `history.csv` that are no functionals.
-const COLUMNS: [&str; 6] = ["step", "time", "force_time", "min_J", "newton_steps", "jacobians"];
 
 #[derive(Copy, Clone)]
 enum Functional {

@@ -7,6 +7,7 @@ use crate::problem::case::{
 use crate::problem::error::suggestion;
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::time::schedule::RESOLUTION;
 
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
@@ -14,6 +15,8 @@ const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number 
 
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
+/// Minutes of computation that a run may lose when it is killed.
+pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
 /// Best in the study of section 5.2.3.
 const EPSILON: f64 = 1e-6;
 
@@ -29,6 +32,10 @@ enum Scheme {
     Galerkin,
     Bdf2,
 }
+
+/// θ − ½ of shifted Crank-Nicolson, and steps from damping to damping of Rannacher's scheme, where the case does not say.
+const DAMPING: f64 = 0.005;
+const DAMPED_EVERY: f64 = 200.0;
 
 /// The schedule, `None` if stationary, and the end time if one is given.
 pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
@@ -51,17 +58,19 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let start = s.number("start", 0.0, ANY);
     let end = s.optional_number("end", ANY);
     let theta = s.optional_number("theta", THETA);
-    let shift = s.number("shift", 1.0, NOT_NEGATIVE);
+    let first = first_step(step.as_ref(), start);
+    let shift = s.number("shift", DAMPING / first, NOT_NEGATIVE);
     let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
     let steps = s.integer("rannacher-steps", 2, 1..=1000) as u32;
-    let interval = s.number("rannacher-interval", 1.0, POSITIVE);
+    let interval = s.number("rannacher-interval", DAMPED_EVERY * first, POSITIVE);
     let motions = [
         ("secant", DomainMotion::Secant),
         ("midpoint", DomainMotion::Midpoint),
         ("galerkin", DomainMotion::Galerkin),
     ];
     let domain_motion = s.choice("domain-motion", &motions, &[]);
-    let adaptive = adaptive(s.section("adaptive"), step.as_ref());
+    let largest = start.abs().max(end.unwrap_or(start).abs());
+    let adaptive = adaptive(s.section("adaptive"), step.as_ref(), RESOLUTION * largest);
     if adaptive.is_some() && step.as_ref().is_some_and(|step| !step.is_constant()) {
         s.wrong("step", "expected a number, the first step: [time.adaptive] chooses the others");
     }
@@ -115,18 +124,31 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
 }
 
-/// Step-size control, where its table is there.
-fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>) -> Option<AdaptiveSettings> {
+/// The first step \[s\], from which times are taken that the case does not give.
+fn first_step(step: Option<&Expression>, start: f64) -> f64 {
+    let step = step.filter(|step| !step.depends_on_space()).map(|step| step.eval(&[0.0; 3], start));
+    step.filter(|k| k.is_finite() && *k > 0.0).unwrap_or(1.0)
+}
+
+/// Step-size control, where its table is there; steps below `least` \[s\] cannot be told from none.
+fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>, least: f64) -> Option<AdaptiveSettings> {
     if !s.is_present() {
         return None;
     }
     let first = step.and_then(Expression::constant_value).filter(|k| *k > 0.0).unwrap_or(1.0);
     let settings = AdaptiveSettings {
         tolerance: s.number("tolerance", 1e-3, REDUCTION),
-        min_step: s.number("min-step", 1e-3 * first, POSITIVE),
+        min_step: s.number("min-step", (1e-3 * first).max(least), POSITIVE),
         max_step: s.number("max-step", 10.0 * first, POSITIVE),
         safety: s.number("safety", 0.9, REDUCTION),
     };
+    if s.has("min-step") && settings.min_step < least {
+        let text = crate::problem::write::number(least);
+        s.wrong(
+            "min-step",
+            format!("below the rounding of the times of the run: expected at least {text} s"),
+        );
+    }
     if step.is_some_and(Expression::is_constant) {
         if s.has("min-step") && settings.min_step > first {
             s.wrong("min-step", format!("expected at most time.step, {first} s"));
@@ -193,6 +215,14 @@ fn check_schedule(
     if step.depends_on_space() {
         return s.wrong("step", "expected a number or an expression of t alone");
     }
+    let (smallest, at) = smallest_step(step, start, end.unwrap_or(start));
+    if smallest > 0.0 && smallest < RESOLUTION * at.abs() {
+        let least = crate::problem::write::number(RESOLUTION * at.abs());
+        let message = format!(
+            "below the rounding of t = {at} s: t + step would be t, or have few of its digits; expected at least {least} s"
+        );
+        return s.wrong("step", message);
+    }
     // A varying step is looked at where it is most likely to go wrong.
     let last = end.filter(|end| *end > start).unwrap_or(start);
     let times = (0..=100).map(|i| start + (last - start) * f64::from(i) / 100.0);
@@ -213,6 +243,16 @@ fn check_schedule(
     } else {
         s.wrong("step", format!("expected a value above 0 at all times, it is {k} at t = {t}"));
     }
+}
+
+/// The step that is smallest beside the time at which it is taken, and that time \[s\].
+fn smallest_step(step: &Expression, start: f64, end: f64) -> (f64, f64) {
+    if let Some(k) = step.constant_value() {
+        return (k, if start.abs() > end.abs() { start } else { end });
+    }
+    let times = (0..=100).map(|i| start + (end - start) * f64::from(i) / 100.0);
+    let steps = times.filter(|t| *t != 0.0).map(|t| (step.eval(&[0.0; 3], t), t));
+    steps.min_by(|(a, s), (b, t)| (a / s.abs()).total_cmp(&(b / t.abs()))).unwrap_or((1.0, 0.0))
 }
 
 /// How derivatives are computed: `jacobian`, `difference`, `epsilon`.
@@ -268,7 +308,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         rate_max: rate_max.or(is_newton.then_some(0.2)),
         secants: s.integer("secants", defaults.secants, 0..=50),
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
-        floor: s.number("floor", defaults.floor, NOT_NEGATIVE),
+        floor: s.optional_number("floor", NOT_NEGATIVE),
         max_steps: s.integer("max-steps", max_steps, 1..=1000),
         extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
         line_search: s.integer("line-search", defaults.line_search, 0..=30),
@@ -321,6 +361,7 @@ pub(super) fn output(
     let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
     let curved = s.choice("cells", &[("linear", false), ("curved", true)], &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
+    let checkpoint_minutes = s.number("checkpoint-minutes", CHECKPOINT_MINUTES, NOT_NEGATIVE);
     let leading = s.string("leading");
     if let Some(name) = &leading
         && !names.contains(name)
@@ -330,5 +371,13 @@ pub(super) fn output(
     }
     s.finish();
     let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec { fields_every, fields_interval, deformed, curved, checkpoint_every, leading }
+    OutputSpec {
+        fields_every,
+        fields_interval,
+        deformed,
+        curved,
+        checkpoint_every,
+        checkpoint_minutes,
+        leading,
+    }
 }

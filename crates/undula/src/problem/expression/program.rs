@@ -90,7 +90,7 @@ impl Unary {
             Unary::Sign => a.signum(),
             Unary::Floor => a.floor(),
             Unary::Ceil => a.ceil(),
-            Unary::Step => truth(a >= 0.0),
+            Unary::Step => of_numbers(a, a, truth(a >= 0.0)),
         }
     }
 }
@@ -108,21 +108,37 @@ impl Binary {
             Binary::Mul => a * b,
             Binary::Div => a / b,
             Binary::Pow => a.powf(b),
-            Binary::Less => truth(a < b),
-            Binary::LessEqual => truth(a <= b),
-            Binary::Greater => truth(a > b),
-            Binary::GreaterEqual => truth(a >= b),
+            Binary::Less => of_numbers(a, b, truth(a < b)),
+            Binary::LessEqual => of_numbers(a, b, truth(a <= b)),
+            Binary::Greater => of_numbers(a, b, truth(a > b)),
+            Binary::GreaterEqual => of_numbers(a, b, truth(a >= b)),
             Binary::Atan2 => a.atan2(b),
-            Binary::Min => a.min(b),
-            Binary::Max => a.max(b),
+            Binary::Min => of_numbers(a, b, a.min(b)),
+            Binary::Max => of_numbers(a, b, a.max(b)),
             Binary::Hypot => a.hypot(b),
-            Binary::Ramp => ramp(a, b),
+            Binary::Ramp => of_numbers(a, b, ramp(a, b)),
         }
     }
 }
 
+/// `value`, but NaN where an argument is: a mistake is not to be hidden by what does not look at it.
+#[inline]
+fn of_numbers(a: f64, b: f64, value: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { value }
+}
+
 fn truth(condition: bool) -> f64 {
     if condition { 1.0 } else { 0.0 }
+}
+
+/// `then` unless the condition is 0; NaN if the condition is.
+#[inline]
+fn select(condition: f64, then: f64, otherwise: f64) -> f64 {
+    match condition {
+        _ if condition.is_nan() => condition,
+        0.0 => otherwise,
+        _ => then,
+    }
 }
 
 /// ½(1 − cos(πt/T)) on \[0, T\], continued by 0 and 1.
@@ -218,7 +234,7 @@ impl Program {
                 }
                 Instruction::Select => {
                     n -= 2;
-                    stack[n - 1] = if stack[n - 1] != 0.0 { stack[n] } else { stack[n + 1] };
+                    stack[n - 1] = select(stack[n - 1], stack[n], stack[n + 1]);
                 }
             }
         }
@@ -254,7 +270,11 @@ impl Program {
                 }
                 Instruction::Select => {
                     n -= 2;
-                    stack[n - 1] = if stack[n - 1].value != 0.0 { stack[n] } else { stack[n + 1] };
+                    stack[n - 1] = match stack[n - 1].value {
+                        condition if condition.is_nan() => Slope::constant(condition),
+                        0.0 => stack[n + 1],
+                        _ => stack[n],
+                    };
                 }
             }
         }
@@ -302,13 +322,17 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
         }
         Tree::If(condition, a, b) => {
             let first = emit(condition, code);
-            let middle = code.len();
-            let second = emit(a, code);
-            let third = emit(b, code);
-            if let [Instruction::Push(value)] = code[start..middle] {
+            // The other branch of a constant condition is never looked at: nested ones would take 2^depth times.
+            if let [Instruction::Push(value)] = code[start..] {
                 code.truncate(start);
+                if value.is_nan() {
+                    code.push(Instruction::Push(value));
+                    return 1;
+                }
                 return emit(if value != 0.0 { a } else { b }, code);
             }
+            let second = emit(a, code);
+            let third = emit(b, code);
             code.push(Instruction::Select);
             first.max(1 + second).max(2 + third)
         }

@@ -128,6 +128,25 @@ fn size_is_bounded() {
     assert!((value(&vec!["(x)"; 500].join("+")) - 150.0).abs() < 1e-9);
 }
 
+/// Branches that a constant condition leaves out are not looked at, let alone twice in every level.
+#[test]
+fn nested_conditions_compile_in_linear_time() {
+    for (left, right) in [("if(1,", ",0)"), ("if(0,7,", ")"), ("if(", ",x,7)")] {
+        let source = format!("{}x{}", left.repeat(60), right.repeat(60));
+        assert_eq!(value(&source), 0.3, "{source}");
+        if left.ends_with(',') {
+            assert_eq!(Expression::parse(&source).unwrap(), Expression::parse("x").unwrap());
+        }
+    }
+    let begun = std::time::Instant::now();
+    for condition in ["1", "0", "x"] {
+        let source = format!("{}y{}", format!("if({condition},").repeat(30), ",y)".repeat(30));
+        let expression = Expression::parse(&source).unwrap();
+        assert_eq!(expression.eval_with_gradient(&[0.3, 0.2, 0.0], 0.0), (0.2, [0.0, 1.0, 0.0]));
+    }
+    assert!(begun.elapsed().as_secs() < 10);
+}
+
 #[test]
 fn dependence_is_known() {
     let parse = |s: &str| Expression::parse(s).unwrap();

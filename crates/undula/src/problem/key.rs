@@ -1,0 +1,107 @@
+//! Dotted keys such as `boundary."solid.flap".condition`, whose parts are quoted where TOML needs it.
+
+use toml::de::DeValue;
+
+/// One part of a key, in quotes unless it is of letters, digits, `-` and `_` only.
+pub(crate) fn quote(part: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !part.is_empty() && part.chars().all(bare) {
+        return part.into();
+    }
+    let escape = |c: char| match c {
+        '"' | '\\' => format!("\\{c}"),
+        c if c.is_control() => format!("\\u{:04X}", u32::from(c)),
+        c => c.to_string(),
+    };
+    format!("\"{}\"", part.chars().map(escape).collect::<String>())
+}
+
+/// `path` with one part more.
+pub(crate) fn join(path: &str, part: &str) -> String {
+    if path.is_empty() { quote(part) } else { format!("{path}.{}", quote(part)) }
+}
+
+/// The key without its last part, `None` of one part.
+pub(crate) fn parent(key: &str) -> Option<&str> {
+    outside_quotes(key).filter(|(_, c)| *c == '.').last().map(|(i, _)| &key[..i])
+}
+
+/// The parts of the key before the first `=` of an override, and the value behind it.
+///
+/// # Errors
+/// What would be right.
+pub(crate) fn split_override(text: &str) -> Result<(Vec<String>, &str), String> {
+    let Some((equals, _)) = outside_quotes(text).find(|(_, c)| *c == '=') else {
+        return Err("expected key=value, such as `time.step=0.01`".into());
+    };
+    let key = &text[..equals];
+    let dots = outside_quotes(key).filter(|(_, c)| *c == '.').map(|(i, _)| i).chain([equals]);
+    let mut parts = vec![];
+    let mut begin = 0;
+    for end in dots {
+        let text = key[begin..end].trim();
+        parts.push(part(text).ok_or_else(|| {
+            let rule = "; a part with other characters than letters, digits, `-` and `_` stands in quotes, as in \
+                        'boundary.\"in let\".condition=no-slip'";
+            format!(
+                "expected a dotted key before `=`, such as `time.step`{}",
+                if text.is_empty() { "" } else { rule }
+            )
+        })?);
+        begin = end + 1;
+    }
+    Ok((parts, &text[equals + 1..]))
+}
+
+/// One part as it is written.
+fn part(text: &str) -> Option<String> {
+    if text.starts_with(['"', '\'']) {
+        return match DeValue::parse(text).ok()?.get_ref() {
+            DeValue::String(s) => Some(s.to_string()),
+            _ => None,
+        };
+    }
+    let bare = !text.is_empty() && text.chars().all(|c| c.is_alphanumeric() || c == '-' || c == '_');
+    bare.then(|| text.to_string())
+}
+
+/// The characters of `text` that are not in quotes, with their bytes.
+fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> + '_ {
+    let (mut quote, mut escaped) = (None, false);
+    text.char_indices().filter(move |&(_, c)| {
+        match quote {
+            Some(_) if escaped => escaped = false,
+            Some('"') if c == '\\' => escaped = true,
+            Some(open) if c == open => quote = None,
+            Some(_) => {}
+            None if c == '"' || c == '\'' => quote = Some(c),
+            None => return true,
+        }
+        false
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_survive_quoting() {
+        for name in
+            ["walls", "in let", "solid.flap", "a=b", "\"", "\\", "Einströmung", "a'b", "tab\t", "in|et"]
+        {
+            let text = format!("{}.condition=no-slip", join("boundary", name));
+            let (parts, value) = split_override(&text).unwrap();
+            assert_eq!((parts, value), (vec!["boundary".into(), name.into(), "condition".into()], "no-slip"));
+            let key = join(&join("boundary", name), "condition");
+            assert_eq!(parent(&key), Some(&*join("boundary", name)));
+            assert_eq!(parent(&join("boundary", name)), Some("boundary"));
+        }
+        assert_eq!(parent("boundary"), None);
+        let (parts, value) = split_override("boundary.'a.b' . Einströmung = \"x=y\"").unwrap();
+        assert_eq!((parts.concat(), value), ("boundarya.bEinströmung".into(), " \"x=y\""));
+        for wrong in ["a", "=1", "a..b=1", "a b=1", "\"a=1", "a.\"b\"c=1", "a\"b\"=1"] {
+            assert!(split_override(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! Flow that comes back in through an outlet, the usual cause of a breakdown there.
+
+use crate::assembly::facets::{facet_points, fields_at};
+use crate::math::Vector;
+use crate::physics::kinematics::cofactor;
+use crate::problem::case::{Case, Condition};
+use crate::space::{FsiSpace, Region, State};
+use crate::time::StepFailure;
+
+/// Part of the largest speed from which on flow that comes in is named as the cause.
+const SHARE: f64 = 0.5;
+
+/// Gauss points per facet.
+const POINTS: usize = 3;
+
+/// The fastest flow into the fluid through an outlet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inflow {
+    /// Name of the outlet.
+    pub boundary: String,
+    /// −v·n in the current domain \[m/s\].
+    pub speed: f64,
+    /// Where, in the current domain \[m\].
+    pub point: [f64; 2],
+}
+
+/// The fastest flow in `state` that comes in through an outlet of `case` without directional term; `None` if it leaves
+/// through all of them.
+pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow> {
+    let mut found: Option<Inflow> = None;
+    for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
+        let name = &space.mesh.boundaries[facet.boundary as usize];
+        let outlet = matches!(case.boundary.get(name), Some(Condition::DoNothing | Condition::TractionFree));
+        if !outlet || case.directional.contains(name) {
+            continue;
+        }
+        let nodes = space.nodes.cell(facet.cell as usize);
+        for point in facet_points(space, facet, POINTS) {
+            let at = fields_at(nodes, &point.value, &point.grad, state);
+            let normal = cofactor(&at.grad_u) * point.normal;
+            let speed = -at.v.dot(normal) / normal.dot(normal).sqrt();
+            if speed > found.as_ref().map_or(0.0, |found| found.speed) {
+                let Vector(x) = Vector(point.x) + at.u;
+                found = Some(Inflow { boundary: name.clone(), speed, point: x });
+            }
+        }
+    }
+    found
+}
+
+/// The flow through an outlet that explains a breakdown after `state`: the mesh did not fold, and hardly anywhere is
+/// the flow faster than where it comes in.
+pub(super) fn explains(
+    case: &Case,
+    space: &FsiSpace<2>,
+    state: &State,
+    failure: &StepFailure,
+) -> Option<Inflow> {
+    let speeds = state.v.chunks_exact(2).map(|v| v[0].hypot(v[1]));
+    let largest = speeds.fold(0.0, f64::max);
+    let folded = failure.worst.min_j <= 0.0;
+    inflow(case, space, state).filter(|found| !folded && found.speed >= SHARE * largest)
+}
