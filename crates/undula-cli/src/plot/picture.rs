@@ -329,6 +329,8 @@ struct Edges {
     inner: Vec<Vec<[f64; 2]>>,
     /// At the boundary of the domain and of the solid.
     outline: Vec<Vec<[f64; 2]>>,
+    /// Edges of pieces that make one edge of a cell.
+    pieces: f64,
 }
 
 impl Edges {
@@ -352,7 +354,9 @@ impl Edges {
                 edge.within &= edge.part_of == part_of;
             }
         }
-        let mut edges = Edges { inner: Vec::new(), outline: Vec::new() };
+        let cells = parts.and_then(|parts| parts.values.last()).map_or(solid.len() as f64, |last| last + 1.0);
+        let pieces = (solid.len() as f64 / cells).sqrt();
+        let mut edges = Edges { inner: Vec::new(), outline: Vec::new(), pieces };
         for Edge { beside, nodes, within, .. } in found.into_values() {
             let inside = beside.len() > 1 && beside.iter().all(|&kind| kind == beside[0]);
             if inside && within {
@@ -377,7 +381,7 @@ impl Edges {
         let mean_length = inner.iter().map(length).sum::<f64>() / inner.len().max(1) as f64;
         let outline: Vec<_> = self.outline.iter().map(place).filter(visible).collect();
         figure.clipped(panel, |figure| {
-            if mesh && mean_length > 5.0 {
+            if mesh && self.pieces * mean_length > 5.0 {
                 inner.into_iter().for_each(|points| figure.curve(points, MESH, 0.4));
             }
             outline.into_iter().for_each(|points| figure.curve(points, [0; 3], 1.2));

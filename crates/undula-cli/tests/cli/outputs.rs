@@ -115,14 +115,18 @@ fn check_tells_extents_regions_boundaries_and_the_flow() {
         "Re = 200 with that mean and 0.1 m, the diameter of the cylinder",
         "CFL = ",
     ];
-    here.run("check fsi3", &["mesh.refine=0"]).expect(0, &told);
+    for velocity in ["space.velocity=Q2", "space.velocity=P2"] {
+        here.run("check fsi3", &["mesh.refine=0", velocity]).expect(0, &told);
+    }
+    here.run("check dfg-2d3", &["mesh.refine=0"]).expect(0, &["Re = 100 with that mean and 0.1 m"]);
     here.write("large.msh", LARGE);
     let case = "[mesh]\nfile = \"large.msh\"\n[fluid]\ndensity = 1000\nkinematic-viscosity = 1e-6\n[boundary]\n\
                 wall.condition = \"do-nothing\"\ninlet = { condition = \"velocity\", velocity = [0.1, 0] }\n";
     here.write("large.toml", case);
-    let said = here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
+    let said =
+        here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
     assert!(
-        said.out.contains("Re = 5000000 with that mean and 50 m, the length of that boundary"),
+        said.out.contains("Re = 5e6 with that mean and 50 m, the length of that boundary"),
         "{}",
         said.out
     );

@@ -104,8 +104,7 @@ impl Case {
             let own = space.mesh.facets.iter().any(|f| usize::from(f.boundary) == number);
             let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
             let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
-            let bodies = match (has(Region::Fluid), has(Region::Solid)) {
-                _ if inside => "fluid and solid",
+            let bodies = match (inside || has(Region::Fluid), inside || has(Region::Solid)) {
                 (true, true) => "fluid and solid",
                 (true, false) => "fluid",
                 _ => "solid",
@@ -181,7 +180,8 @@ impl Case {
         let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
         large.then(|| {
             format!(
-                "the mesh is {size:.4} m long: if its coordinates are millimetres, give mesh.scale = 1e-3"
+                "the mesh is {} m long: if its coordinates are millimetres, give mesh.scale = 1e-3",
+                short(size)
             )
         })
     }
