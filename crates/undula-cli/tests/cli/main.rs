@@ -1,11 +1,35 @@
 //! The program as a user meets it: the real binary, in directories of its own.
 
 mod bench;
+mod commands;
 mod endings;
 mod faults;
 mod input;
 mod jacobian;
 mod outputs;
+mod pictures;
+
+// Sources of the program, of which some tests call functions.
+#[path = "../../src/args.rs"]
+#[allow(dead_code)]
+mod args;
+#[path = "../../src/cases.rs"]
+mod cases;
+#[path = "../../src/check.rs"]
+mod check;
+#[path = "../../src/compare.rs"]
+#[allow(dead_code)]
+mod compare;
+#[path = "../../src/digits.rs"]
+#[allow(dead_code)]
+mod digits;
+#[path = "../../src/new.rs"]
+mod new;
+#[path = "../../src"]
+#[allow(dead_code)]
+mod sources {
+    pub mod plot;
+}
 
 use serde_json::Value;
 use std::fs;

@@ -131,7 +131,10 @@ struct Setting<'a> {
 }
 
 /// Measure all kernels for a step of length `k` \[s\], within the pool of the simulation.
-pub(super) fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
+///
+/// # Errors
+/// If a matrix cannot be factorised.
+pub fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
     let Stepper { assembler, settings, new, old, .. } = &mut simulation.stepper;
     let rule = settings.scheme.rule(k);
     let mut at = Setting { assembler, rule, new, old, sizes: settings.scales.sizes::<2>(rule.per_k) };
@@ -329,28 +332,4 @@ fn timing_after<S>(on: &mut S, prepare: impl Fn(&mut S), mut work: impl FnMut(&m
 fn repeated(calls: usize, mut work: impl FnMut()) -> Timing {
     let all: Vec<f64> = (0..calls).map(|_| seconds(&mut work)).collect();
     Timing { seconds: median(&all), calls, flops: None, bytes: None }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::problem::case::Case;
-
-    #[test]
-    fn differences_are_the_jacobian() {
-        let sets = ["mesh.refine=0", "time.step=0.01", "solid.body-force=[0,-2]"].map(String::from);
-        let mut simulation = Simulation::new(Case::builtin("fsi3", &sets).unwrap(), 1).unwrap();
-        (0..5).for_each(|_| drop(simulation.step().unwrap()));
-        let kernels = simulation.install(|s| measure(s, 0.01)).unwrap();
-        let deviation = kernels.difference_deviation.unwrap();
-        assert!(deviation < 1e-6, "{deviation:e}");
-        assert!(kernels.left_out.is_empty(), "{:?}", kernels.left_out);
-        for (name, timing) in kernels.named() {
-            let Timing { seconds, calls, .. } = timing.unwrap_or_else(|| panic!("{name}"));
-            assert!(seconds > 0.0 && calls > 0, "{name}");
-        }
-        let bytes = |timing: Option<Timing>| timing.unwrap().bytes.unwrap();
-        assert_eq!(bytes(kernels.apply_double), 2.0 * bytes(kernels.apply_single));
-        assert!(kernels.factor_single.unwrap().flops > kernels.apply_single.unwrap().flops);
-    }
 }

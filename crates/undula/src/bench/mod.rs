@@ -15,9 +15,13 @@ mod matrices;
 mod steps;
 mod table;
 
+#[doc(hidden)]
+pub use kernels::measure as measure_kernels;
 pub use kernels::{Kernels, Timing};
 pub use machine::{Machine, Rates};
 pub use matrices::write_matrices;
+#[doc(hidden)]
+pub use steps::Start;
 pub use steps::{Parts, Spread, Steps};
 
 use crate::assembly::simd;
@@ -25,7 +29,6 @@ use crate::error::Error;
 use crate::output::{Unknowns, peak_memory};
 use crate::simulation::Simulation;
 use serde::Serialize;
-use steps::Start;
 
 /// What is measured.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

@@ -83,7 +83,7 @@ pub struct Steps {
 }
 
 /// Where every repetition starts.
-pub(super) struct Start {
+pub struct Start {
     clock: Clock,
     new: State,
     old: State,
@@ -94,7 +94,7 @@ pub(super) struct Start {
 
 impl Start {
     /// The present state of `simulation`.
-    pub(super) fn of(simulation: &Simulation) -> Start {
+    pub fn of(simulation: &Simulation) -> Start {
         let stepper = &simulation.stepper;
         Start {
             clock: stepper.clock(),
@@ -107,7 +107,10 @@ impl Start {
     }
 
     /// Take `simulation` back; what Newton's method has learnt since is forgotten.
-    pub(super) fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// As [`Simulation::restore`].
+    pub fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
         simulation.history.clear();
         let newton = simulation.case.build_newton(&simulation.stepper.assembler.space);
         simulation.stepper.newton = newton;
@@ -171,23 +174,4 @@ pub(super) fn measure(
         factorizations: per_step(all.factorizations),
         linear_iterations: per_step(all.linear_iterations),
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::problem::case::Case;
-
-    #[test]
-    fn repetitions_have_the_same_bits() {
-        let sets = ["mesh.refine=0", "time.step=0.01", "solid.body-force=[0,-2]"].map(String::from);
-        let mut simulation = Simulation::new(Case::builtin("fsi3", &sets).unwrap(), 1).unwrap();
-        (0..4).for_each(|_| drop(simulation.step().unwrap()));
-        let start = Start::of(&simulation);
-        let mut repetition = || {
-            start.restore(&mut simulation).unwrap();
-            (0..6).map(|_| simulation.step().unwrap()).collect::<Vec<_>>()
-        };
-        assert_eq!(repetition(), repetition());
-    }
 }

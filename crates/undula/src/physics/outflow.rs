@@ -9,7 +9,7 @@ use crate::math::{Scalar, Vector};
 ///
 /// The trace is zero for the solution. With it only derivatives along the boundary are left, which can be
 /// integrated by parts; without it the adjoint problem is another one, pressure and normal forces shift by
-/// O(h²) instead of O(h⁴), and a coupled solution loses an order (`tests/convergence_space.rs`).
+/// O(h²) instead of O(h⁴), and a coupled solution loses an order (`tests/it/convergence_space.rs`).
 ///
 /// Without it the same boundary is traction-free. Its derivatives with respect to v and u are needed
 /// too, or Newton turns linear.

@@ -1,8 +1,6 @@
 //! Case files that are refused, and in which words.
 
-mod common;
-
-use common::{FLUID, builtin, turek_hron, wrong, wrong_builtin};
+use crate::common::{FLUID, builtin, turek_hron, wrong, wrong_builtin};
 use undula::problem::builtin::builtin_cases;
 use undula::problem::case::Case;
 

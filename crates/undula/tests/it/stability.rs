@@ -1,11 +1,7 @@
 //! Inf-sup constants (5.24), (5.25) and condition numbers (5.35).
 #![allow(non_snake_case)]
 
-mod common;
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use common::builtin;
+use crate::common::builtin;
 use faer::{Mat, Side, prelude::Solve};
 use std::sync::Arc;
 use undula::algebra::{Csr, Kind, Pattern, Unknown};

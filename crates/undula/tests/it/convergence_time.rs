@@ -3,10 +3,7 @@
 //! At every time the solution lies in the spaces (biquadratic v and u on squares, linear p) and the
 //! right-hand side is integrated by the rule of the solver, so that all of the error is that of time.
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::functional::energy::{Energy, Integral};
 use undula::functional::{Functional, Snapshot};

@@ -1,8 +1,6 @@
 //! Case files: what they mean, and the way back to TOML.
 
-mod common;
-
-use common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
+use crate::common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
 use undula::mesh::generate::{rectangle, schaefer_turek};
 use undula::problem::builtin::builtin_cases;
 use undula::problem::case::*;
@@ -245,7 +243,7 @@ fn names_come_from_the_facets() {
 
 #[test]
 fn every_scheme_reads_back() {
-    let mut cases: Vec<Vec<&str>> = common::SCHEMES.iter().map(|scheme| vec![*scheme]).collect();
+    let mut cases: Vec<Vec<&str>> = crate::common::SCHEMES.iter().map(|scheme| vec![*scheme]).collect();
     for motion in ["secant", "midpoint", "galerkin"] {
         cases.push(vec![match motion {
             "secant" => "time.domain-motion=secant",

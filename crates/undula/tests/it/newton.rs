@@ -1,8 +1,6 @@
 //! Newton's method on one equation: when a Jacobian is kept, when it ends, and what the line search is for.
 
-mod common;
-
-use common::builtin;
+use crate::common::builtin;
 use undula::algebra::SolverError;
 use undula::nonlinear::{Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};
 use undula::simulation::Simulation;

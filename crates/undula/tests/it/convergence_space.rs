@@ -6,10 +6,7 @@
 //! singular: around a block the velocity of the flow alone converges with order 2.5.
 #![allow(non_snake_case)]
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use undula::assembly::{Physics, StepView};
 use undula::math::Tensor;
 use undula::problem::manufactured::{Errors, InTime, sample};

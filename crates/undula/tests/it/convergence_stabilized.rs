@@ -4,10 +4,7 @@
 //! that they see the body force, which is given as such here.
 #![allow(non_snake_case)]
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use undula::assembly::points::for_each_point;
 use undula::assembly::{End, Options, Physics};
 use undula::element::Shape;

@@ -1,10 +1,7 @@
 //! Incompressible solids in the whole program: orders in space and time, closed forms, the condensed system.
 #![allow(non_snake_case)]
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::assembly::facets::facet_points;
 use undula::assembly::{End, Physics};

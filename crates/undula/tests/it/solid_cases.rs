@@ -1,8 +1,6 @@
 //! Every law of the solid through the whole program, from the case to the end of the beam.
 
-mod common;
-
-use common::{builtin, wrong_builtin};
+use crate::common::{builtin, wrong_builtin};
 use undula::assembly::points::for_each_point;
 use undula::math::Tensor;
 use undula::problem::case::{Case, SolidLaw};

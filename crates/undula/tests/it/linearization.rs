@@ -1,8 +1,6 @@
 //! All linearisations arrive at one solution, each with its order; and the tool that compares their matrices.
 
-mod common;
-
-use common::{builtin, sets};
+use crate::common::{builtin, sets};
 use undula::jacobian::{At, Equation, Field, JacobianReport, compare};
 use undula::problem::case::Case;
 use undula::simulation::Simulation;

@@ -1,22 +1,7 @@
 //! The subcommands that need no solver, called as functions.
 
-#[path = "../src/args.rs"]
-#[allow(dead_code)]
-mod args;
-#[path = "../src/cases.rs"]
-mod cases;
-#[path = "../src/check.rs"]
-mod check;
-#[path = "../src/compare.rs"]
-#[allow(dead_code)]
-mod compare;
-#[path = "../src/digits.rs"]
-#[allow(dead_code)]
-mod digits;
-#[path = "../src/new.rs"]
-mod new;
-
-use args::{CaseArgs, Cli, Command};
+use crate::args::{CaseArgs, Cli, Command};
+use crate::{cases, check, compare, new};
 use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
 use undula::problem::case::Case;

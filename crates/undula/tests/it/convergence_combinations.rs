@@ -3,10 +3,7 @@
 //! A block is pushed by a force that begins smoothly, and drives the flow around it, from rest to 1.2 s on one
 //! mesh. Differences between runs with k, k/2 and k/4 are the errors of time alone.
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::assembly::Physics;
 use undula::assembly::force::CurrentForce;

@@ -1,9 +1,6 @@
 //! The ALE map of section 5.3.5: what each extension reproduces, and that all of them solve the same problem.
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{FaerLu, LinearSolver};
 use undula::assembly::{Assembler, Options, Physics, StepView};

@@ -1,11 +1,9 @@
 //! Every built-in case, shortened: the functionals are those stored in `tests/cases.stored`.
 //!
-//! After a change that is meant to change numbers, `UNDULA_STORE=1 cargo test --test cases` writes the
+//! After a change that is meant to change numbers, `UNDULA_STORE=1 cargo test --test it cases` writes the
 //! file anew; its difference belongs into the commit, and into the reasons given there.
 
-mod common;
-
-use common::builtin;
+use crate::common::builtin;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Mutex;
@@ -69,7 +67,7 @@ fn shortened_cases_give_the_stored_numbers() {
     assert_eq!(RUNS.map(|run| run.0).to_vec(), builtin_cases().iter().map(|c| c.name).collect::<Vec<_>>());
     let found = run_all();
     let mut table =
-        String::from("# case functional value unit; written by UNDULA_STORE=1 cargo test --test cases\n");
+        String::from("# case functional value unit; written by UNDULA_STORE=1 cargo test --test it cases\n");
     for (name, _, tolerance) in RUNS {
         for (functional, (value, unit)) in &found[name] {
             table += format!("{name} {functional} {value:e} {unit}").trim_end();

@@ -1,8 +1,6 @@
 //! The benchmark with every element.
 
-mod common;
-
-use common::builtin;
+use crate::common::builtin;
 use undula::simulation::Simulation;
 
 /// Velocity and pressure as in a case.

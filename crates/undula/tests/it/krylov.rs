@@ -1,8 +1,6 @@
 //! GMRES with kept factors: the same solutions, with fewer factorisations.
 
-mod common;
-
-use common::builtin;
+use crate::common::builtin;
 use undula::nonlinear::Counters;
 use undula::simulation::Simulation;
 

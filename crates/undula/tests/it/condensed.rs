@@ -1,11 +1,7 @@
 //! Condensed Newton: the system it solves, and that it arrives where the whole Jacobian does.
 
-mod common;
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use common::{SCHEMES, builtin};
-use manufactured::*;
+use crate::common::{SCHEMES, builtin};
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
 use undula::assembly::{Assembler, Options, Physics, StepView};

@@ -1,10 +1,7 @@
 //! What the discrete equations reproduce exactly.
 #![allow(non_snake_case)]
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::SolverError;
 use undula::assembly::{Assembler, End, Options, Physics, StepView};

@@ -1,18 +1,7 @@
 //! Pictures of a made-up run: a channel with a cylinder and a bent beam, and signals as of a flapping beam.
 //! The pictures stay in the scratch directory of the build, to be looked at.
 
-#[path = "../src/args.rs"]
-#[allow(dead_code)]
-mod args;
-#[path = "../src/digits.rs"]
-#[allow(dead_code)]
-mod digits;
-#[path = "../src"]
-#[allow(dead_code)]
-mod cli {
-    pub mod plot;
-}
-
+use crate::sources::plot::plot_directory;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -203,7 +192,7 @@ fn a_flapping_beam() {
         history.append(&[f64::from(n), t, t - 0.0025, drag, lift, ux, uy, min_j, 3.0, 1.0]).unwrap();
     }
     fields(&run, 2400, 12.0, &Channel::new().snapshot(0.034));
-    let written = cli::plot::plot_directory(run.path(), None).unwrap();
+    let written = plot_directory(run.path(), None).unwrap();
     let expected = ["history.svg", "history.png", "path_A.svg", "path_A.png", "speed.png", "pressure.png"];
     assert_eq!(names(&written), expected);
     let svg = fs::read_to_string(&written[0]).unwrap();
@@ -227,7 +216,7 @@ fn a_stationary_run_has_pictures_only() {
     let pressure: Vec<f64> = mesh.reference.iter().map(|x| 1e-5 * (x[0] * x[0] - x[1])).collect();
     snapshot.point_data = vec![Field::new("pressure", 1, pressure)];
     fields(&run, 0, 0.0, &snapshot);
-    assert_eq!(names(&cli::plot::plot_directory(run.path(), None).unwrap()), ["pressure.png"]);
+    assert_eq!(names(&plot_directory(run.path(), None).unwrap()), ["pressure.png"]);
 }
 
 #[test]
@@ -242,12 +231,12 @@ fn a_solid_alone_shows_its_deformation() {
     let mut mesh = Channel::default();
     mesh.block([30, 2], true, |s, t| [0.25 + 0.35 * s, 0.19 + 0.02 * t]);
     fields(&run, 500, 10.0, &mesh.snapshot(-0.1));
-    let written = names(&cli::plot::plot_directory(run.path(), None).unwrap());
+    let written = names(&plot_directory(run.path(), None).unwrap());
     assert_eq!(written, ["history.svg", "history.png", "deformation.png"]);
 }
 
 #[test]
 fn what_is_no_run_is_named() {
-    let error = cli::plot::plot_directory(&scratch("plot-nothing"), None).unwrap_err().to_string();
+    let error = plot_directory(&scratch("plot-nothing"), None).unwrap_err().to_string();
     assert!(error.contains("plot-nothing: no run here (case.toml is missing)"), "{error}");
 }

@@ -3,10 +3,7 @@
 //! Interpolation: v and u of degree k have order k + 1 in L², a pressure of degree m has order m + 1. A stable
 //! pair keeps both while m = k − 1; with m < k − 1 the pressure decides, and v and u are of order m + 2.
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use undula::assembly::Options;
 use undula::problem::manufactured::InTime;
 use undula::space::PressureKind::{Continuous, Pdc};

@@ -1,8 +1,6 @@
 //! A run that was stopped and goes on repeats the bits of one that was not, with every scheme in time.
 
-mod common;
-
-use common::{SCHEMES, builtin};
+use crate::common::{SCHEMES, builtin};
 use std::fs;
 use std::path::{Path, PathBuf};
 use undula::output::{Checkpoint, Status};

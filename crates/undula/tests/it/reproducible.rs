@@ -1,8 +1,6 @@
 //! The number of threads changes no bit of the result.
 
-mod common;
-
-use common::builtin;
+use crate::common::builtin;
 use undula::assembly::StepView;
 use undula::simulation::{Row, Simulation};
 use undula::space::State;

@@ -1,10 +1,7 @@
 //! Stabilisation of equal-order pairs and of transport, section 5.3.3: derivatives, the map, consistency.
 #![allow(non_snake_case)]
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
 use undula::assembly::{Assembler, End, Options, StepView};

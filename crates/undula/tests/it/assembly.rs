@@ -1,9 +1,6 @@
 //! Residual and Jacobian of the whole problem.
 
-#[path = "common/manufactured.rs"]
-mod manufactured;
-
-use manufactured::*;
+use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
 use undula::assembly::{Assembler, Options, Physics, StepView};

@@ -1,0 +1,42 @@
+//! The library from outside: what its modules do together, and every claim of the documentation.
+//!
+//! One program, because linking it is what takes time. `cargo test --test it patch` runs one file of it. Tests that
+//! need a process of their own are programs beside it.
+
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/manufactured.rs"]
+mod manufactured;
+
+mod assembly;
+mod bench;
+mod case_errors;
+mod case_files;
+mod cases;
+mod condensed;
+mod convergence_combinations;
+mod convergence_elements;
+mod convergence_space;
+mod convergence_stabilized;
+mod convergence_time;
+mod derivatives;
+mod elements;
+mod extension;
+mod incompressible;
+mod krylov;
+mod layering;
+mod linearization;
+mod materials;
+mod mesh;
+mod methods;
+mod newton;
+mod output_vtu;
+mod patch;
+mod references;
+mod reproducible;
+mod resume;
+mod rotor;
+mod solid_cases;
+mod stability;
+mod stabilization;
+mod statistics;
