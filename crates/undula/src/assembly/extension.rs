@@ -123,7 +123,7 @@ where
         for batch in 0..self.batches.len() {
             self.scratch.with(|s| {
                 let (linearization, tangent) = (Linearization::Newton, Tangent::Analytic);
-                let directions = Directions::All;
+                let directions = Directions::Deformation;
                 TangentTasks { kernel: self, step, linearization, tangent, directions, batch, scratch: s }
                     .run();
                 for piece in &self.pieces {

@@ -17,6 +17,8 @@ pub(super) enum Directions {
         /// kθ in the solid, else 0 \[s\].
         coupling: f64,
     },
+    /// u alone.
+    Deformation,
 }
 
 /// The tangents at all points of a batch.
@@ -37,10 +39,10 @@ where
     pub(super) fn run(self) {
         let lagged = self.linearization == Linearization::FixedPoint;
         match self.tangent {
-            Tangent::Difference(by) => self.dispatch(ByDifference { by, lagged }),
-            _ if lagged => self.dispatch(FixedPoint),
+            Tangent::Difference(by) => self.dispatch(ByLane::Difference { by, lagged }),
+            _ if lagged => self.dispatch(ByLane::FixedPoint),
             Tangent::Automatic => self.dispatch(Automatic),
-            Tangent::Analytic => self.dispatch(Analytic),
+            Tangent::Analytic => self.dispatch(ByLane::Analytic),
         }
     }
 
@@ -65,36 +67,26 @@ trait How<F, const D: usize, const L: usize> {
     fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D>;
 }
 
+/// Dual numbers, in all lanes at a time.
 struct Automatic;
-struct Analytic;
-struct FixedPoint;
-struct ByDifference {
-    by: Difference,
-    /// Of the fixed-point iteration.
-    lagged: bool,
+
+impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for Automatic {
+    #[inline(always)]
+    fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
+        automatic(at.form, at.rule, at.place, at.new, at.old, direction)
+    }
 }
 
-/// A way in which every direction stands for itself.
-macro_rules! by_direction {
-    ($how:ty, $tangent:expr) => {
-        impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for $how {
-            #[inline(always)]
-            fn tangent(
-                &self,
-                at: &Point<'_, F, D, L>,
-                direction: &Fields<Lanes<L>, D>,
-            ) -> Tested<Lanes<L>, D> {
-                $tangent(at.form, at.rule, at.place, at.new, at.old, direction)
-            }
-        }
-    };
-}
-
-by_direction!(Automatic, automatic);
-by_direction!(Analytic, F::by_hand);
-/// A way that is computed lane by lane: rarely taken, it would take minutes to compile for every vector width.
-trait ByLane<F, const D: usize> {
-    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D>;
+/// What is computed lane by lane: rarely taken, it would take minutes to compile for every vector width.
+#[derive(Copy, Clone)]
+enum ByLane {
+    Analytic,
+    FixedPoint,
+    Difference {
+        by: Difference,
+        /// Of the fixed-point iteration.
+        lagged: bool,
+    },
 }
 
 /// A point in one lane.
@@ -106,56 +98,57 @@ struct Single<'a, F, const D: usize> {
     old: Fields<f64, D>,
 }
 
-impl<F: ByHand<D>, const D: usize> ByLane<F, D> for FixedPoint {
+impl<F: ByHand<D>, const D: usize> Single<'_, F, D> {
     #[inline(never)]
-    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D> {
-        fixed_point(at.form, at.rule, &at.place, &at.new, &at.old, direction)
-    }
-}
-
-impl<F: ByHand<D>, const D: usize> ByLane<F, D> for ByDifference {
-    #[inline(never)]
-    fn tangent(&self, at: &Single<'_, F, D>, direction: &Fields<f64, D>) -> Tested<f64, D> {
-        let mut base = Tested::zero();
-        at.rule.residual(at.form, &at.place, &at.new, &at.new, &at.old, &mut base);
-        let h = perturbation(&self.by, direction);
-        let ends = (&at.new, &at.old);
-        self.by.derivative(self.lagged, at.form, at.rule, &at.place, ends, &base, (direction, h))
-    }
-}
-
-macro_rules! by_lane {
-    ($how:ty) => {
-        impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for $how {
-            #[inline(always)]
-            fn tangent(
-                &self,
-                at: &Point<'_, F, D, L>,
-                direction: &Fields<Lanes<L>, D>,
-            ) -> Tested<Lanes<L>, D> {
-                let mut all = Tested::zero();
-                for l in 0..L {
-                    let single = Single {
-                        form: at.form,
-                        rule: at.rule,
-                        place: Place {
-                            force: at.place.force.map(|x| x.0[l]),
-                            force_slope: at.place.force_slope.map(|x| x.0[l]),
-                            stiffness: at.place.stiffness.0[l],
-                        },
-                        new: at.new.map(|x| x.0[l]),
-                        old: at.old.map(|x| x.0[l]),
-                    };
-                    put(&mut all, &ByLane::tangent(self, &single, &direction.map(|x| x.0[l])), l);
-                }
-                all
-            }
+    fn tangent(&self, how: ByLane, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        match how {
+            ByLane::Analytic => self.analytic(direction),
+            ByLane::FixedPoint => self.fixed_point(direction),
+            ByLane::Difference { by, lagged } => self.difference(&by, lagged, direction),
         }
-    };
+    }
+
+    #[inline(never)]
+    fn analytic(&self, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        self.form.by_hand(self.rule, &self.place, &self.new, &self.old, direction)
+    }
+
+    #[inline(never)]
+    fn fixed_point(&self, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        fixed_point(self.form, self.rule, &self.place, &self.new, &self.old, direction)
+    }
+
+    #[inline(never)]
+    fn difference(&self, by: &Difference, lagged: bool, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        let mut base = Tested::zero();
+        self.rule.residual(self.form, &self.place, &self.new, &self.new, &self.old, &mut base);
+        let h = perturbation(by, direction);
+        let ends = (&self.new, &self.old);
+        by.derivative(lagged, self.form, self.rule, &self.place, ends, &base, (direction, h))
+    }
 }
 
-by_lane!(FixedPoint);
-by_lane!(ByDifference);
+impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
+    #[inline(always)]
+    fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
+        let mut all = Tested::zero();
+        for l in 0..L {
+            let single = Single {
+                form: at.form,
+                rule: at.rule,
+                place: Place {
+                    force: at.place.force.map(|x| x.0[l]),
+                    force_slope: at.place.force_slope.map(|x| x.0[l]),
+                    stiffness: at.place.stiffness.0[l],
+                },
+                new: at.new.map(|x| x.0[l]),
+                old: at.old.map(|x| x.0[l]),
+            };
+            put(&mut all, &single.tangent(*self, &direction.map(|x| x.0[l])), l);
+        }
+        all
+    }
+}
 
 /// Lane `l` of `all`.
 #[inline(always)]
@@ -208,9 +201,10 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         let components = Fields::<f64, D>::COMPONENTS;
-        let (with_u, coupling) = match self.directions {
-            Directions::All => (k.deforms, 0.0),
-            Directions::Condensed { coupling } => (false, coupling),
+        let (with_vp, with_u, coupling) = match self.directions {
+            Directions::All => (true, k.deforms, 0.0),
+            Directions::Condensed { coupling } => (true, false, coupling),
+            Directions::Deformation => (false, k.deforms, 0.0),
         };
         k.load(self.step, batch, s, true);
         for q in 0..b.n_points {
@@ -220,7 +214,8 @@ where
             let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
             let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
             for (n, column) in columns.chunks_exact_mut(components).enumerate() {
-                if !with_u && (D + D * D..2 * (D + D * D)).contains(&n) {
+                let of_u = (D + D * D..2 * (D + D * D)).contains(&n);
+                if !(if of_u { with_u } else { with_vp }) {
                     continue;
                 }
                 let mut direction = reference_direction::<D, L>(n, &point.inverse);
