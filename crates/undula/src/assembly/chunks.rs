@@ -58,6 +58,16 @@ pub fn for_each_piece<T: Send>(
     }
 }
 
+/// Run `work` on every chunk, on all threads of the pool if there are several. Not generic: for each loop over chunks, what
+/// rayon makes of it would be compiled once more.
+pub fn for_each(chunks: &[Range<usize>], threads: usize, work: &(dyn Fn(&Range<usize>) + Sync)) {
+    if threads == 1 {
+        chunks.iter().for_each(work);
+    } else {
+        chunks.par_iter().with_max_len(1).for_each(work);
+    }
+}
+
 /// Where the batches write: consecutive indices of each batch, each standing for `width` entries from it on.
 pub struct Writes<'a> {
     /// First entries, or [`DROP`].

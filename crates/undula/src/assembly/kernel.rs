@@ -1,7 +1,7 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::batch::Batches;
-use super::chunks::{Copies, Writes, for_each_piece};
+use super::chunks::{Copies, Writes, for_each, for_each_piece};
 use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::folds::Corners;
 use super::interior::Interior;
@@ -14,7 +14,6 @@ use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
 use crate::tangent::{ByHand, Linearization, Tangent};
-use rayon::prelude::*;
 
 /// One step as assembly sees it.
 #[derive(Copy, Clone)]
@@ -259,17 +258,13 @@ where
 
     /// Run `work` on every batch, the batches of a chunk in their order on one thread.
     pub(super) fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
-        let work = |batch: usize| {
-            if !self.only_watched || self.watched[batch] {
-                work(batch);
+        for_each(&self.batches.chunks, self.threads, &|chunk| {
+            for batch in chunk.clone() {
+                if !self.only_watched || self.watched[batch] {
+                    work(batch);
+                }
             }
-        };
-        let chunks = &self.batches.chunks;
-        if self.threads == 1 {
-            chunks.iter().for_each(|chunk| chunk.clone().for_each(&work));
-        } else {
-            chunks.par_iter().with_max_len(1).for_each(|chunk| chunk.clone().for_each(&work));
-        }
+        });
     }
 
     /// The same with the piece of `size` entries of `array` that belongs to each batch.

@@ -8,7 +8,7 @@ mod patches;
 pub mod tables;
 mod tasks;
 
-use super::chunks::{Copies, Writes};
+use super::chunks::{Copies, Writes, for_each};
 use super::contract::Trial;
 use super::kernel::StepView;
 use super::scatter::{DROP, PerThread};
@@ -19,7 +19,6 @@ use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};
 use crate::space::FsiSpace;
 use patches::axes;
 pub use patches::patches;
-use rayon::prelude::*;
 use tables::Tables;
 use tasks::{MatrixTask, ResidualTask, Scratch};
 
@@ -214,12 +213,7 @@ where
     }
 
     fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
-        let chunks = &self.tables.chunks;
-        if self.threads == 1 {
-            chunks.iter().for_each(|chunk| chunk.clone().for_each(&work));
-        } else {
-            chunks.par_iter().with_max_len(1).for_each(|chunk| chunk.clone().for_each(&work));
-        }
+        for_each(&self.tables.chunks, self.threads, &|chunk| chunk.clone().for_each(&work));
     }
 
     /// Add all terms of the step to `out`.
