@@ -6,6 +6,8 @@
 //!
 //! The loops are of this crate alone: vectors of several lanes are for processors that have the instructions, which
 //! [`Assembler::new`] looks after.
+// Unit tests have no kernels, see `kernels` below.
+#![cfg_attr(test, allow(dead_code))]
 
 pub(crate) mod batch;
 pub(crate) mod biharmonic;
@@ -40,7 +42,9 @@ use facets::OutflowFacets;
 use force::CurrentForce;
 use interior::FacetBlocks;
 pub use kernel::StepView;
-use pair::{Kernels, Pair};
+use pair::Kernels;
+#[cfg(not(test))]
+use pair::Pair;
 use scatter::DROP;
 pub use simd::{available, best_lanes};
 use stabilize::Columns;
@@ -61,7 +65,7 @@ pub type ForceAt<'a, const D: usize> = &'a dyn Fn(&[f64; D]) -> [f64; D];
 /// How the loops run; none of it changes the problem solved.
 #[derive(Copy, Clone, Debug)]
 pub struct Options {
-    /// Cells per batch: 1, 4 or 8; what this processor does not have is replaced by its best.
+    /// Cells per batch: 1, 4 or 8; what this processor or this build does not have is replaced by the best there is.
     pub lanes: usize,
     /// Threads at work at the same time. Loops run on the rayon pool from which they are called; more threads than these
     /// wait for each other, and none work side by side if this is 1. The results are the same.
@@ -71,7 +75,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// The widest lanes of this processor, one thread, `quadrature` Gauss points per direction.
+    /// The widest lanes there are, one thread, `quadrature` Gauss points per direction.
     pub fn serial(quadrature: usize) -> Options {
         Options { lanes: simd::best_lanes(), threads: 1, quadrature }
     }
@@ -131,20 +135,21 @@ pub struct CondensedSystem {
     pub unknowns: Vec<Unknown>,
 }
 
-impl<const D: usize> Assembler<D> {
+impl Assembler<2> {
     /// Prepare everything that stays for the run.
     ///
-    /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension.
+    /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension. Not generic in
+    /// the dimension: whoever called it would compile all kernels once more.
     ///
     /// # Panics
     /// Where [`Assembler::try_new`] fails.
     pub fn new(
-        space: Arc<FsiSpace<D>>,
+        space: Arc<FsiSpace<2>>,
         physics: Physics,
-        conditions: &[BoundaryCondition<D>],
-        stiffness: &dyn Fn(&[f64; D]) -> f64,
+        conditions: &[BoundaryCondition<2>],
+        stiffness: &dyn Fn(&[f64; 2]) -> f64,
         options: &Options,
-    ) -> Assembler<D> {
+    ) -> Assembler<2> {
         granted(Self::try_new(space, physics, conditions, stiffness, options))
     }
 
@@ -153,25 +158,56 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
     pub fn try_new(
+        space: Arc<FsiSpace<2>>,
+        physics: Physics,
+        conditions: &[BoundaryCondition<2>],
+        stiffness: &dyn Fn(&[f64; 2]) -> f64,
+        options: &Options,
+    ) -> Result<Assembler<2>, SolverError> {
+        let kernels = kernels(&space, &physics, stiffness, options)?;
+        Ok(Assembler::with(kernels, space, physics, conditions, options))
+    }
+}
+
+/// The kernels with the lanes that are asked for or, if this build or this processor has none, with the most it has.
+#[cfg(not(test))]
+fn kernels(
+    space: &FsiSpace<2>,
+    physics: &Physics,
+    stiffness: &dyn Fn(&[f64; 2]) -> f64,
+    options: &Options,
+) -> Result<Box<dyn Kernels<2>>, SolverError> {
+    let there = simd::compiled(options.lanes) && simd::available(options.lanes);
+    Ok(match if there { options.lanes } else { simd::best_lanes() } {
+        #[cfg(lanes_8)]
+        8 => Box::new(Pair::<2, 8>::new(space, physics, stiffness, options)?),
+        #[cfg(lanes_4)]
+        4 => Box::new(Pair::<2, 4>::new(space, physics, stiffness, options)?),
+        _ => Box::new(Pair::<2, 1>::new(space, physics, stiffness, options)?),
+    })
+}
+
+/// None: they are not compiled twice for `cargo test`. What assembles is tested in `tests/it`.
+#[cfg(test)]
+fn kernels(
+    _: &FsiSpace<2>,
+    _: &Physics,
+    _: &dyn Fn(&[f64; 2]) -> f64,
+    _: &Options,
+) -> Result<Box<dyn Kernels<2>>, SolverError> {
+    unimplemented!("unit tests have no kernels")
+}
+
+impl<const D: usize> Assembler<D> {
+    fn with(
+        kernels: Box<dyn Kernels<D>>,
         space: Arc<FsiSpace<D>>,
         physics: Physics,
         conditions: &[BoundaryCondition<D>],
-        stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
-    ) -> Result<Assembler<D>, SolverError> {
+    ) -> Assembler<D> {
         let constraints = Constraints::new(&space, conditions);
         let outflow = OutflowFacets::new(&space, physics.fluid, conditions, options.quadrature);
-        let lanes = if simd::available(options.lanes) { options.lanes } else { simd::best_lanes() };
-        let kernels: Box<dyn Kernels<D>> = match lanes {
-            1 => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)?),
-            // Not in unit tests: integration tests run every width, and compiling them twice takes minutes.
-            #[cfg(not(any(test, feature = "narrow")))]
-            4 => Box::new(Pair::<D, 4>::new(&space, &physics, stiffness, options)?),
-            #[cfg(not(any(test, feature = "narrow")))]
-            _ => Box::new(Pair::<D, 8>::new(&space, &physics, stiffness, options)?),
-            #[cfg(any(test, feature = "narrow"))]
-            _ => Box::new(Pair::<D, 1>::new(&space, &physics, stiffness, options)?),
-        };
         let given = given_rows(&space, &constraints);
         let blocks = FacetBlocks::default();
         let biharmonic = match physics.fluid.map(|f| f.extension) {
@@ -180,7 +216,7 @@ impl<const D: usize> Assembler<D> {
             }
             _ => None,
         };
-        Ok(Assembler {
+        Assembler {
             space,
             constraints,
             physics,
@@ -194,7 +230,7 @@ impl<const D: usize> Assembler<D> {
             condensed: None,
             blocks,
             stabilized: false,
-        })
+        }
     }
 
     /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.

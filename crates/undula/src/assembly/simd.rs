@@ -16,9 +16,20 @@ pub trait Task {
     fn run(self);
 }
 
-/// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1.
+/// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1; of those
+/// that are [`compiled`].
 pub fn best_lanes() -> usize {
-    [8, 4].into_iter().find(|&lanes| available(lanes)).unwrap_or(1)
+    [8, 4].into_iter().find(|&lanes| compiled(lanes) && available(lanes)).unwrap_or(1)
+}
+
+/// Whether this build has kernels with `lanes` lanes; `build.rs` chooses.
+pub fn compiled(lanes: usize) -> bool {
+    match lanes {
+        1 => true,
+        4 => cfg!(lanes_4),
+        8 => cfg!(lanes_8),
+        _ => false,
+    }
 }
 
 /// Whether this processor can compute with `lanes` lanes.

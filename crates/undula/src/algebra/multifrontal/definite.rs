@@ -3,6 +3,7 @@
 //! Blocks are those of forward substitution, from the last to the first. Every number is computed by the same
 //! operations in the same order, whatever the number of threads.
 
+use super::arch::dispatch;
 use super::factors::{BLOCK, Lower, Sizes};
 use super::kernels::{dots, flush};
 use super::real::Real;
@@ -35,15 +36,15 @@ pub(super) fn backward<T: Real, S: Simd>(simd: S, factor: Lower<T>, x: &mut [T])
 pub(super) fn backward_large<T: Real>(arch: Arch, factor: Lower<T>, x: &mut [T]) {
     let Sizes { k, e, r } = factor.sizes;
     if e <= WIDE || e * (k + r) < LARGE {
-        return arch.dispatch(Step::Whole { factor, x });
+        return dispatch(arch, Step::Whole { factor, x });
     }
     for start in (0..e).step_by(WIDE).rev() {
         let stop = (start + WIDE).min(e);
         let (now, known) = x.split_at_mut(stop);
         now[start..].par_chunks_mut(COLUMNS).enumerate().for_each(|(c, y)| {
-            arch.dispatch(Step::Behind { factor, first: start + c * COLUMNS, stop, known, y });
+            dispatch(arch, Step::Behind { factor, first: start + c * COLUMNS, stop, known, y });
         });
-        arch.dispatch(Step::Among { factor, pivots: start..stop, x: now });
+        dispatch(arch, Step::Among { factor, pivots: start..stop, x: now });
     }
 }
 
@@ -170,7 +171,7 @@ mod tests {
             expected[p] = expected[p] * entry(p) - sum;
         }
         let (mut whole, mut cut) = (start.clone(), start);
-        arch.dispatch(Step::Whole { factor: factors.lower(&shape, &front), x: &mut whole });
+        dispatch(arch, Step::Whole { factor: factors.lower(&shape, &front), x: &mut whole });
         backward_large(arch, factors.lower(&shape, &front), &mut cut);
         for (i, expected) in expected.iter().enumerate() {
             let found = [whole[i].double(), cut[i].double()];

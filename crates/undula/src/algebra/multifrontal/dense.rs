@@ -3,6 +3,7 @@
 //! Columns are taken in blocks, rows of large fronts in chunks that run in parallel. Every number is
 //! computed by the same operations in the same order, however it is cut.
 
+use super::arch::dispatch;
 use super::factors::{BLOCK, Lower, Sizes, Upper};
 use super::kernels::{flush, gemv_sub, gemv_transposed_sub, substitute_lower, substitute_upper};
 use super::prefetch::prefetch;
@@ -35,17 +36,17 @@ pub(super) fn forward<T: Real, S: Simd>(simd: S, factor: Lower<T>, x: &mut [T]) 
 pub(super) fn forward_large<T: Real>(arch: Arch, factor: Lower<T>, x: &mut [T]) {
     let Sizes { k, e, r } = factor.sizes;
     if !is_large(factor.sizes) {
-        return arch.dispatch(Step::Lower { factor, pivots: 0..e, end: usize::MAX, x });
+        return dispatch(arch, Step::Lower { factor, pivots: 0..e, end: usize::MAX, x });
     }
     for start in (0..e).step_by(WIDE) {
         let pivots = start..(start + WIDE).min(e);
         let stop = pivots.end;
-        arch.dispatch(Step::Lower { factor, pivots: pivots.clone(), end: stop, x });
+        dispatch(arch, Step::Lower { factor, pivots: pivots.clone(), end: stop, x });
         let (done, later) = x[..k + r].split_at_mut(stop);
         let chunks = later.par_chunks_mut(ROWS).enumerate();
         chunks.for_each(|(c, y)| {
             let (x, row) = (&done[start..], stop + c * ROWS);
-            arch.dispatch(Step::Below { factor, pivots: pivots.clone(), row, x, y });
+            dispatch(arch, Step::Below { factor, pivots: pivots.clone(), row, x, y });
         });
     }
 }
@@ -65,21 +66,21 @@ pub(super) fn backward<T: Real, S: Simd>(simd: S, factor: Upper<T>, x: &mut [T])
 pub(super) fn backward_large<T: Real>(arch: Arch, factor: Upper<T>, x: &mut [T]) {
     let Sizes { k, e, r } = factor.sizes;
     if !is_large(factor.sizes) {
-        return arch.dispatch(Step::Backward { factor, x });
+        return dispatch(arch, Step::Backward { factor, x });
     }
     let (right, ld) = factor.right();
     let (pivots, known) = x.split_at_mut(e);
     let (delayed, rows) = known.split_at(k - e);
     pivots.par_chunks_mut(WIDE).enumerate().for_each(|(c, y)| {
-        arch.dispatch(Step::Dots { a: &right[c * WIDE * ld..], ld, r, x: rows, y });
+        dispatch(arch, Step::Dots { a: &right[c * WIDE * ld..], ld, r, x: rows, y });
     });
-    arch.dispatch(Step::Delayed { factor, x: delayed, y: pivots });
+    dispatch(arch, Step::Delayed { factor, x: delayed, y: pivots });
     for start in (0..e).step_by(WIDE).rev() {
         let block = start..(start + WIDE).min(e);
-        arch.dispatch(Step::Upper { factor, pivots: block.clone(), x: pivots });
+        dispatch(arch, Step::Upper { factor, pivots: block.clone(), x: pivots });
         let (before, done) = pivots[..block.end].split_at_mut(start);
         before.par_chunks_mut(ROWS).enumerate().for_each(|(c, y)| {
-            arch.dispatch(Step::Above { factor, pivots: block.clone(), row: c * ROWS, x: done, y });
+            dispatch(arch, Step::Above { factor, pivots: block.clone(), row: c * ROWS, x: done, y });
         });
     }
 }
@@ -225,14 +226,14 @@ mod tests {
                 forward_large(arch, lower, &mut x);
             } else {
                 let pivots = 0..e;
-                arch.dispatch(Step::Lower { factor: lower, pivots, end: usize::MAX, x: &mut x });
+                dispatch(arch, Step::Lower { factor: lower, pivots, end: usize::MAX, x: &mut x });
             }
             x[k + r..].fill(T::ZERO);
             let up = x.clone();
             if large {
                 backward_large(arch, upper, &mut x);
             } else {
-                arch.dispatch(Step::Backward { factor: upper, x: &mut x });
+                dispatch(arch, Step::Backward { factor: upper, x: &mut x });
             }
             (up, x)
         };

@@ -6,6 +6,7 @@
 //! their column; where there is none, as for pressures before the velocities they push, the unknown is
 //! delayed to the parent.
 
+mod arch;
 mod buffer;
 mod definite;
 mod dense;

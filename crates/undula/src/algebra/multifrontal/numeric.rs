@@ -1,6 +1,7 @@
 //! Assembly and elimination over the tree of fronts.
 
 use super::super::{Csr, Scaling};
+use super::arch::dispatch;
 use super::buffer::Buffer;
 use super::factors::{Sizes, stored};
 use super::front::{Front, SLACK, Scratch, padded};
@@ -129,7 +130,7 @@ impl<T: Real> Numeric<'_, T> {
         if let Some((front, below)) = part.fronts.split_last_mut() {
             let lower = &mut part.lower[lower..];
             let upper = &mut part.upper[..n_upper];
-            self.arch.dispatch(FrontStep { numeric: self, f, front, below, lower, upper, scratch });
+            dispatch(self.arch, FrontStep { numeric: self, f, front, below, lower, upper, scratch });
         }
     }
 }

@@ -4,6 +4,7 @@
 //! parent and read from it. So subtrees are independent, and sums are always taken in one order.
 //! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
+use super::arch::dispatch;
 use super::definite;
 use super::dense;
 use super::factors::Factors;
@@ -30,7 +31,7 @@ impl<T: Real> Solve<'_, T> {
             [f] => {
                 let shape = &self.symbolic.fronts[*f as usize];
                 if shape.is_solve_task {
-                    self.arch.dispatch(ForwardTask { solve: self, f: *f as usize, fronts, b });
+                    dispatch(self.arch, ForwardTask { solve: self, f: *f as usize, fronts, b });
                 } else {
                     let below = fronts.len() - 1;
                     self.forward(&shape.children, &mut fronts[..below], &b[..b.len() - shape.k]);
@@ -64,9 +65,9 @@ impl<T: Real> Solve<'_, T> {
                 if shape.is_solve_task {
                     let f = *f as usize;
                     if self.symbolic.definite {
-                        self.arch.dispatch(BackwardTask::<T, true> { solve: self, f, fronts, x, parent });
+                        dispatch(self.arch, BackwardTask::<T, true> { solve: self, f, fronts, x, parent });
                     } else {
-                        self.arch.dispatch(BackwardTask::<T, false> { solve: self, f, fronts, x, parent });
+                        dispatch(self.arch, BackwardTask::<T, false> { solve: self, f, fronts, x, parent });
                     }
                 } else {
                     let Some((front, below)) = fronts.split_last_mut() else { return };
