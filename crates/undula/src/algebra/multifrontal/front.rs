@@ -19,7 +19,7 @@ use super::kernels::{flush, flushed, gemm_sub, gemv_sub, max_abs};
 use super::large;
 use super::real::Real;
 use faer::{MatMut, MatRef};
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 /// A pivot must be at least this share of the largest entry of its column.
 const THRESHOLD: f64 = 0.01;
@@ -390,35 +390,54 @@ fn choose<T: Real, S: Simd>(simd: S, (pivots, below): (&[T], &[T])) -> Option<us
 }
 
 /// `X ← L⁻¹ X` with `L` unit lower triangular of `q ≤ PANEL` and `X` of `q × n`; also leaves X by rows in
-/// `block`.
+/// `block`. Compiled once, not wherever it is called.
 #[inline(always)]
 fn solve_lower<T: Real, S: Simd>(
     simd: S,
-    (lower, ldl): (&[T], usize),
+    lower: (&[T], usize),
     q: usize,
-    (x, ldx): (&mut [T], usize),
+    x: (&mut [T], usize),
     n: usize,
     block: &mut Vec<T>,
 ) {
-    block.clear();
-    block.resize(q * n, T::ZERO);
-    for c in 0..n {
-        for (p, v) in x[c * ldx..][..q].iter().enumerate() {
-            block[p * n + c] = *v;
+    simd.vectorize(SolveLower { lower, q, x, n, block });
+}
+
+/// What [`solve_lower`] does.
+struct SolveLower<'a, T> {
+    lower: (&'a [T], usize),
+    q: usize,
+    x: (&'a mut [T], usize),
+    n: usize,
+    block: &'a mut Vec<T>,
+}
+
+impl<T: Real> WithSimd for SolveLower<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { lower: (lower, ldl), q, x: (x, ldx), n, block } = self;
+        block.clear();
+        block.resize(q * n, T::ZERO);
+        for c in 0..n {
+            for (p, v) in x[c * ldx..][..q].iter().enumerate() {
+                block[p * n + c] = *v;
+            }
         }
-    }
-    for p in 1..q {
-        let (before, now) = block.split_at_mut(p * n);
-        let mut row = [T::ZERO; PANEL];
-        for s in 0..p {
-            row[s] = lower[s * ldl + p];
+        for p in 1..q {
+            let (before, now) = block.split_at_mut(p * n);
+            let mut row = [T::ZERO; PANEL];
+            for s in 0..p {
+                row[s] = lower[s * ldl + p];
+            }
+            gemv_sub(simd, (before, n), &row[..p], &mut now[..n]);
+            flush(&mut now[..n]);
         }
-        gemv_sub(simd, (before, n), &row[..p], &mut now[..n]);
-        flush(&mut now[..n]);
-    }
-    for c in 0..n {
-        for (p, v) in x[c * ldx..][..q].iter_mut().enumerate() {
-            *v = block[p * n + c];
+        for c in 0..n {
+            for (p, v) in x[c * ldx..][..q].iter_mut().enumerate() {
+                *v = block[p * n + c];
+            }
         }
     }
 }

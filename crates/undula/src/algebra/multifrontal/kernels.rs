@@ -1,30 +1,48 @@
 //! Small dense kernels, vectorised for the machine at run time. Matrices are stored by columns.
 //!
-//! Everything is generic over the instruction set and inlined into one entry per front; the order of
-//! additions depends on sizes only.
+//! Everything is generic over the instruction set and inlined into one entry per front, but for what an entry of its own
+//! does; the order of additions depends on sizes only.
 
 use super::real::Real;
-use pulp::Simd;
+use pulp::{Simd, WithSimd};
 
 /// `C ← C − A B`, or `C ← −A B` where `REPLACE`, with `A` of `rows × depth` and `C` of `rows × columns`; entry (p, j) of `B` is at
-/// `b[p * ldb + j]`, so that `B` is stored by rows.
+/// `b[p * ldb + j]`, so that `B` is stored by rows. Compiled once, not wherever it is called.
 #[inline(always)]
 pub(super) fn gemm_sub<T: Real, S: Simd, const REPLACE: bool>(
     simd: S,
-    [rows, columns, depth]: [usize; 3],
-    (a, lda): (&[T], usize),
+    sizes: [usize; 3],
+    a: (&[T], usize),
     b: (&[T], usize),
-    (c, ldc): (&mut [T], usize),
+    c: (&mut [T], usize),
 ) {
-    if columns == 0 || depth == 0 && !REPLACE {
-        return;
+    let [_, columns, depth] = sizes;
+    if columns > 0 && (depth > 0 || REPLACE) {
+        simd.vectorize(Product::<T, REPLACE> { sizes, a, b, c });
     }
-    let mut i = 0;
-    while i < rows {
-        let size = (rows - i).min(3 * T::lanes::<S>());
-        let strip = Strip { simd, size, depth, a: (&a[i..], lda), b };
-        strip.multiply::<REPLACE>(columns, &mut c[i..], ldc);
-        i += size;
+}
+
+/// What [`gemm_sub`] does.
+struct Product<'a, T, const REPLACE: bool> {
+    sizes: [usize; 3],
+    a: (&'a [T], usize),
+    b: (&'a [T], usize),
+    c: (&'a mut [T], usize),
+}
+
+impl<T: Real, const REPLACE: bool> WithSimd for Product<'_, T, REPLACE> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { sizes: [rows, columns, depth], a: (a, lda), b, c: (c, ldc) } = self;
+        let mut i = 0;
+        while i < rows {
+            let size = (rows - i).min(if const { one::<T, S>() } { 1 } else { 3 * T::lanes::<S>() });
+            let strip = Strip { simd, size, depth, a: (&a[i..], lda), b };
+            strip.multiply::<REPLACE>(columns, &mut c[i..], ldc);
+            i += size;
+        }
     }
 }
 
@@ -41,6 +59,9 @@ struct Strip<'a, T, S> {
 impl<T: Real, S: Simd> Strip<'_, T, S> {
     #[inline(always)]
     fn multiply<const R: bool>(self, columns: usize, c: &mut [T], ldc: usize) {
+        if const { one::<T, S>() } {
+            return self.columns::<1, true, R>(columns, c, ldc);
+        }
         let vectors = self.size.div_ceil(T::lanes::<S>());
         match (vectors, self.size == vectors * T::lanes::<S>()) {
             (3, true) => self.columns::<3, true, R>(columns, c, ldc),
@@ -61,7 +82,7 @@ impl<T: Real, S: Simd> Strip<'_, T, S> {
         ldc: usize,
     ) {
         let mut j = 0;
-        if T::lanes::<S>() >= 8 {
+        if const { size_of::<T::Vector<S>>() >= 8 * size_of::<T>() } {
             while j + 8 <= columns {
                 self.block::<V, 8, WHOLE, R>(j, &mut c[j * ldc..], ldc);
                 j += 8;
@@ -108,6 +129,11 @@ impl<T: Real, S: Simd> Strip<'_, T, S> {
     }
 }
 
+/// Whether vectors are single numbers. Then sums are taken row by row, to the same result: nothing longer is compiled.
+const fn one<T: Real, S: Simd>() -> bool {
+    size_of::<T::Vector<S>>() == size_of::<T>()
+}
+
 /// V vectors from a slice; of the last, only what is there unless WHOLE.
 #[inline(always)]
 fn load<T: Real, S: Simd, const V: usize, const WHOLE: bool>(simd: S, x: &[T]) -> [T::Vector<S>; V] {
@@ -149,6 +175,12 @@ pub(super) fn gemv_sub<T: Real, S: Simd>(simd: S, (a, lda): (&[T], usize), x: &[
     while i + strip <= rows {
         gemv_strip::<T, S, 4, true>(simd, (&a[i..], lda), x, &mut y[i..i + strip]);
         i += strip;
+    }
+    if const { one::<T, S>() } {
+        for i in i..rows {
+            gemv_strip::<T, S, 1, true>(simd, (&a[i..], lda), x, &mut y[i..=i]);
+        }
+        return;
     }
     let left = rows - i;
     let (a, y) = (&a[i..], &mut y[i..]);
@@ -289,9 +321,10 @@ pub(super) fn flushed<T: Real>(x: T) -> T {
 
 #[cfg(test)]
 mod tests {
+    use super::super::arch::dispatch;
     use super::*;
     use crate::algebra::vector::pseudo_random_sign;
-    use pulp::{Arch, Scalar, WithSimd};
+    use pulp::{Arch, Scalar};
 
     /// All kernels against plain loops, for sizes around the lengths of vectors.
     struct Check;
@@ -364,7 +397,7 @@ mod tests {
 
     #[test]
     fn kernels_are_plain_loops_on_this_machine() {
-        Arch::new().dispatch(Check);
+        dispatch(Arch::new(), Check);
     }
 
     #[test]
