@@ -102,7 +102,7 @@ fn meshes_that_do_not_match_are_refused() {
     let case = |solid: &str| format!("{mesh}region.solid = \"{solid}\"\n{}", BODIES.replace("walls", "left"));
     here.write("cut.toml", &case("x - 2.1"));
     here.run("check cut.toml", &[])
-        .expect(2, &["cut.toml:6:", "mesh.region.solid", "cut by the interface", "(2.250000, 0.250000)"]);
+        .expect(2, &["cut.toml:6:", "mesh.region.solid", "cut by the interface", "(2.25, 0.25)"]);
     // Along the edges of the cells the same regions are accepted, as a signed function and as a condition.
     for solid in ["x - 2", "x > 2"] {
         here.write("good.toml", &case(solid));

@@ -466,6 +466,7 @@ impl Case {
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));
-        Ok(Overview { left_out: self.left_out_of(&mesh), notes, ..self.overview(&space) })
+        let memory = self.expected_bytes(mesh.n_cells(), space.mesh.n_cells());
+        Ok(Overview { left_out: self.left_out_of(&mesh), memory, notes, ..self.overview(&space) })
     }
 }

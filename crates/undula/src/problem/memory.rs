@@ -108,6 +108,15 @@ impl Case {
     /// `refine` times.
     fn bytes(&self, coarse: (f64, f64), refine: u32) -> f64 {
         let cells = 4f64.powi(refine as i32);
+        cells * (SAFE * self.bytes_per_cell() * coarse.1 + MESH * coarse.0)
+    }
+
+    /// About as many bytes as a run needs at most at a time, with `all` cells of which `kept` take part.
+    pub(super) fn expected_bytes(&self, all: usize, kept: usize) -> f64 {
+        self.bytes_per_cell() * kept as f64 + MESH * all as f64
+    }
+
+    fn bytes_per_cell(&self) -> f64 {
         let velocity = self.space.velocity;
         let per_cell = PER_CELL.iter().find(|(element, _)| *element == velocity).map_or(0.0, |(_, b)| *b);
         let both = self.fluid.is_some() && self.solid.is_some();
@@ -118,8 +127,13 @@ impl Case {
             (condensed && self.linear.precision == Precision::Double, DOUBLE, 1.0),
         ];
         let factor: f64 = factor.iter().map(|(holds, yes, no)| if *holds { yes } else { no }).product();
-        cells * (SAFE * factor * per_cell * coarse.1 + MESH * coarse.0)
+        factor * per_cell
     }
+}
+
+/// Bytes in words: `120 MB`, `1.2 GB`, `34 GB`.
+pub(super) fn size(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { gigabytes(bytes) }
 }
 
 fn gigabytes(bytes: f64) -> String {

@@ -3,6 +3,7 @@
 use super::case::{Case, Condition, MeshSource};
 use super::expression::Expression;
 use super::fit::INTERFACE;
+use super::memory::size;
 use crate::assembly::facets::{FacetPoint, facet_points};
 use crate::mesh::{Facet, Mesh};
 use crate::space::{FsiSpace, Region};
@@ -27,6 +28,8 @@ pub struct Overview {
     pub inflow: Option<Inflow>,
     /// Velocity, deformation and pressure unknowns, given ones counted.
     pub unknowns: [usize; 3],
+    /// About as many bytes as a run needs.
+    pub memory: f64,
     /// What looks wrong but can be computed.
     pub warnings: Vec<String>,
     /// What should be known: regions that are left out, parts of the fluid that are closed in.
@@ -93,6 +96,7 @@ impl Case {
             boundaries: self.boundaries(space),
             inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
             unknowns: [space.n_v(), space.n_u(), space.n_p()],
+            memory: self.expected_bytes(mesh.n_cells(), mesh.n_cells()),
             warnings: self.looks_like_millimetres(extents).into_iter().collect(),
             notes: vec![],
         }
@@ -239,6 +243,7 @@ impl fmt::Display for Overview {
         let [smallest, largest] = self.sizes.map(short);
         writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
+        writeln!(f, "          about {} of memory for a run", size(self.memory))?;
         for (name, cells, area) in &self.regions {
             writeln!(f, "region    {name}: {cells} cells, {} m²", short(*area))?;
         }

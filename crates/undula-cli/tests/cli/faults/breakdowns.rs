@@ -70,7 +70,7 @@ fn expressions_that_fail_at_a_point_or_time_are_found_by_check() {
         undula(&here, "check case.toml", &[&IN_TIME[..], &[set.as_str()]].concat())
             .expect(2, &["boundary.left.velocity", source, "expected finite values", said]);
     }
-    for (source, said) in [("[0, \"1/(x-1)\"]", "(0, -inf)"), ("[\"sqrt(0.3-t)\", 0]", "(NaN, 0)")] {
+    for (source, said) in [("[0, \"1/(x-1)\"]", "(0, inf)"), ("[\"sqrt(0.3-t)\", 0]", "(NaN, 0)")] {
         let set = format!("fluid.body-force={source}");
         undula(&here, "check case.toml", &[&IN_TIME[..], &[set.as_str()]].concat())
             .expect(2, &["fluid.body-force", "expected finite values", said]);
