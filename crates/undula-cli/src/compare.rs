@@ -1,6 +1,6 @@
 //! `undula compare`: results beside published ones, or beside those of another run.
 
-use crate::args::{CompareArgs, bad_input, print};
+use crate::args::{CompareArgs, bad_input, print, say};
 use anyhow::Context;
 use std::path::Path;
 use std::process::ExitCode;
@@ -54,7 +54,7 @@ pub fn show(dir: &Path) -> anyhow::Result<()> {
         Published::Table(comparison) => {
             print(&comparison.to_string())?;
         }
-        Published::Departs(why) => eprintln!("note: {why}"),
+        Published::Departs(why) => say(format_args!("note: {why}")),
         Published::None => {}
     }
     Ok(())

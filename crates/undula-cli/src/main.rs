@@ -1,4 +1,6 @@
 //! The `undula` command.
+// A pipe whose reader has gone makes these panic; `args` has what to use.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
 mod bench;

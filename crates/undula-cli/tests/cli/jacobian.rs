@@ -37,6 +37,7 @@ fn jacobians_are_compared_where_a_run_is() {
 #[test]
 fn a_verbose_run_tells_its_residuals() {
     let here = Place::new("verbose");
-    let said = here.run("run fsi3 -o results --verbose", &SMALL).expect(0, &["t = 0.0500 s: ", "residuals "]);
+    let said =
+        here.run("run fsi3 -o results --verbose", &SMALL).expect(0, &["t = 0.05000 s: ", "residuals "]);
     assert_eq!(said.err.matches("residuals ").count(), 5, "{}", said.err);
 }

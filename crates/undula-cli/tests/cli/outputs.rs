@@ -124,8 +124,7 @@ fn check_tells_extents_regions_boundaries_and_the_flow() {
     let case = "[mesh]\nfile = \"large.msh\"\n[fluid]\ndensity = 1000\nkinematic-viscosity = 1e-6\n[boundary]\n\
                 wall.condition = \"do-nothing\"\ninlet = { condition = \"velocity\", velocity = [0.1, 0] }\n";
     here.write("large.toml", case);
-    let said =
-        here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
+    let said = here.run("check large.toml", &[]).expect(0, &["the mesh is 100 m long", "mesh.scale = 1e-3"]);
     assert!(
         said.out.contains("Re = 5e6 with that mean and 50 m, the length of that boundary"),
         "{}",

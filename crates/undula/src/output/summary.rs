@@ -180,7 +180,12 @@ impl Summary {
     pub fn read(path: impl AsRef<Path>) -> Result<Self, OutputError> {
         let path = path.as_ref();
         let text = fs::read_to_string(path).map_err(OutputError::io("read", path))?;
-        serde_json::from_str(&text).map_err(|e| OutputError::format(path, e.to_string()))
+        let wrong = |e: serde_json::Error| OutputError::format(path, e.to_string());
+        let value: serde_json::Value = serde_json::from_str(&text).map_err(wrong)?;
+        if value.get("status").is_none() {
+            return Err(OutputError::format(path, "it has no `status`, so it is not that of a run"));
+        }
+        serde_json::from_value(value).map_err(wrong)
     }
 }
 

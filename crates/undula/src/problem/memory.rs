@@ -22,8 +22,10 @@ const PER_CELL: [(VelocityElement, f64); 8] = [
 
 /// What is safely needed of the measured bytes: other machines and libraries differ.
 const SAFE: f64 = 0.85;
-/// Flow alone or solid alone beside both.
-const ONE_BODY: f64 = 0.68;
+/// Flow alone beside both.
+const FLUID_ALONE: f64 = 0.68;
+/// Solid alone beside both.
+const SOLID_ALONE: f64 = 0.55;
 /// The whole Jacobian of a solid, and factors in double precision.
 const WHOLE: f64 = 1.6;
 const DOUBLE: f64 = 1.15;
@@ -119,10 +121,10 @@ impl Case {
     fn bytes_per_cell(&self) -> f64 {
         let velocity = self.space.velocity;
         let per_cell = PER_CELL.iter().find(|(element, _)| *element == velocity).map_or(0.0, |(_, b)| *b);
-        let both = self.fluid.is_some() && self.solid.is_some();
         let condensed = self.newton.linearization == Linearization::Condensed;
         let factor = [
-            (both, 1.0, ONE_BODY),
+            (self.solid.is_none(), FLUID_ALONE, 1.0),
+            (self.fluid.is_none(), SOLID_ALONE, 1.0),
             (self.solid.is_some() && !condensed, WHOLE, 1.0),
             (condensed && self.linear.precision == Precision::Double, DOUBLE, 1.0),
         ];

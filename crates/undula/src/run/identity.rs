@@ -58,8 +58,11 @@ pub(super) fn changes(former: &str, mesh: Option<&str>, case: &Case) -> Vec<Stri
         again.is_ok_and(|again| without_choices(earlier) == without_choices(&again))
     });
     if !same {
-        let former = earlier.as_ref().map_or_else(|| former.to_string(), identity);
-        changes = differences(&former, &now);
+        changes = match &earlier {
+            Some(earlier) => differences(&identity(earlier), &now),
+            // No case any more: its text has no defaults, so that keys which it does not name are not told.
+            None => differences(former, &now).into_iter().filter(|told| !told.contains(WAS_ABSENT)).collect(),
+        };
     }
     if let (Some(mesh), Some(hash)) = (mesh, mesh_hash(case))
         && mesh != hash
@@ -74,6 +77,10 @@ pub(super) fn changes(former: &str, mesh: Option<&str>, case: &Case) -> Vec<Stri
     changes
 }
 
+/// In place of a value that is not given.
+const ABSENT: &str = "absent";
+const WAS_ABSENT: &str = " was absent, now ";
+
 /// Keys that differ between two cases in TOML, with both values.
 fn differences(former: &str, now: &str) -> Vec<String> {
     let table = |text: &str| {
@@ -82,7 +89,7 @@ fn differences(former: &str, now: &str) -> Vec<String> {
         values
     };
     let (former, now) = (table(former), table(now));
-    let absent = || "absent".to_string();
+    let absent = || ABSENT.to_string();
     let keys: BTreeMap<&String, ()> = former.keys().chain(now.keys()).map(|key| (key, ())).collect();
     // The end is free, and what stands there belongs to the step.
     let changed = keys.into_keys().filter(|key| former.get(*key) != now.get(*key) && *key != "time.end");

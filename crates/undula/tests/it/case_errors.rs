@@ -80,7 +80,7 @@ mesh = "moved"
 leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
-own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
+own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `reference`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
@@ -260,7 +260,7 @@ fn mistakes_in_overrides_name_the_override() {
         (&["time..step=1"], "--set time..step=1: expected a dotted key before `=`, such as `time.step`"),
         (&["time.step.size=1"], "--set time.step.size=1: `time.step` is a number, it has no keys"),
         (&["fluid=7"], "--set fluid=7: expected a table [fluid]"),
-        (&["fluid.density=none"], "fsi3.toml:11:2: fluid.density: missing: the density [kg/m³]"),
+        (&["fluid.density=none"], "fsi3.toml:12:2: fluid.density: missing: the density [kg/m³]"),
     ] {
         assert_eq!(wrong_builtin("fsi3", overrides), expected, "{overrides:?}");
     }
@@ -279,13 +279,13 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.clamp=none"],
-            "fsi1.toml:22:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped` or `traction-free`\n\
-          fsi1.toml:16:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
+            "fsi1.toml:26:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped` or `traction-free`\n\
+          fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (
             &["boundary.walls=none", "boundary.inflow.condition=clamped"],
             "--set boundary.inflow.condition=clamped: `clamped` is for a solid, and only the fluid is here; use `no-slip`\n\
-          fsi1.toml:22:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing` or `traction-free`",
+          fsi1.toml:26:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing` or `traction-free`",
         ),
         (
             &["functional.drag.on=[\"cylindre\", \"clamp\"]"],
@@ -295,7 +295,7 @@ fn names_are_checked_against_the_mesh() {
         (
             &["boundary.clamp.condition=do-nothing"],
             "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped` or `traction-free`\n\
-          fsi1.toml:16:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
+          fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (
             &["solid.region=beam"],
@@ -303,7 +303,7 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.outflow.condition=no-slip"],
-            "fsi1.toml:12:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only (at rest the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or give the case a [time] to begin in",
+            "fsi1.toml:13:2: fluid: the fluid is closed in on all sides, so its pressure is determined up to a constant only (at rest the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or give the case a [time] to begin in",
         ),
         // The data decide, see `undula-cli/tests/cli`.
         (&["solid=none", "boundary.outflow.condition=no-slip"], ""),

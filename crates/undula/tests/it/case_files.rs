@@ -129,7 +129,7 @@ fn stationary_and_back() {
     );
     assert_eq!(
         wrong_builtin("fsi3", &["time=none"]),
-        "fsi3.toml:23:12: boundary.inflow.velocity = [\"1.5*2.0*y*(0.41-y)/(0.41/2)^2*ramp(t,2)\", 0]: \
+        "fsi3.toml:27:12: boundary.inflow.velocity = [\"1.5*2.0*y*(0.41-y)/(0.41/2)^2*ramp(t,2)\", 0]: \
          depends on t, but the case is stationary: give time.end, the time [s] at which it is taken"
     );
 }

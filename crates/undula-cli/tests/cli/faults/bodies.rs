@@ -125,7 +125,8 @@ fn a_region_left_out_is_a_wall_that_bears_its_name() {
     ];
     undula(&place, RUN, &both).expect(0, &[]);
     close(last(&place, "out", "drag"), 7.0958, 1e-5);
-    close(last(&place, "out", "fy"), -1.5923, 1e-4);
+    // The sides of bodies alone: on refined meshes both ways to compute it come near -1.21.
+    close(last(&place, "out", "fy"), -1.22047, 1e-5);
     // A condition may name its sides; that of a boundary of the same name holds there, too.
     let slides = ["boundary.rock.condition=velocity", "boundary.rock.velocity=[1, 0]"];
     undula(&place, "check case.toml", &[&both[..], &slides].concat()).expect(0, &["rock: v = (1, 0) m/s"]);
@@ -251,7 +252,7 @@ fn regions_are_decided_inside_of_the_cells() {
     let place = place("region-condition", &["region-condition/case.toml"]);
     undula(&place, "check case.toml", &[]).expect(0, &["solid: 8 cells, 0.125 m²", "fluid: 248 cells"]);
     undula(&place, RUN, &[]).expect(0, &[]);
-    close(last(&place, "out", "drag"), 3.8965, 2e-5);
+    close(last(&place, "out", "drag"), 3.89659, 2e-6);
     for same in [
         "min(min(x-1, 1.25-x), 0.5-y)",
         "(x > 1)*(x < 1.25)*(y < 0.5)",

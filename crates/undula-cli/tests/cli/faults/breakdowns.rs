@@ -107,8 +107,7 @@ fn data_that_fail_in_the_course_of_a_run_end_it_as_bad_input() {
 #[test]
 fn a_mesh_that_folds_is_named_with_its_place_and_the_ways_out() {
     let here = place("folds", &[]);
-    let soft =
-        ["mesh.refine=0", "motion.model=harmonic", "solid.mu=1e3", "solid.lambda=4e3", "time.step=0.02"];
+    let soft = ["mesh.refine=0", "motion.model=harmonic", "solid.body-force=[0,-20]", "time.step=0.02"];
     let said = undula(&here, "run fsi3 -o out --threads 1 --quiet", &soft).expect(
         3,
         &[
@@ -142,7 +141,7 @@ fn a_small_mesh_has_places_with_digits() {
 fn a_flow_that_does_not_converge_has_no_word_of_folding() {
     let here = place("diverges", &[]);
     here.write("case.toml", CHANNEL);
-    let sets = ["boundary.left.velocity=[\"1e7*y*(1-y)\", \"1e7*sin(9*y)\"]"];
+    let sets = ["mesh.cells=[8, 4]", "boundary.left.velocity=[\"1e7*y*(1-y)\", \"1e7*sin(9*y)\"]"];
     let said = undula(&here, "run case.toml -o out --threads 1 --quiet", &sets)
         .expect(3, &["no stationary solution", "does not converge", "momentum of the fluid", " at node "]);
     for word in ["fold", "J =", "t = ", "k = "] {

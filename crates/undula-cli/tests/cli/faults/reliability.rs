@@ -371,7 +371,7 @@ fn steps_below_rounding_are_refused() {
     let times: Vec<&str> = history.lines().skip(1).map(|row| row.split(',').nth(1).unwrap()).collect();
     assert_eq!(times, ["1e-13", "2e-13", "3e-13", "4e-13"]);
     // Known only when it is met.
-    let late = ["mesh.refine=0", "time.step=if(abs(t-1.035)<0.003, 1e-17, 0.01)"];
+    let late = ["mesh.refine=0", "time.step=if(abs(t-1.0321)<0.001, 1e-17, 0.0107)"];
     undula(&here, "run tiny-step.toml -o late --quiet", &late)
         .expect(2, &["time.step", "below the rounding of t"]);
     assert_eq!(here.json("late/summary.json")["status"], "failed");
