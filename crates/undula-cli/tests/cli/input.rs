@@ -113,7 +113,7 @@ fn meshes_that_do_not_match_are_refused() {
     here.write("open.msh", CUT_OPEN);
     here.write("open.toml", &format!("[mesh]\nfile = \"open.msh\"\n{BODIES}"));
     here.run("run open.toml", &[])
-        .expect(2, &["open.toml:2:", "mesh.file", "duplicated nodes", "Coherence", "(0.500000, 0.500000)"]);
+        .expect(2, &["open.toml:2:", "mesh.file", "duplicated nodes", "Coherence", "(0.5, 0.5)"]);
     here.write("no-mesh.toml", &format!("[mesh]\nfile = \"none.msh\"\n{BODIES}"));
     here.run("run no-mesh.toml", &[])
         .expect(2, &["no-mesh.toml:2:", "mesh.file", "none.msh", "No such file"]);

@@ -299,7 +299,8 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["solid.region=beam"],
-            "--set solid.region=beam: the mesh has no region `beam`; there are `fluid`, `solid`",
+            "--set solid.region=beam: the mesh has no region `beam`; there are `fluid`, `solid`\n\
+          fsi1.toml:8:2: mesh: region `solid` of the mesh is used by no table: leave it out with mesh.leave-out = [\"solid\"], which makes walls of the sides, or name one as fluid.region or solid.region",
         ),
         (
             &["boundary.outflow.condition=no-slip"],

@@ -92,7 +92,7 @@ fn nobody_needs_to_listen() {
         ("check fsi3", 0),
         ("check fsi3 --toml", 0),
         ("cases", 0),
-        ("compare results", 0),
+        ("compare results", 2),
         ("plot results", 0),
         ("check fsi4", 2),
         ("run fsi3 -o results", 2),
