@@ -104,8 +104,8 @@ mkdir -p "$out"
 Section 5.3.5: a free bar in (−1, 1)² is turned by the flow. J(t) = (1/|S|) ∫_S x × u dx, (5.36). Values of
 \`validation/rotor.sh\`, $(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc --all) cores.
 
-- The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc, pseudo-elastic extension with E_e =
-  (0.03 + d)^−2 and ν_e = 0, and fixed walls, unless stated otherwise.
+- The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc, pseudo-elastic extension with
+  E_e = (0.03 + d)^−2 and ν_e = 0, and fixed walls, unless stated otherwise.
 - \`refine\` is the number of uniform refinements. With \`refine\` 1 the cells at the solid have ⅛ m.
 - The mesh folds if J ≤ 0 at a quadrature point or at a node. The corners of the body are nodes.
 
