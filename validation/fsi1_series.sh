@@ -7,8 +7,8 @@ undula=${UNDULA:-target/release/undula}
     echo "# FSI1 under refinement"
     echo
     echo "Values of \`validation/fsi1_series.sh\`, $(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc) cores."
-    echo "\`refine\` halves all cells, \`grading\` adds rings of half size around the two corners at the beam's tip,"
-    echo "h is the smallest cell there. Deviations are relative to the independent values below."
+    echo "\`refine\` is the number of uniform refinements. \`grading\` is the number of rings of cells of half the size around the"
+    echo "two corners of the beam tip. h is the smallest cell there. Deviations are relative to the independent values below."
     echo
     echo "| pressure | refine | grading | h (m) | unknowns | drag (N/m) | lift (N/m) | u_x(A) (m) | u_y(A) (m) | deviations (%) |"
     echo "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"

@@ -101,10 +101,13 @@ mkdir -p "$out"
     cat << TEXT
 # The rotor
 
-Section 5.3.5: a free bar in (−1, 1)², turned by the flow; J(t) = (1/|S|) ∫_S x × u dx, (5.36). Values of \`validation/rotor.sh\`,
-$(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc --all) cores. The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc,
-pseudo-elastic extension with E_e = (0.03 + d)^−2 and ν_e = 0 at fixed walls unless said otherwise. \`refine\` halves all cells, 1 is ⅛ m at the solid.
-J ≤ 0 counts at quadrature points and at nodes, those of the corners of the body among them.
+Section 5.3.5: a free bar in (−1, 1)² is turned by the flow. J(t) = (1/|S|) ∫_S x × u dx, (5.36). Values of
+\`validation/rotor.sh\`, $(date -u +%F), $(lscpu | sed -n 's/^Model name: *//p'), $(nproc --all) cores.
+
+- The case is the built-in \`rotor\`: shifted Crank-Nicolson scheme, Q2-P1dc, pseudo-elastic extension with
+  E_e = (0.03 + d)^−2 and ν_e = 0, and fixed walls, unless stated otherwise.
+- \`refine\` is the number of uniform refinements. With \`refine\` 1 the cells at the solid have ⅛ m.
+- The mesh folds if J ≤ 0 at a quadrature point or at a node. The corners of the body are nodes.
 
 ## The curve
 
@@ -114,8 +117,9 @@ TEXT
 
 ## When the mesh folds
 
-k = 0.1 s, halved up to five times; end at 20 s. In the chapter the mesh, E_e(x) and the ν_e of the plain elastic extension are not given; the exponent
-0.6 is chosen so that its times come out. The first five lines are those of Table 5.2.
+k = 0.1 s, halved up to five times; end time 20 s. The first five rows are those of Table 5.2. The chapter gives neither
+the mesh, nor E_e(x), nor the ν_e of the plain elastic extension. The exponent 0.6 is chosen such that the printed times
+are reproduced.
 
 TEXT
     breakdowns

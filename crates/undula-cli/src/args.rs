@@ -1,4 +1,4 @@
-//! The command line: what can be said, and the ways to answer that all subcommands share.
+//! The command line: its arguments, and the functions for output that all subcommands share.
 
 use clap::{Args, Parser, Subcommand};
 use std::fmt::Display;
@@ -6,11 +6,11 @@ use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Fluid-structure interaction on a fixed reference domain.
+/// Finite element solver for fluid-structure interaction in ALE coordinates.
 #[derive(Debug, Parser)]
 #[command(name = "undula", version, about, after_help = EXIT_CODES)]
 pub struct Cli {
-    /// What to do.
+    /// The subcommand.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -21,19 +21,19 @@ const EXIT_CODES: &str = "Exit codes: 0 completed, 1 failed, 2 bad input, 3 brea
 /// One arm per subcommand.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Compute a case
+    /// Run a case
     Run(RunArgs),
-    /// Check a case without computing it, and say what it is
+    /// Validate a case and print a summary, without running it
     Check(CheckArgs),
     /// List the built-in cases
     Cases,
-    /// Write a built-in case to a file, as a start for an own one
+    /// Copy a built-in case to a file, as a starting point
     New(NewArgs),
-    /// Set results beside published ones, or beside those of another run
+    /// Compare results with published values or with another run
     Compare(CompareArgs),
-    /// Draw the histories of a run
+    /// Plot histories and fields of a run
     Plot(PlotArgs),
-    /// Measure what a step costs, and its parts
+    /// Measure the time of a step, of its phases and of its kernels
     Bench(BenchArgs),
 }
 
@@ -42,7 +42,7 @@ pub enum Command {
 pub struct CaseArgs {
     /// Built-in case or TOML file
     pub case: String,
-    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    /// Set a value of the case, such as time.step=0.01 (`none` removes the key or table); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
 }
@@ -56,13 +56,13 @@ pub struct RunArgs {
     /// Output directory [default: out/NAME of the case]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Number of threads [default: all cores]; results do not depend on it
+    /// Number of threads [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Go on from the last checkpoint in the output directory
+    /// Continue from the last checkpoint in the output directory
     #[arg(long, conflicts_with = "force")]
     pub resume: bool,
-    /// Replace the run in the output directory, completed or not
+    /// Overwrite the run in the output directory, completed or not
     #[arg(long)]
     pub force: bool,
     /// Print errors only
@@ -79,22 +79,22 @@ pub struct CheckArgs {
     /// Built-in case or TOML file
     #[arg(required_unless_present = "from")]
     pub case: Option<String>,
-    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    /// Set a value of the case, such as time.step=0.01 (`none` removes the key or table); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Compare all Jacobians at one state; exit code 1 if they do not agree
+    /// Compare every Jacobian with finite differences at one state; exit code 1 if they do not agree
     #[arg(long, conflicts_with = "toml", group = "at_state")]
     pub jacobian: bool,
-    /// Another random state
+    /// Seed of the random state at which the Jacobians are compared
     #[arg(long, value_name = "N", default_value_t = 1, requires = "jacobian")]
     pub seed: u32,
-    /// Print the case as TOML with all defaults instead of the summary
+    /// Print the case as TOML with all defaults, instead of the summary
     #[arg(long)]
     pub toml: bool,
-    /// Compute inf-sup constants and condition numbers, as section 5.3 of the book warns of them
+    /// Compute inf-sup constants and condition numbers (book, section 5.3)
     #[arg(long, conflicts_with = "toml", group = "at_state")]
     pub inf_sup: bool,
-    /// Take the state of the last checkpoint of the run in this directory, and its case where none is named
+    /// Use the state of the last checkpoint of this run (and its case, unless CASE is given)
     #[arg(long, value_name = "RUN_DIR", requires = "at_state")]
     pub from: Option<PathBuf>,
 }
@@ -116,7 +116,7 @@ pub struct NewArgs {
 pub struct CompareArgs {
     /// Output directory of a run
     pub dir: PathBuf,
-    /// Output directory of a second run, to be set beside the first
+    /// Output directory of a second run to compare with
     pub other: Option<PathBuf>,
     /// Reference file to compare with [default: that of the built-in case named by `reference` in the case]
     #[arg(long, value_name = "FILE", conflicts_with = "other")]
@@ -128,7 +128,7 @@ pub struct CompareArgs {
 pub struct PlotArgs {
     /// Output directory of a run
     pub dir: PathBuf,
-    /// Directory to write the pictures into [default: DIR/plots]
+    /// Directory for the pictures [default: DIR/plots]
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
 }
@@ -139,31 +139,31 @@ pub struct BenchArgs {
     /// Built-in case or TOML file
     #[arg(default_value = "fsi3")]
     pub case: String,
-    /// Start from the last checkpoint of the run in this directory, with its case
+    /// Start from the last checkpoint of this run, and use its case
     #[arg(long, value_name = "RUN_DIR", conflicts_with = "case")]
     pub from: Option<PathBuf>,
-    /// Replace a value of the case, such as time.step=0.01 (`none` removes a key or table); repeatable
+    /// Set a value of the case, such as time.step=0.01 (`none` removes the key or table); may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Number of threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,
-    /// Steps of a repetition; 0 leaves them out
+    /// Number of time steps per repetition; 0 skips the steps
     #[arg(long, value_name = "N", default_value_t = 200)]
     pub steps: u16,
-    /// Repetitions, all from the same state
+    /// Number of repetitions, all from the same state
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     pub repeat: u16,
-    /// Do not measure kernels one by one
+    /// Do not measure the kernels
     #[arg(long)]
     pub no_kernels: bool,
-    /// Write the matrices of a step here, for `cargo bench --bench factor -- FILE`
+    /// Write the matrices of a step to this directory, for `cargo bench --bench factor -- FILE`
     #[arg(long, value_name = "DIR")]
     pub matrices: Option<PathBuf>,
-    /// File for the report in JSON [default: standard output]
+    /// File for the JSON report [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// No table on standard error
+    /// Do not print the table on standard error
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -181,14 +181,14 @@ pub const BREAKDOWN: u8 = 3;
 /// Exit code of an interrupted run.
 pub const INTERRUPTED: u8 = 130;
 
-/// Tells what is wrong with the input; exit code 2, as for mistakes on the command line.
+/// Prints a mistake in the input and returns exit code 2, as for mistakes on the command line.
 pub fn bad_input(message: impl Display) -> anyhow::Result<ExitCode> {
     say(message);
     Ok(ExitCode::from(2))
 }
 
-/// Prints a line on standard error. A reader that has gone, such as `head`, is no failure, nor is anything else there:
-/// a computation does not depend on who listens.
+/// Prints a line on standard error. Errors of writing are ignored (a reader such as `head` may have closed the pipe): a
+/// computation does not depend on its readers.
 pub fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
@@ -198,13 +198,13 @@ pub fn say_notes(notes: &[String]) {
     notes.iter().for_each(|note| say(format_args!("note: {note}")));
 }
 
-/// Prints on standard output what is there for people only, as [`say`] does.
+/// Prints text for people on standard output and ignores errors, as [`say`] does.
 pub fn show(text: &str) {
     let mut out = std::io::stdout().lock();
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.flush());
 }
 
-/// An error and its causes in one line; a cause that has been quoted by what it led to is not repeated.
+/// An error and its causes in one line. A cause whose text is already part of the line is not repeated.
 pub fn with_causes(error: &anyhow::Error) -> String {
     error.chain().map(ToString::to_string).fold(String::new(), |text, cause| match text.contains(&cause) {
         true => text,
@@ -213,7 +213,7 @@ pub fn with_causes(error: &anyhow::Error) -> String {
     })
 }
 
-/// Writes to standard output. A reader that has seen enough, such as `head`, is no failure.
+/// Writes to standard output. A pipe that the reader has closed (such as `head`) is not a failure.
 pub fn print(text: &str) -> anyhow::Result<ExitCode> {
     let mut out = std::io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

@@ -1,56 +1,65 @@
 //! Undula: monolithic fluid-structure interaction on a fixed reference domain.
 //!
-//! One flow, one elastic solid, one nonlinear system in strict ALE coordinates, after Th. Richter,
-//! *Fluid-structure Interactions*, Springer 2017, chapter 5, to which the numbers in parentheses refer.
-//! Everything lives on the reference domain `Ω = F ∪ S`; no mesh is ever moved.
+//! Undula solves an incompressible flow and an elastic solid as one nonlinear system in ALE coordinates. The method is
+//! that of Th. Richter, *Fluid-structure Interactions*, Springer 2017, chapter 5. Numbers in parentheses are equation
+//! numbers of this book. All unknowns are functions on the reference domain `Ω = F ∪ S` (fluid and solid). The mesh is
+//! fixed: the displacement `u` describes the motion of the domain.
 //!
 //! ```
 //! # use undula::{problem::case::Case, simulation::Simulation};
 //! let small = ["mesh.refine=0".to_string(), "newton.tolerance=1e-10".to_string()];
-//! let case = Case::load("csm1", &small)?; // a built-in case, or a file
+//! let case = Case::load("csm1", &small)?; // the name of a built-in case, or the path of a file
 //! let mut simulation = Simulation::new(case, 1)?;
 //! let row = simulation.step()?;
-//! assert!((row.values[1] / -66.1e-3 - 1.0).abs() < 0.02); // the end of the beam sinks by 66 mm
+//! assert!((row.values[1] / -66.1e-3 - 1.0).abs() < 0.02); // the tip of the beam sinks by 66 mm
 //! # Ok::<(), undula::error::Error>(())
 //! ```
 //!
 //! # The equations
 //!
-//! | | for all | in words | |
+//! | equation | for all | weak form | code |
 //! | --- | --- | --- | --- |
 //! | fluid momentum (5.15) | φ on F | (ρ J (∂ₜv + ∇v F⁻¹(v − ∂ₜu)), φ) + (J σ F⁻ᵀ, ∇φ) = (ρ J f, φ) | [`physics::fluid`], [`physics::outflow`] |
 //! | divergence (5.16) | ξ on F | (J F⁻¹ : ∇vᵀ, ξ) = 0 | [`physics::fluid`] |
 //! | solid momentum (5.17) | φ on S | (ρ ∂ₜv, φ) + (F Σ, ∇φ) = (ρ f, φ) | [`physics::solid`], [`physics::material`] |
-//! | volume of an incompressible solid | ξ on S | (J − 1, ξ) = 0, with −(p J F⁻ᵀ, ∇φ) in its momentum | [`physics::solid`] |
+//! | constraint of an incompressible solid | ξ on S | (J − 1, ξ) = 0, and −(p J F⁻ᵀ, ∇φ) in the solid momentum | [`physics::solid`] |
 //! | velocity-deformation (5.17) | ψ on S | (∂ₜu − v, ψ) = 0 | [`physics::solid`] |
-//! | extension (5.18) | ψ on F | (σₑ(u), ∇ψ) = 0, u given on the interface | [`physics::extension`] |
+//! | extension (5.18) | ψ on F | (σₑ(u), ∇ψ) = 0, u prescribed on the interface | [`physics::extension`] |
 //!
-//! One test function φ runs over both momentum equations, so that velocities and forces are equal on both
-//! sides of the interface by construction. The ψ rows of the interface belong to the solid: there the
-//! extension is tested with functions that vanish, (5.26), see [`space`].
+//! The velocity v and its test function φ are continuous across the interface. The kinematic and the dynamic interface
+//! condition (equal velocities, equal forces) therefore hold without further terms. The ψ rows of the interface belong
+//! to the solid: the test functions ψ of the extension vanish on the interface, (5.26), see [`space`].
 //!
-//! From an equation to a step: [`physics::step`] composes the forms in time with the rules of [`time`];
-//! [`tangent`] differentiates them, by dual numbers or by hand (Theorem 5.2, [`physics::theorem_5_2`]);
-//! [`assembly`] sums over cells; [`nonlinear`] is Newton's method with a kept Jacobian (5.20);
-//! [`algebra`] solves; [`simulation`] and [`run`] are the front doors; [`mod@bench`] measures.
+//! # The modules
+//!
+//! | step | module |
+//! | --- | --- |
+//! | discretise a weak form in time | [`physics::step`], with the rules of [`time`] |
+//! | differentiate the weak form | [`tangent`] by dual numbers, [`physics::theorem_5_2`] by hand |
+//! | assemble residual and Jacobian | [`assembly`] |
+//! | iterate by Newton's method with a kept Jacobian (5.20) | [`nonlinear`] |
+//! | solve the linear systems | [`algebra`] |
+//! | run a case step by step, without files | [`simulation`] |
+//! | run a case with its output files | [`run`] |
+//! | measure the time of a step | [`mod@bench`] |
 //!
 //! # Symbols
 //!
-//! | book | code | | unit |
+//! | book | code | meaning | unit |
 //! | --- | --- | --- | --- |
-//! | v, u, p | `v`, `u`, `p` | velocity, deformation, pressure | m/s, m, Pa |
-//! | z, w, q | `z`, `w`, `q` | directions of derivatives of v, u, p | as these |
+//! | v, u, p | `v`, `u`, `p` | velocity, displacement (`deformation` in output files and in the book), pressure | m/s, m, Pa |
+//! | z, w, q | `z`, `w`, `q` | directions of derivatives with respect to v, u, p | those of v, u, p |
 //! | φ, ψ, ξ | `phi`, `psi`, `xi` | test functions of momentum, of u, of divergence | |
 //! | F = I + ∇u, J | `F`, `J`; `F_inv` | deformation gradient `F[i][j]` = δᵢⱼ + ∂uᵢ/∂xⱼ, its determinant | 1 |
-//! | J F⁻ᵀ | `cofactor` | for pressure and divergence | 1 |
+//! | J F⁻ᵀ | `cofactor` | cofactor matrix of F, in the pressure and divergence terms | 1 |
 //! | σ_f | `sigma` | viscous Cauchy stress ρν(∇v F⁻¹ + F⁻ᵀ∇vᵀ) | Pa |
 //! | E, Σ | `E`, `Sigma` | Green-Lagrange strain, second Piola-Kirchhoff stress | 1, Pa |
 //! | ρ_f, ρ_s | `rho` of [`physics::Fluid`], [`physics::Solid`] | densities | kg/m³ |
 //! | ν_f | `nu` | kinematic viscosity | m²/s |
 //! | μ_s, λ_s | `mu`, `lambda` | Lamé constants | Pa |
-//! | ν_e, E_e | `poisson`, `stiffness` | of the extension | 1, any |
-//! | k, θ | `k`, `theta`; `per_k` = 1/k | time step, weight of its new end | s, 1 |
-//! | γ_nt | `rate_max` | worst rate with which a Jacobian is kept | 1 |
+//! | ν_e, E_e | `poisson`, `stiffness` | Poisson ratio and Young's modulus of the extension | 1, any |
+//! | k, θ | `k`, `theta`; `per_k` = 1/k | time step size, weight of the new time level | s, 1 |
+//! | γ_nt | `rate_max` | largest convergence rate at which a Jacobian is kept | 1 |
 
 pub mod algebra;
 pub mod assembly;
