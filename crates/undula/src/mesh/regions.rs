@@ -48,7 +48,7 @@ impl<const D: usize> Mesh<D> {
     }
 
     /// Names all facets between regions `first` and `second` `interface`, seen from the cell of `first`;
-    /// returns how many there are. Other names of these facets become further ones, see [`Mesh::parts`].
+    /// returns how many there are. Other names of these facets become further names.
     ///
     /// # Errors
     /// [`MeshError::UnknownName`] for an unknown region, [`MeshError::NoInterface`] without such facets.

@@ -18,7 +18,7 @@ pub struct MeshNames {
     pub boundaries: Vec<(String, Vec<String>)>,
     /// Boundaries that lie on the outer boundary of a region, with these regions.
     pub outer: Vec<(String, Vec<String>)>,
-    /// Further names of facets, see [`Mesh::parts`].
+    /// Further names of facets: parts of the interface.
     pub parts: Vec<String>,
     /// Connected parts of the regions.
     pub components: Vec<Component>,
