@@ -17,7 +17,7 @@ pub trait Task {
 }
 
 /// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1; of those
-/// that are [`compiled`].
+/// that are compiled.
 pub fn best_lanes() -> usize {
     [8, 4].into_iter().find(|&lanes| compiled(lanes) && available(lanes)).unwrap_or(1)
 }
