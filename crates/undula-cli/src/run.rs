@@ -27,6 +27,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         threads: threads(args.threads),
         force: args.force,
         resume: args.resume,
+        commit: option_env!("UNDULA_COMMIT").map(String::from),
     };
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {

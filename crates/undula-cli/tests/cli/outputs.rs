@@ -149,3 +149,23 @@ fn inf_sup_constants_are_told_with_what_they_mean() {
     here.run("check --inf-sup fsi3", &equal).expect(0, &["(5.25)", "(5.24)"]);
     here.run("check fsi3 --from results", &[]).expect(2, &["--inf-sup"]);
 }
+
+#[test]
+fn a_summary_says_where_the_result_comes_from() {
+    let here = Place::new("provenance");
+    here.run("run fsi3 -o results --quiet", &SMALL).expect(0, &[]);
+    let summary = here.json("results/summary.json");
+    let text = |key: &str| summary[key].as_str().unwrap_or_default().to_string();
+    assert_eq!(text("version"), env!("CARGO_PKG_VERSION"));
+    assert!(text("date").ends_with('Z') && text("date").len() == 20, "{summary}");
+    let commit = text("commit");
+    let digits = commit.trim_end_matches("-dirty");
+    assert!(summary["commit"].is_null() || digits.len() == 40 && digits.bytes().all(|c| c.is_ascii_hexdigit()));
+    assert!(summary.get("processor").is_some());
+    assert!(text("case_hash").len() == 32 && summary["mesh_hash"].is_null(), "{summary}");
+    // The same input has the same hash, another one has another.
+    here.run("run fsi3 -o again --quiet", &SMALL).expect(0, &[]);
+    assert_eq!(here.json("again/summary.json")["case_hash"], summary["case_hash"]);
+    here.run("run fsi3 -o other --quiet --set fluid.density=999", &SMALL).expect(0, &[]);
+    assert_ne!(here.json("other/summary.json")["case_hash"], summary["case_hash"]);
+}

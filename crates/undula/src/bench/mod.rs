@@ -26,7 +26,7 @@ pub use steps::{Parts, Spread, Steps};
 
 use crate::assembly::simd;
 use crate::error::Error;
-use crate::output::{Unknowns, peak_memory};
+use crate::output::{Unknowns, peak_memory, processor};
 use crate::simulation::Simulation;
 use serde::Serialize;
 
@@ -150,13 +150,6 @@ fn describe(
         machine,
         peak_memory_bytes,
     }
-}
-
-/// Name of the processor; known on Linux only.
-fn processor() -> Option<String> {
-    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("model name"))?;
-    Some(line.trim_start_matches([' ', '\t', ':']).trim().to_string())
 }
 
 /// The middle one of `values`; NaN if there is none.

@@ -1,6 +1,6 @@
 //! `summary.json`: what a run was and what came out of it.
 
-use super::{OutputError, write_atomic};
+use super::{OutputError, Provenance, write_atomic};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -54,6 +54,9 @@ pub struct Summary {
     /// Why it broke down.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub breakdown: Option<Breakdown>,
+    /// Which program computed it, when, on which processor, from which input.
+    #[serde(flatten)]
+    pub provenance: Provenance,
 }
 
 impl Summary {
@@ -272,7 +275,8 @@ mod tests {
         let value = serde_json::to_value(Summary::default()).unwrap();
         let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
         let mut contract = "status case cells unknowns steps newton_steps jacobians factorizations threads \
-            wall_seconds phases peak_memory_bytes mass_balance swept_volume functionals"
+            wall_seconds phases peak_memory_bytes mass_balance swept_volume functionals version commit date \
+            processor case_hash mesh_hash"
             .split_whitespace()
             .collect::<Vec<_>>();
         contract.sort();

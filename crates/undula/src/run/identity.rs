@@ -1,5 +1,6 @@
 //! What a run is, for a checkpoint: all that must not change when it goes on.
 
+use crate::output::hash;
 use crate::problem::case::{Case, MeshSource, OutputSpec};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -37,14 +38,10 @@ fn without_choices(case: &Case) -> Case {
     case
 }
 
-/// A number for the content of the mesh file of `case`, as text: FNV-1a of 128 bits. `None` without a file, or if it
-/// cannot be read.
+/// [`hash`] of the mesh file of `case`. `None` without a file, or if it cannot be read.
 pub(super) fn mesh_hash(case: &Case) -> Option<String> {
     let MeshSource::File(path) = &case.mesh.source else { return None };
-    let bytes = std::fs::read(path).ok()?;
-    let step = |hash: u128, byte: &u8| (hash ^ u128::from(*byte)).wrapping_mul((1 << 88) | 0x13b);
-    let hash = bytes.iter().fold(0x6c62_272e_07bb_0142_62b8_2175_6295_c58d, step);
-    Some(format!("{hash:032x}"))
+    Some(hash(&std::fs::read(path).ok()?))
 }
 
 /// What of `case` is not as it was in a run with the identity `former` and the mesh file `mesh`; empty if it can go on.

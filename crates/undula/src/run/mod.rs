@@ -13,8 +13,8 @@ pub use inflow::{Inflow, inflow};
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
-    Breakdown, Checkpoint, Collection, HistoryWriter, Phases, Precision, RunDirectory, Status, Summary,
-    peak_memory, write_vtu,
+    Breakdown, Checkpoint, Collection, HistoryWriter, Phases, Precision, Provenance, RunDirectory, Status, Summary,
+    hash, peak_memory, write_vtu,
 };
 use crate::output::{OutputError, text_of};
 use crate::problem::case::Case;
@@ -40,6 +40,8 @@ pub struct RunOptions {
     pub force: bool,
     /// Go on with an unfinished run, or with a completed one to a later end.
     pub resume: bool,
+    /// Commit of the source of the program, which the summary names.
+    pub commit: Option<String>,
 }
 
 /// Whether to go on.
@@ -82,6 +84,7 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
     } else {
         Run::create(simulation, options)?
     };
+    run.commit = options.commit.clone();
     observer.start(&run.simulation);
     let result = run.advance(observer);
     let (status, breakdown, error) = match result {
@@ -122,8 +125,10 @@ struct Run {
     looked: Instant,
     /// The last step that has a row in the history.
     recorded: u64,
-    /// Number for the content of the mesh file.
+    /// Hash of the mesh file.
     mesh: Option<String>,
+    /// Commit of the source of the program.
+    commit: Option<String>,
     /// The end \[s\] that the last steps were shortened for.
     cut: Option<f64>,
 }
@@ -148,6 +153,7 @@ impl Run {
         let now = Instant::now();
         Run {
             mesh: mesh_hash(&simulation.case),
+            commit: None,
             recorded: simulation.steps,
             simulation,
             directory,
@@ -334,6 +340,11 @@ impl Run {
             swept_volume: simulation.balance.as_ref().and_then(Balance::swept),
             functionals: simulation.statistics(),
             breakdown,
+            provenance: Provenance {
+                case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
+                mesh_hash: self.mesh.clone(),
+                ..Provenance::now(self.commit.clone())
+            },
         }
     }
 

@@ -21,7 +21,7 @@ const SMALL: [&str; 4] = ["mesh.refine=0", "time.step=0.01", "time.end=0.12", "s
 
 fn compute(directory: &Path, sets: &[&str], resume: bool, stop: u64) -> Status {
     let case = builtin("fsi3", &[&SMALL[..], sets].concat());
-    let options = RunOptions { directory: directory.into(), threads: 1, force: true, resume };
+    let options = RunOptions { directory: directory.into(), threads: 1, force: true, resume, commit: None };
     run(case, &options, &mut StopAfter(stop)).unwrap().status
 }
 
