@@ -12,12 +12,12 @@ pub static BODY_FORCE_AT: [Choice<bool>; 2] = [
 /// Whether an outlet has the directional term.
 pub static BACKFLOW: [Choice<bool>; 2] = [
     choice("none", false, "no term against flow that comes in"),
-    choice("directional", true, "directional do-nothing condition: energy-stable for flow that comes in"),
+    choice("directional", true, "directional do-nothing condition (Braack and Mucha 2014)"),
 ];
 
 /// Whether a force is a surface integral.
 pub static METHODS: [Choice<bool>; 2] = [
-    choice("residual", false, "residual of the fluid: converges twice as fast"),
+    choice("residual", false, "residual of the fluid; the more accurate way"),
     choice("surface-integral", true, "integral of the traction over the boundary"),
 ];
 
@@ -40,5 +40,5 @@ pub static OUTPUT_MESH: [Choice<bool>; 2] = [
 /// Whether cells are written as curved as they are.
 pub static OUTPUT_CELLS: [Choice<bool>; 2] = [
     choice("linear", false, "each cell divided into linear cells"),
-    choice("curved", true, "Lagrange cells of higher order (VTK 9, ParaView 5.6 or newer)"),
+    choice("curved", true, "cells of the degree of the velocity; VTK 9.2 to 9.7 cannot find points in them"),
 ];
