@@ -27,6 +27,8 @@ pub enum Command {
     Check(CheckArgs),
     /// List the built-in cases
     Cases,
+    /// List the keys of a case with units, default values and meanings
+    Keys(KeysArgs),
     /// Copy a built-in case to a file, as a starting point
     New(NewArgs),
     /// Compare results with published values or with another run
@@ -97,6 +99,16 @@ pub struct CheckArgs {
     /// Use the state of the last checkpoint of this run (and its case, unless CASE is given)
     #[arg(long, value_name = "RUN_DIR", requires = "at_state")]
     pub from: Option<PathBuf>,
+}
+
+/// `undula keys`.
+#[derive(Debug, Args)]
+pub struct KeysArgs {
+    /// A key, a table, a part of a key or of a value; `*` and `?` stand for any characters [default: all keys]
+    pub pattern: Option<String>,
+    /// Print Markdown, as in docs/keys.md
+    #[arg(long)]
+    pub markdown: bool,
 }
 
 /// `undula new`.

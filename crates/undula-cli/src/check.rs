@@ -5,8 +5,9 @@ use crate::digits::fixed;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use undula::choice::row_of;
 use undula::output::{OutputError, RunDirectory};
-use undula::problem::case::{Case, Condition, FluidSpec, MeshSource, SolidSpec};
+use undula::problem::case::{Case, Condition, FluidSpec, GENERATORS, MeshSource, SolidSpec};
 use undula::problem::error::LoadError;
 use undula::problem::overview::Overview;
 
@@ -118,11 +119,10 @@ fn write_fluid(out: &mut String, case: &Case, fluid: &FluidSpec) -> std::fmt::Re
 
 fn source(case: &Case) -> String {
     match &case.mesh.source {
-        MeshSource::TurekHron => "channel with cylinder and beam (turek-hron)".into(),
-        MeshSource::Rotor => "square with a free bar (rotor)".into(),
-        MeshSource::SchaeferTurek => "channel with cylinder (schaefer-turek)".into(),
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),
+        generator => row_of(&GENERATORS, generator)
+            .map_or(String::new(), |row| format!("{} ({})", row.about, row.name)),
     }
 }
 

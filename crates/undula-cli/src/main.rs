@@ -10,6 +10,7 @@ mod compare;
 mod digits;
 mod inf_sup;
 mod jacobian;
+mod keys;
 mod new;
 mod plot;
 mod progress;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Command::Check(args) if args.inf_sup => inf_sup::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Cases => cases::run(),
+        Command::Keys(args) => keys::run(&args),
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),

@@ -64,6 +64,7 @@
 pub mod algebra;
 pub mod assembly;
 pub mod bench;
+pub mod choice;
 pub mod element;
 pub mod error;
 pub mod functional;

@@ -6,6 +6,7 @@ mod endings;
 mod faults;
 mod input;
 mod jacobian;
+mod keys;
 mod outputs;
 mod pictures;
 

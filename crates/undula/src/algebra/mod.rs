@@ -18,6 +18,7 @@ mod scaling;
 mod solver;
 mod vector;
 
+use crate::choice::{Choice, choice};
 pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
@@ -29,14 +30,54 @@ pub use scaling::{Scaling, Sizes};
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
 
-/// Names of the solvers in case files, the usual one first.
-pub const SOLVERS: [&str; 2] = ["multifrontal", "faer"];
+/// Direct solvers.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum LinearSolverKind {
+    /// Multifrontal LU of our own: nested dissection on mesh nodes, threshold pivoting, delayed pivots.
+    Multifrontal,
+    /// Sparse LU of the crate faer.
+    Faer,
+}
 
-/// The solver of a name; `None` if it is not one of [`SOLVERS`].
-pub fn solver(name: &str, options: Options) -> Option<Box<dyn LinearSolver>> {
-    match name {
-        "multifrontal" => Some(Box::new(MultifrontalLu::multifrontal(options))),
-        "faer" => Some(Box::new(FaerLu::faer(options))),
-        _ => None,
+/// Their names in a case, the usual one first.
+pub static SOLVERS: [Choice<LinearSolverKind>; 2] = [
+    choice("multifrontal", LinearSolverKind::Multifrontal, "multifrontal LU of Undula"),
+    choice("faer", LinearSolverKind::Faer, "sparse LU of the crate faer, for comparison"),
+];
+
+/// Precision of factors.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// 32 bits: half the memory and half the time of a solve.
+    Single,
+    /// 64 bits.
+    Double,
+}
+
+/// Their names in a case.
+pub static PRECISIONS: [Choice<Precision>; 2] = [
+    choice("single", Precision::Single, "32 bits: half the memory and half the time of a solve"),
+    choice("double", Precision::Double, "64 bits"),
+];
+
+impl LinearSolverKind {
+    /// A solver for any matrix, or for symmetric positive `definite` ones; solvers without a variant for `precision`
+    /// or for definite matrices are the general one.
+    pub fn make(self, precision: Precision, definite: bool, options: Options) -> Box<dyn LinearSolver> {
+        match (self, precision, definite) {
+            (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
+            (LinearSolverKind::Multifrontal, Precision::Single, false) => {
+                Box::new(MultifrontalLu::single(options))
+            }
+            (LinearSolverKind::Multifrontal, Precision::Single, true) => {
+                Box::new(MultifrontalLu::single_definite(options))
+            }
+            (LinearSolverKind::Multifrontal, Precision::Double, false) => {
+                Box::new(MultifrontalLu::multifrontal(options))
+            }
+            (LinearSolverKind::Multifrontal, Precision::Double, true) => {
+                Box::new(MultifrontalLu::definite(options))
+            }
+        }
     }
 }

@@ -3,6 +3,7 @@
 
 use super::{Functional, Snapshot};
 use crate::assembly::points::{PointValues, for_each_point};
+use crate::choice::{Choice, choice};
 use crate::physics::Kinematics;
 use crate::space::Region;
 
@@ -21,12 +22,27 @@ pub enum Integral {
     Rotation,
 }
 
+/// Terms of the energy balance by their names in a case.
+pub static ENERGIES: [Choice<Integral>; 4] = [
+    choice("fluid-kinetic", Integral::FluidKinetic, "kinetic energy of the fluid [J/m]"),
+    choice("solid-kinetic", Integral::SolidKinetic, "kinetic energy of the solid [J/m]"),
+    choice("elastic", Integral::Elastic, "stored energy of the solid [J/m]"),
+    choice("dissipation", Integral::Dissipation, "power that viscosity dissipates [W/m]"),
+];
+
 /// An integral with its quadrature.
 pub struct Energy {
     /// Which.
     pub integral: Integral,
     /// Gauss points per direction.
     pub quadrature: usize,
+}
+
+impl Integral {
+    /// Whether it is an integral over the fluid; else it is one over the solid.
+    pub fn is_of_fluid(self) -> bool {
+        matches!(self, Integral::FluidKinetic | Integral::Dissipation)
+    }
 }
 
 impl<const D: usize> Functional<D> for Energy {

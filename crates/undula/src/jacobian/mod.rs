@@ -17,10 +17,11 @@ pub use blocks::{Block, Entry, Equation, Field, Unknown};
 use crate::algebra::{Csr, SolverError};
 use crate::assembly::differences::Differences;
 use crate::assembly::{Assembler, StepView};
+use crate::choice::Choice;
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::State;
-use crate::tangent::{Difference, Linearization, Tangent};
+use crate::tangent::{Difference, LINEARIZATIONS, Linearization, Tangent};
 use blocks::Blocks;
 use state::Setting;
 
@@ -160,11 +161,10 @@ fn matrices(
         comparisons.push(blocks.compare(name, tolerance, &exact, &other, Some((&noise, &steps))));
     }
     let mut left_out = vec![];
-    for (name, kind) in [
-        ("reduced", Linearization::Reduced),
-        ("fixed-point", Linearization::FixedPoint),
-        ("condensed", Linearization::Condensed),
-    ] {
+    for &Choice { name, value: kind, .. } in &LINEARIZATIONS {
+        if kind == Linearization::Newton {
+            continue;
+        }
         if kind != Linearization::Condensed || (setting.rule.per_k > 0.0 || !assembler.space.deforms) {
             assembler.matrix(&view, kind, Tangent::Automatic, &mut other);
             let blocks = blocks.compare(name, 1.0, &exact, &other, None).blocks;

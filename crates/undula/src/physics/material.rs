@@ -5,6 +5,7 @@
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
 use super::kinematics::{Kinematics, volume_change};
+use crate::choice::{Choice, choice, name_of};
 use crate::math::{Scalar, Tensor};
 
 /// Stress as a function of the deformation. At rest compressible laws agree with Hooke's law of the same
@@ -60,6 +61,76 @@ pub enum Material {
         /// 1/κ' \[1/Pa\]; 0 for J = 1.
         compliance: f64,
     },
+}
+
+/// Constitutive law of the solid without its constants.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum SolidLaw {
+    /// Σ = 2 μ E + λ tr(E) I.
+    StVenantKirchhoff,
+    /// P = 2 μ ε + λ tr(ε) I.
+    Linear,
+    /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)².
+    NeoHookean,
+    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂)(J − 1)².
+    MooneyRivlin,
+    /// Neo-Hookean with J = 1.
+    IncompressibleNeoHookean,
+    /// Mooney-Rivlin with J = 1.
+    IncompressibleMooneyRivlin,
+}
+
+/// Their names in a case.
+pub static LAWS: [Choice<SolidLaw>; 6] = [
+    choice(
+        "st-venant-kirchhoff",
+        SolidLaw::StVenantKirchhoff,
+        "Σ = 2 μ E + λ tr(E) I: large rotations, moderate strains",
+    ),
+    choice("linear", SolidLaw::Linear, "Hooke's law: small strains and rotations"),
+    choice("neo-hookean", SolidLaw::NeoHookean, "W = μ/2 (I₁ − 3) − μ ln J + λ/2 (J − 1)²: large strains"),
+    choice("mooney-rivlin", SolidLaw::MooneyRivlin, "neo-Hookean with a term c2 (I₂ − 3), mu = 2 (c1 + c2)"),
+    choice(
+        "incompressible-neo-hookean",
+        SolidLaw::IncompressibleNeoHookean,
+        "neo-Hookean with J = 1 and a pressure in the solid",
+    ),
+    choice(
+        "incompressible-mooney-rivlin",
+        SolidLaw::IncompressibleMooneyRivlin,
+        "Mooney-Rivlin with J = 1 and a pressure in the solid",
+    ),
+];
+
+impl SolidLaw {
+    /// The name in a case.
+    pub fn name(self) -> &'static str {
+        name_of(&LAWS, &self)
+    }
+
+    /// Whether the solid has a pressure of its own.
+    pub fn is_incompressible(self) -> bool {
+        matches!(self, SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin)
+    }
+
+    /// Whether the law has the constants c₁ and c₂.
+    pub fn is_mooney_rivlin(self) -> bool {
+        matches!(self, SolidLaw::MooneyRivlin | SolidLaw::IncompressibleMooneyRivlin)
+    }
+
+    /// The law with the shear modulus `mu`, the first Lamé parameter `lambda` and `c2` \[Pa\]; c₁ = ½ μ − c₂.
+    pub fn material(self, mu: f64, lambda: f64, c2: f64) -> Material {
+        let c1 = 0.5 * mu - c2;
+        match self {
+            SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },
+            SolidLaw::Linear => Material::Linear { mu, lambda },
+            SolidLaw::NeoHookean => Material::NeoHookean { mu, lambda },
+            SolidLaw::MooneyRivlin => Material::MooneyRivlin { c1, c2, lambda },
+            SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
+                Material::incompressible(c1, c2, lambda)
+            }
+        }
+    }
 }
 
 // Functions, not closures: a closure that is called twice is compiled apart, for the baseline processor.

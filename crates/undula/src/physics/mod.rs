@@ -16,12 +16,12 @@ pub mod stabilization;
 pub mod step;
 pub mod theorem_5_2;
 
-pub use extension::Extension;
+pub use extension::{Extension, MotionModel};
 pub use fields::{Dots, Fields, Place, Tested};
 pub use fluid::Fluid;
 pub use form::{Couplings, FacetForm, Inertia, WeakForm};
 pub use kinematics::Kinematics;
-pub use material::Material;
+pub use material::{Material, SolidLaw};
 pub use outflow::{Backflow, Outflow};
 pub use solid::Solid;
 pub use stabilization::{PressureTerm, Projection, Stabilization, TransportTerm};

@@ -6,6 +6,7 @@
 
 use super::kinematics::Kinematics;
 use super::{Fields, Fluid, StepRule};
+use crate::choice::{Choice, choice};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// Terms in the divergence equation, which equal-order pairs need for (5.24).
@@ -21,6 +22,18 @@ pub enum PressureTerm {
     Pspg,
 }
 
+/// Their names in a case.
+pub static PRESSURE_TERMS: [Choice<PressureTerm>; 4] = [
+    choice("off", PressureTerm::None, "no term"),
+    choice("brezzi-pitkaranta", PressureTerm::BrezziPitkaranta, "gradient of the pressure (5.28)"),
+    choice(
+        "lps",
+        PressureTerm::LocalProjection,
+        "local projection: gradient of what a projection removes from the pressure",
+    ),
+    choice("pspg", PressureTerm::Pspg, "residual of the momentum equation, tested with the gradient of ξ"),
+];
+
 /// Terms in the momentum equation against oscillations by transport with w = v − ∂_t u.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum TransportTerm {
@@ -32,6 +45,17 @@ pub enum TransportTerm {
     Supg,
 }
 
+/// Their names in a case.
+pub static TRANSPORT_TERMS: [Choice<TransportTerm>; 3] = [
+    choice("off", TransportTerm::None, "no term"),
+    choice("lps", TransportTerm::LocalProjection, "local projection of the derivative along the flow"),
+    choice(
+        "supg",
+        TransportTerm::Supg,
+        "residual of the momentum equation, tested along the flow (streamline upwind)",
+    ),
+];
+
 /// Where π projects to.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Projection {
@@ -40,6 +64,12 @@ pub enum Projection {
     /// The same degree on the coarser mesh, patch by patch.
     Patch,
 }
+
+/// Their names in a case.
+pub static PROJECTIONS: [Choice<Projection>; 2] = [
+    choice("cell", Projection::Cell, "to the next lower degree on each cell"),
+    choice("patch", Projection::Patch, "to the same degree on the mesh before the last refinement"),
+];
 
 /// What is added to the equations of the fluid, and how much of it.
 #[derive(Copy, Clone, Debug, PartialEq)]

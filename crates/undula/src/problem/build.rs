@@ -1,30 +1,22 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::case::Precision;
-use super::case::{
-    Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, KrylovSpec, LinearSolverKind, MeshSource,
-    MotionModel, PressureElement, VelocityElement,
-};
+use super::case::{Case, Condition, KrylovSpec, MeshSource, Precision, PressureElement, VelocityElement};
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::{INTERFACE, MeshNames};
 use super::overview::Overview;
 use super::regions::mesh_key;
-use crate::algebra::{self, FaerLu, LinearSolver, MultifrontalLu};
+use crate::algebra::{self, LinearSolver};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
-use crate::functional::energy::{Energy, Integral};
-use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
-use crate::functional::point::{Displacement, PressureDifference};
-use crate::math::erf;
+use crate::functional::force::Surfaces;
 use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
-use crate::physics::{Extension, Fluid, Projection, Solid};
+use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
-use crate::tangent::{Difference, Tangent};
 use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -185,14 +177,7 @@ impl Case {
 
     /// Parameters of the equations.
     pub fn physics(&self) -> Physics {
-        let extension = match self.motion.model {
-            MotionModel::Harmonic | MotionModel::StiffenedHarmonic => Extension::Harmonic,
-            MotionModel::PseudoElastic => Extension::PseudoElastic { poisson: self.motion.poisson },
-            MotionModel::JacobianStiffened => {
-                Extension::JacobianStiffened { poisson: self.motion.poisson, lagged: self.motion.lagged }
-            }
-            MotionModel::Biharmonic => Extension::Biharmonic { hinged: self.motion.hinged },
-        };
+        let extension = self.motion.model.extension(&self.motion.numbers());
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
         let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
@@ -238,19 +223,12 @@ impl Case {
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
-            let options = match purpose {
-                Purpose::Exact => linear,
-                Purpose::Correction | Purpose::Definite => algebra::Options::unprobed(),
+            let (precision, definite, options) = match purpose {
+                Purpose::Exact => (Precision::Double, false, linear),
+                Purpose::Correction => (precision, false, algebra::Options::unprobed()),
+                Purpose::Definite => (precision, true, algebra::Options::unprobed()),
             };
-            match (kind, precision, purpose) {
-                (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
-                (_, Precision::Single, Purpose::Correction) => Box::new(MultifrontalLu::single(options)),
-                (_, Precision::Single, Purpose::Definite) => {
-                    Box::new(MultifrontalLu::single_definite(options))
-                }
-                (_, Precision::Double, Purpose::Definite) => Box::new(MultifrontalLu::definite(options)),
-                _ => Box::new(MultifrontalLu::multifrontal(options)),
-            }
+            kind.make(precision, definite, options)
         });
         let scales = self.scales(&space, largest);
         let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
@@ -259,13 +237,7 @@ impl Case {
         let settings = StepperSettings {
             scheme: self.scheme(),
             domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
-            tangent: match self.newton.jacobian {
-                JacobianKind::Automatic => Tangent::Automatic,
-                JacobianKind::Analytic => Tangent::Analytic,
-                JacobianKind::FiniteDifference { central, epsilon } => {
-                    Tangent::Difference(Difference::new(central, epsilon))
-                }
-            },
+            tangent: self.newton.jacobian,
             extrapolate: self.newton.extrapolate,
             max_halvings: self.time.as_ref().map_or(0, |t| t.max_halvings),
             scales,
@@ -304,7 +276,7 @@ impl Case {
     }
 
     fn scheme(&self) -> Scheme {
-        self.time.as_ref().map_or(Scheme::BACKWARD_EULER, |t| t.scheme.scheme())
+        self.time.as_ref().map_or(Scheme::BackwardEuler, |t| t.scheme)
     }
 
     /// One condition per boundary of `mesh`.
@@ -334,28 +306,16 @@ impl Case {
         mesh.boundaries.iter().map(of).collect()
     }
 
-    /// E_e(x) with the distance d to the interface, and its largest value: (d_0 + d)^(−exponent) of the elastic
-    /// models, α = 2 − erf(5 d/L) of the stiffened harmonic one.
+    /// E_e(x) with the distance to the interface, and its largest value.
     #[allow(clippy::type_complexity)]
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
-        let m = self.motion_on(space);
-        let plain = match m.model {
-            MotionModel::Harmonic | MotionModel::Biharmonic => true,
-            MotionModel::StiffenedHarmonic => false,
-            MotionModel::PseudoElastic | MotionModel::JacobianStiffened => m.exponent == 0.0,
-        };
-        if plain || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
+        let (model, numbers) = (self.motion.model, self.motion_on(space).numbers());
+        if !model.is_stiffened(&numbers) || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
         let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
-        if m.model == MotionModel::StiffenedHarmonic {
-            let scale = m.scale.unwrap_or(1.0);
-            let value = move |x: &[f64; 2]| 2.0 - erf(5.0 * distance.distance(*x) / scale);
-            return Ok((Box::new(value), 2.0));
-        }
-        let (offset, exponent) = (m.offset.unwrap_or(1.0), m.exponent);
-        let value = move |x: &[f64; 2]| (offset + distance.distance(*x)).powf(-exponent);
-        Ok((Box::new(value), offset.powf(-exponent)))
+        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance.distance(*x));
+        Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
 
     /// The functionals of the case.
@@ -366,68 +326,11 @@ impl Case {
         let mut list: Functionals = vec![];
         let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
         for (name, spec) in &self.functional {
-            let functional = self
-                .build_functional(space, &surfaces, spec)
-                .map_err(|e| self.blame(&format!("functional.{name}.{}", point_key(spec, &e)), e))?;
+            let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
+            let functional = spec.build(self, space, &surfaces).map_err(blame)?;
             list.push((name.clone(), functional));
         }
         Ok(list)
-    }
-
-    fn build_functional(
-        &self,
-        space: &FsiSpace<2>,
-        surfaces: &Surfaces<'_, 2>,
-        spec: &FunctionalSpec,
-    ) -> Result<Box<dyn Functional<2>>, MeshError> {
-        let quadrature = self.space.quadrature;
-        Ok(match spec {
-            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                let density = self.fluid.as_ref().map_or(1.0, |f| f.density);
-                let (factor, unit) = match coefficient {
-                    Some([speed, length]) => (2.0 / (density * speed * speed * length), ""),
-                    None => (1.0, "N/m"),
-                };
-                // An interface that is not there, as in a flow without body, carries no force.
-                if *surface_integral {
-                    Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))
-                } else {
-                    Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
-                }
-            }
-            FunctionalSpec::Displacement { point, component } => {
-                Box::new(Displacement::new(space, *point, *component)?)
-            }
-            FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, *a, *b)?),
-            FunctionalSpec::Energy(kind) => {
-                let integral = match kind {
-                    EnergyKind::FluidKinetic => Integral::FluidKinetic,
-                    EnergyKind::SolidKinetic => Integral::SolidKinetic,
-                    EnergyKind::Elastic => Integral::Elastic,
-                    EnergyKind::Dissipation => Integral::Dissipation,
-                };
-                Box::new(Energy { integral, quadrature })
-            }
-            FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
-        })
-    }
-}
-
-/// The key of `spec` that `error` is about.
-fn point_key(spec: &FunctionalSpec, error: &MeshError) -> &'static str {
-    match (spec, error) {
-        (
-            FunctionalSpec::PressureDifference { a, .. },
-            MeshError::Outside { point, .. } | MeshError::NoPressure { point },
-        ) => {
-            if point.as_slice() == a {
-                "a"
-            } else {
-                "b"
-            }
-        }
-        (FunctionalSpec::Displacement { .. }, _) => "point",
-        _ => "on",
     }
 }
 

@@ -6,10 +6,15 @@
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
+pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
+pub use crate::algebra::{LinearSolverKind, Precision};
+use crate::choice::{Choice, choice, row_of};
+pub use crate::functional::energy::Integral;
+use crate::physics::extension::MotionNumbers;
 use crate::physics::{Material, Stabilization};
+pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
-pub use crate::tangent::Linearization;
-use crate::time::Scheme;
+pub use crate::tangent::{Linearization, Tangent};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
@@ -62,7 +67,7 @@ impl Case {
 
     /// θ of the first step; `None` if stationary.
     pub fn theta(&self) -> Option<f64> {
-        self.time.as_ref().map(|time| time.scheme.theta(time.step.eval(&[0.0; 3], time.start)))
+        self.time.as_ref().map(|time| time.scheme.rule(time.step.eval(&[0.0; 3], time.start)).theta)
     }
 }
 
@@ -124,6 +129,18 @@ pub enum MeshSource {
     File(PathBuf),
 }
 
+/// Generators by their names in a case.
+pub static GENERATORS: [Choice<MeshSource>; 4] = [
+    choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
+    choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
+    choice("rotor", MeshSource::Rotor, "square with a free bar"),
+    choice(
+        "box",
+        MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },
+        "rectangle from `lower` to `upper`",
+    ),
+];
+
 /// Finite element spaces by name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpaceSpec {
@@ -171,63 +188,10 @@ pub struct SolidSpec {
     pub body_force: [Expression; 2],
 }
 
-/// Constitutive law of the solid, see [`crate::physics::Material`].
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum SolidLaw {
-    /// Σ = 2 μ E + λ tr(E) I.
-    StVenantKirchhoff,
-    /// P = 2 μ ε + λ tr(ε) I.
-    Linear,
-    /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)².
-    NeoHookean,
-    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂)(J − 1)².
-    MooneyRivlin,
-    /// Neo-Hookean with J = 1.
-    IncompressibleNeoHookean,
-    /// Mooney-Rivlin with J = 1.
-    IncompressibleMooneyRivlin,
-}
-
-impl SolidLaw {
-    /// All of them with their names in a case.
-    pub const ALL: [(&'static str, SolidLaw); 6] = [
-        ("st-venant-kirchhoff", SolidLaw::StVenantKirchhoff),
-        ("linear", SolidLaw::Linear),
-        ("neo-hookean", SolidLaw::NeoHookean),
-        ("mooney-rivlin", SolidLaw::MooneyRivlin),
-        ("incompressible-neo-hookean", SolidLaw::IncompressibleNeoHookean),
-        ("incompressible-mooney-rivlin", SolidLaw::IncompressibleMooneyRivlin),
-    ];
-
-    /// The name in a case.
-    pub fn name(self) -> &'static str {
-        SolidLaw::ALL.iter().find(|(_, law)| *law == self).map_or("", |(name, _)| name)
-    }
-
-    /// Whether the solid has a pressure of its own.
-    pub fn is_incompressible(self) -> bool {
-        matches!(self, SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin)
-    }
-
-    /// Whether the law has the constants c₁ and c₂.
-    pub fn is_mooney_rivlin(self) -> bool {
-        matches!(self, SolidLaw::MooneyRivlin | SolidLaw::IncompressibleMooneyRivlin)
-    }
-}
-
 impl SolidSpec {
     /// The law with its constants.
     pub fn material(&self) -> Material {
-        let (mu, lambda, c1, c2) = (self.mu, self.lambda, 0.5 * self.mu - self.c2, self.c2);
-        match self.law {
-            SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },
-            SolidLaw::Linear => Material::Linear { mu, lambda },
-            SolidLaw::NeoHookean => Material::NeoHookean { mu, lambda },
-            SolidLaw::MooneyRivlin => Material::MooneyRivlin { c1, c2, lambda },
-            SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
-                Material::incompressible(c1, c2, lambda)
-            }
-        }
+        self.law.material(self.mu, self.lambda, self.c2)
     }
 }
 
@@ -254,19 +218,18 @@ pub struct MotionSpec {
     pub walls: Walls,
 }
 
-/// Operator of the extension.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum MotionModel {
-    /// (∇u, ∇ψ), never stiffened.
-    Harmonic,
-    /// (α ∇u, ∇ψ) with α = 2 − erf(5 d/L).
-    StiffenedHarmonic,
-    /// (E_e (∇u + ∇uᵀ)/(2(1+ν_e)) + …, ∇ψ) with E_e stiffened near the interface.
-    PseudoElastic,
-    /// The same with E_e (J + 1/J).
-    JacobianStiffened,
-    /// −Δu = w, −Δw = 0.
-    Biharmonic,
+impl MotionSpec {
+    /// The numbers of the model; lengths that are not known are 1 m, see [`Case::motion_on`].
+    pub fn numbers(&self) -> MotionNumbers {
+        MotionNumbers {
+            poisson: self.poisson,
+            lagged: self.lagged,
+            hinged: self.hinged,
+            offset: self.offset.unwrap_or(1.0),
+            exponent: self.exponent,
+            scale: self.scale.unwrap_or(1.0),
+        }
+    }
 }
 
 /// What holds on a boundary.
@@ -285,16 +248,23 @@ pub enum Condition {
     Clamped,
 }
 
+/// Their names in a case.
+pub static CONDITIONS: [Choice<Condition>; 5] = [
+    choice(
+        "velocity",
+        Condition::Velocity([Expression::EMPTY, Expression::EMPTY]),
+        "prescribed velocity; the boundary does not move",
+    ),
+    choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
+    choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
+    choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
+    choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
+];
+
 impl Condition {
     /// The name in a case.
     pub fn name(&self) -> &'static str {
-        match self {
-            Condition::Velocity(_) => "velocity",
-            Condition::NoSlip => "no-slip",
-            Condition::DoNothing => "do-nothing",
-            Condition::TractionFree => "traction-free",
-            Condition::Clamped => "clamped",
-        }
+        row_of(&CONDITIONS, self).map_or("", |row| row.name)
     }
 }
 
@@ -302,7 +272,7 @@ impl Condition {
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeSpec {
     /// One-step scheme.
-    pub scheme: TimeScheme,
+    pub scheme: Scheme,
     /// Step k \[s\], an expression of t (its value at the start of the step counts).
     pub step: Expression,
     /// First time \[s\].
@@ -317,60 +287,7 @@ pub struct TimeSpec {
     pub adaptive: Option<AdaptiveSettings>,
 }
 
-pub use crate::time::{AdaptiveSettings, DomainMotion};
-
-/// Scheme for one step; further schemes are further arms.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub enum TimeScheme {
-    /// θ = 1.
-    BackwardEuler,
-    /// Any θ in [½, 1].
-    Theta {
-        /// Implicit weight.
-        theta: f64,
-    },
-    /// θ = ½.
-    CrankNicolson,
-    /// θ = ½ + shift · k.
-    ShiftedCrankNicolson {
-        /// c \[1/s\].
-        shift: f64,
-    },
-    /// Crank-Nicolson with some steps of backward Euler from the start of every interval on.
-    Rannacher {
-        /// Steps of backward Euler.
-        steps: u32,
-        /// Interval \[s\].
-        interval: f64,
-    },
-    /// Three θ-steps in one.
-    FractionalStepTheta,
-    /// cG(1): linear trial functions, test functions constant in each step.
-    Galerkin,
-    /// Backward differentiation over two steps.
-    Bdf2,
-}
-
-impl TimeScheme {
-    /// As `time` takes it.
-    pub fn scheme(&self) -> Scheme {
-        match *self {
-            TimeScheme::BackwardEuler => Scheme::BACKWARD_EULER,
-            TimeScheme::Theta { theta } => Scheme::Theta { theta },
-            TimeScheme::CrankNicolson => Scheme::CRANK_NICOLSON,
-            TimeScheme::ShiftedCrankNicolson { shift } => Scheme::ShiftedCrankNicolson { shift },
-            TimeScheme::Rannacher { steps, interval } => Scheme::Rannacher { steps, interval },
-            TimeScheme::FractionalStepTheta => Scheme::FractionalStepTheta,
-            TimeScheme::Galerkin => Scheme::Galerkin,
-            TimeScheme::Bdf2 => Scheme::Bdf2,
-        }
-    }
-
-    /// The implicit weight θ of most steps of length `k` \[s\], at most 1.
-    pub fn theta(&self, k: f64) -> f64 {
-        self.scheme().rule(k).theta
-    }
-}
+pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
 
 /// Nonlinear solver.
 #[derive(Clone, Debug, PartialEq)]
@@ -378,7 +295,7 @@ pub struct NewtonSpec {
     /// Which derivatives the matrix holds.
     pub linearization: Linearization,
     /// How they are computed.
-    pub jacobian: JacobianKind,
+    pub jacobian: Tangent,
     /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration. `None`:
     /// as long as that costs less than a new one.
     pub rate_max: Option<f64>,
@@ -400,7 +317,7 @@ impl Default for NewtonSpec {
     fn default() -> Self {
         NewtonSpec {
             linearization: Linearization::Condensed,
-            jacobian: JacobianKind::Automatic,
+            jacobian: Tangent::Automatic,
             rate_max: None,
             secants: 0,
             tolerance: 1e-8,
@@ -421,22 +338,6 @@ impl Default for LinearSpec {
             krylov: None,
         }
     }
-}
-
-/// How derivatives are computed.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub enum JacobianKind {
-    /// Dual numbers at the quadrature point.
-    Automatic,
-    /// Theorem 5.2.
-    Analytic,
-    /// Differences of the residual at the quadrature point.
-    FiniteDifference {
-        /// On both sides instead of one.
-        central: bool,
-        /// ε, relative to the size of what moves.
-        epsilon: f64,
-    },
 }
 
 /// Linear solver.
@@ -461,83 +362,16 @@ pub struct KrylovSpec {
     pub size: usize,
 }
 
-impl Default for KrylovSpec {
-    fn default() -> Self {
-        KrylovSpec { tolerance: 0.03, size: 20 }
-    }
+impl KrylovSpec {
+    /// What holds unless a case gives other numbers.
+    pub const DEFAULT: KrylovSpec = KrylovSpec { tolerance: 0.03, size: 20 };
 }
 
-/// Precision of factors.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum Precision {
-    /// 32 bits: half the memory and half the time of a solve.
-    Single,
-    /// 64 bits.
-    Double,
-}
-
-/// Linear solver by name.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum LinearSolverKind {
-    /// Multifrontal LU of our own: nested dissection on mesh nodes, threshold pivoting, delayed pivots.
-    Multifrontal,
-    /// Sparse LU of the crate faer.
-    Faer,
-}
-
-/// One number of interest.
-#[derive(Clone, Debug, PartialEq)]
-pub enum FunctionalSpec {
-    /// Force of the fluid on boundaries \[N/m\], or its coefficient.
-    Force {
-        /// Boundary names; `interface` is allowed.
-        on: Vec<String>,
-        /// 0: x, 1: y.
-        component: usize,
-        /// By the fluid residual (default) or by the surface integral.
-        surface_integral: bool,
-        /// Multiply by 2/(ρ_f v̄² L) with v̄ \[m/s\], L \[m\] if given.
-        coefficient: Option<[f64; 2]>,
-    },
-    /// Deformation of a material point \[m\].
-    Displacement {
-        /// Reference coordinates \[m\].
-        point: [f64; 2],
-        /// 0: x, 1: y.
-        component: usize,
-    },
-    /// p(a) − p(b) \[Pa\].
-    PressureDifference {
-        /// First point.
-        a: [f64; 2],
-        /// Second point.
-        b: [f64; 2],
-    },
-    /// An energy or power per unit depth.
-    Energy(EnergyKind),
-    /// Average rotation (1/|S|) ∫_S x × u dx \[m²\].
-    Rotation,
-}
-
-impl FunctionalSpec {
-    /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
-    pub fn at_force_time(&self) -> bool {
-        matches!(self, FunctionalSpec::Force { .. } | FunctionalSpec::PressureDifference { .. })
-    }
-}
-
-/// Terms of the energy balance.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum EnergyKind {
-    /// ½ (ρ_f J v, v)_F \[J/m\].
-    FluidKinetic,
-    /// ½ (ρ_s v, v)_S \[J/m\].
-    SolidKinetic,
-    /// Stored energy of the solid ∫_S W \[J/m\].
-    Elastic,
-    /// ∫_F 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m\].
-    Dissipation,
-}
+/// Their names in a case.
+pub static KRYLOV: [Choice<Option<KrylovSpec>>; 2] = [
+    choice("none", None, "corrections from the factors alone"),
+    choice("gmres", Some(KrylovSpec::DEFAULT), "GMRES, preconditioned by the factors of an older matrix"),
+];
 
 /// What is written.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,10 +6,10 @@
 mod body;
 mod condition;
 mod solver;
-pub(super) mod stabilization;
+mod stabilization;
 
 use super::builtin::{builtin_case, builtin_cases};
-use super::case::{Case, Record, TimeScheme, TimeSpec};
+use super::case::{Case, Record, Scheme, TimeSpec};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
@@ -117,7 +117,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
 
 /// Methods that take the body force at other places than those where the flow is.
 fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabilization) {
-    if time.is_some_and(|time| time.scheme == TimeScheme::Galerkin) {
+    if time.is_some_and(|time| time.scheme == Scheme::Galerkin) {
         fluid.wrong(
             "body-force-at",
             "cg1 takes forces at the middle of a step; expected `reference`, or another scheme",

@@ -1,6 +1,6 @@
 //! Data that are not finite somewhere: told with key, place and time, before anything is computed where possible.
 
-use super::case::{Case, Condition, TimeScheme, TimeSpec};
+use super::case::{Case, Condition, TimeSpec};
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use crate::error::Error;
@@ -97,10 +97,7 @@ impl Case {
 
     /// Whether a step takes the forces of its beginning, too.
     fn takes_old_forces(&self) -> bool {
-        let implicit = |time: &TimeSpec| {
-            matches!(time.scheme, TimeScheme::BackwardEuler | TimeScheme::Bdf2 | TimeScheme::Galerkin)
-        };
-        !self.time.as_ref().is_some_and(implicit)
+        self.time.as_ref().is_none_or(|time| time.scheme.takes_old_forces())
     }
 
     /// Times \[s\] at which `data` are looked at.

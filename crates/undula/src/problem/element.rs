@@ -1,5 +1,6 @@
 //! Finite elements by name, and which pairs of velocity and pressure can be used.
 
+use crate::choice::{Choice, choice, name_of};
 use crate::element::Shape;
 
 /// Space of velocity and deformation.
@@ -25,29 +26,29 @@ pub enum PressureElement {
 }
 
 /// Velocities by the names they have in a case.
-pub const VELOCITIES: [(&str, VelocityElement); 8] = [
-    ("Q1", VelocityElement::Q(1)),
-    ("Q2", VelocityElement::Q(2)),
-    ("Q3", VelocityElement::Q(3)),
-    ("Q4", VelocityElement::Q(4)),
-    ("P1", VelocityElement::P(1)),
-    ("P2", VelocityElement::P(2)),
-    ("P3", VelocityElement::P(3)),
-    ("P2-bubble", VelocityElement::P2Bubble),
+pub static VELOCITIES: [Choice<VelocityElement>; 8] = [
+    choice("Q1", VelocityElement::Q(1), "continuous, bilinear on quadrilaterals"),
+    choice("Q2", VelocityElement::Q(2), "continuous, biquadratic on quadrilaterals"),
+    choice("Q3", VelocityElement::Q(3), "continuous, bicubic on quadrilaterals"),
+    choice("Q4", VelocityElement::Q(4), "continuous, of degree 4 in each coordinate of a quadrilateral"),
+    choice("P1", VelocityElement::P(1), "continuous, linear on triangles"),
+    choice("P2", VelocityElement::P(2), "continuous, quadratic on triangles"),
+    choice("P3", VelocityElement::P(3), "continuous, cubic on triangles"),
+    choice("P2-bubble", VelocityElement::P2Bubble, "P2 with a cubic bubble on every triangle of the fluid"),
 ];
 
 /// Pressures by the names they have in a case.
-pub const PRESSURES: [(&str, PressureElement); 10] = [
-    ("P0", PressureElement::Pdc(0)),
-    ("P1dc", PressureElement::Pdc(1)),
-    ("P2dc", PressureElement::Pdc(2)),
-    ("P3dc", PressureElement::Pdc(3)),
-    ("Q1", PressureElement::Q(1)),
-    ("Q2", PressureElement::Q(2)),
-    ("Q3", PressureElement::Q(3)),
-    ("Q4", PressureElement::Q(4)),
-    ("P1", PressureElement::P(1)),
-    ("P2", PressureElement::P(2)),
+pub static PRESSURES: [Choice<PressureElement>; 10] = [
+    choice("P0", PressureElement::Pdc(0), "discontinuous, constant on each cell"),
+    choice("P1dc", PressureElement::Pdc(1), "discontinuous, linear on each cell"),
+    choice("P2dc", PressureElement::Pdc(2), "discontinuous, quadratic on each cell"),
+    choice("P3dc", PressureElement::Pdc(3), "discontinuous, cubic on each cell"),
+    choice("Q1", PressureElement::Q(1), "continuous, bilinear on quadrilaterals"),
+    choice("Q2", PressureElement::Q(2), "continuous, biquadratic on quadrilaterals"),
+    choice("Q3", PressureElement::Q(3), "continuous, bicubic on quadrilaterals"),
+    choice("Q4", PressureElement::Q(4), "continuous, of degree 4 in each coordinate of a quadrilateral"),
+    choice("P1", PressureElement::P(1), "continuous, linear on triangles"),
+    choice("P2", PressureElement::P(2), "continuous, quadratic on triangles"),
 ];
 
 /// What is known of the inf-sup condition (5.24) of a pair.
@@ -64,7 +65,7 @@ pub enum Stability {
 impl VelocityElement {
     /// Name in a case.
     pub fn name(self) -> &'static str {
-        VELOCITIES.iter().find(|(_, e)| *e == self).map_or("", |(name, _)| name)
+        name_of(&VELOCITIES, &self)
     }
 
     /// Polynomial degree k, bubbles aside.
@@ -143,7 +144,7 @@ impl VelocityElement {
 impl PressureElement {
     /// Name in a case.
     pub fn name(self) -> &'static str {
-        PRESSURES.iter().find(|(_, e)| *e == self).map_or("", |(name, _)| name)
+        name_of(&PRESSURES, &self)
     }
 }
 
@@ -153,12 +154,12 @@ mod tests {
 
     #[test]
     fn default_pairs_are_stable_or_of_equal_order() {
-        for (name, velocity) in VELOCITIES {
+        for Choice { name, value: velocity, .. } in VELOCITIES {
             assert_eq!(velocity.name(), name);
             let expected = if velocity.degree() == 1 { Stability::Equal } else { Stability::Stable };
             assert_eq!(velocity.stability(velocity.pressure()), expected, "{name}");
         }
-        for (name, pressure) in PRESSURES {
+        for Choice { name, value: pressure, .. } in PRESSURES {
             assert_eq!(pressure.name(), name);
         }
     }

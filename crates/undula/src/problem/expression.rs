@@ -50,6 +50,9 @@ pub struct ExpressionError {
 }
 
 impl Expression {
+    /// No expression yet, in tables of values that have one; its value is 0.
+    pub(crate) const EMPTY: Expression = Expression { source: String::new(), program: Program::EMPTY };
+
     /// Compiles `source`.
     ///
     /// # Errors

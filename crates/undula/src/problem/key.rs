@@ -26,6 +26,18 @@ pub(crate) fn parent(key: &str) -> Option<&str> {
     outside_quotes(key).filter(|(_, c)| *c == '.').last().map(|(i, _)| &key[..i])
 }
 
+/// The parts of a dotted key, in quotes where they are written so.
+pub(crate) fn parts(key: &str) -> Vec<&str> {
+    let mut parts = vec![];
+    let mut begin = 0;
+    for (dot, _) in outside_quotes(key).filter(|(_, c)| *c == '.') {
+        parts.push(&key[begin..dot]);
+        begin = dot + 1;
+    }
+    parts.push(&key[begin..]);
+    parts
+}
+
 /// The parts of the key before the first `=` of an override, and the value behind it.
 ///
 /// # Errors
@@ -94,6 +106,7 @@ mod tests {
             let (parts, value) = split_override(&text).unwrap();
             assert_eq!((parts, value), (vec!["boundary".into(), name.into(), "condition".into()], "no-slip"));
             let key = join(&join("boundary", name), "condition");
+            assert_eq!(self::parts(&key), ["boundary", &quote(name), "condition"]);
             assert_eq!(parent(&key), Some(&*join("boundary", name)));
             assert_eq!(parent(&join("boundary", name)), Some("boundary"));
         }

@@ -1,11 +1,11 @@
 //! From a case file to a checked, runnable description.
 //!
-//! `expression`, `error` and `key` stand alone; `raw` is the TOML with overrides, `read` reads one table (`synonyms` has
+//! `expression`, `error` and `key` stand alone; `keys` is the table of all keys, `choices` has tables of their values; `raw` is the TOML with overrides, `read` reads one table (`synonyms` has
 //! other names of its keys),
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
 //! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid,
 //! `data` evaluates what is given on it.
-//! `write` is the way back,
+//! `functionals` has all that a case says of its functionals. `write` is the way back,
 //! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
 //! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
 //! `manufactured` makes problems whose solution is known.
@@ -15,6 +15,7 @@ pub mod build;
 pub mod builtin;
 pub mod case;
 mod check;
+pub mod choices;
 pub mod compare;
 mod data;
 pub mod element;
@@ -23,7 +24,9 @@ mod ends;
 pub mod error;
 pub mod expression;
 pub mod fit;
+pub mod functionals;
 pub(crate) mod key;
+pub mod keys;
 mod lengths;
 pub mod manufactured;
 pub mod memory;

@@ -121,10 +121,12 @@ impl Case {
                     Some(condition) => condition.name().into(),
                     None if !own => "part of the interface".into(),
                     None if inside => "coupling".into(),
-                    None if name == INTERFACE && self.fluid.is_none() => "traction-free".into(),
+                    None if name == INTERFACE && self.fluid.is_none() => {
+                        Condition::TractionFree.name().into()
+                    }
                     // Sides of regions that are left out.
-                    None if has(Region::Fluid) => "no-slip".into(),
-                    None => "clamped".into(),
+                    None if has(Region::Fluid) => Condition::NoSlip.name().into(),
+                    None => Condition::Clamped.name().into(),
                 },
             }
         };

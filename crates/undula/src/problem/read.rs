@@ -3,7 +3,8 @@
 use super::error::{CaseError, did_you_mean, quoted};
 use super::expression::Expression;
 use super::raw::{Document, Item, Origin, Table, Value};
-use super::synonyms;
+use super::{keys, synonyms};
+use crate::choice::{self, Choice};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -142,6 +143,7 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// The item of `key`, which becomes a known key.
     pub fn item(&mut self, key: &str) -> Option<&'c Item> {
+        debug_assert!(keys::is_known(&self.dotted(key)), "{} is not in the table of keys", self.dotted(key));
         if !self.known.iter().any(|k| k == key) {
             self.known.push(key.to_string());
         }
@@ -175,6 +177,9 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// Tells every key that nobody asked for.
     pub fn finish(self) {
+        let known =
+            keys::names_in(&self.path).into_iter().filter(|name| self.known.iter().any(|k| k == name));
+        let known: Vec<&str> = known.collect();
         for (key, item) in self.table.map_or(&[][..], |t| &t.0) {
             if self.known.contains(key) {
                 continue;
@@ -187,12 +192,11 @@ impl<'c, 'd> Section<'c, 'd> {
                 .filter(|meant| self.known.iter().any(|k| k == meant))
             {
                 Some(meant) => format!("; did you mean `{meant}`?"),
-                None => did_you_mean(key, self.known.iter().map(String::as_str)),
+                None => did_you_mean(key, known.iter().copied()),
             };
             let hint = if hint.is_empty() { ";".into() } else { hint };
             let table = if self.path.is_empty() { "a case".into() } else { format!("[{}]", self.path) };
-            let known = quoted(self.known.iter().map(String::as_str));
-            let message = format!("unknown key{hint} {table} takes {known}");
+            let message = format!("unknown key{hint} {table} takes {}", quoted(known.iter().copied()));
             self.checker.error(&item.key, &self.dotted(key), None, message);
         }
     }
@@ -274,15 +278,20 @@ impl<'c, 'd> Section<'c, 'd> {
     }
 
     /// One of `available`; `later` are names that are known but have nothing behind them yet.
-    pub fn choice<T: Copy>(&mut self, key: &str, available: &[(&str, T)], later: &[&str]) -> Option<T> {
+    pub fn choice<T: Clone>(
+        &mut self,
+        key: &str,
+        available: &[Choice<T>],
+        later: &[&'static str],
+    ) -> Option<T> {
         let item = self.item(key)?;
-        let names = || available.iter().map(|(name, _)| *name);
+        let names = || choice::names(available);
         let Value::String(word) = &item.value else {
             self.wrong_type(key, item, &format!("one of {}", quoted(names())));
             return None;
         };
-        if let Some((_, value)) = available.iter().find(|(name, _)| name == word) {
-            return Some(*value);
+        if let Some(value) = choice::parse(available, word) {
+            return Some(value.clone());
         }
         let message = if later.contains(&word.as_str()) {
             format!("not yet available; expected one of {}", quoted(names()))
@@ -292,6 +301,13 @@ impl<'c, 'd> Section<'c, 'd> {
         };
         self.wrong_item(key, item, message);
         None
+    }
+
+    /// Tells that a choice is not there which has no default.
+    pub fn require_choice<T>(&self, key: &str, available: &[Choice<T>]) {
+        if !self.has(key) {
+            self.missing(key, &format!("one of {}", quoted(choice::names(available))));
+        }
     }
 
     fn expression_of(&self, key: &str, item: &Item) -> Option<Expression> {

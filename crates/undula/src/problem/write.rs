@@ -1,14 +1,17 @@
 //! A case as TOML with all defaults resolved.
 
-use super::case::{
-    Case, Condition, DomainMotion, EnergyKind, FunctionalSpec, JacobianKind, LinearSolverKind, Linearization,
-    MeshSource, MotionModel, Precision, TimeScheme,
-};
-use super::check::stabilization::{PRESSURE, PROJECTION, TRANSPORT};
+use super::case::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
+use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::expression::Expression;
-use super::key;
+use super::{key, keys};
+use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::choice::{Choice, name_of, row_of};
+use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
+use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
-use crate::space::Walls;
+use crate::space::WALLS;
+use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
+use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::path::{Component, Path, PathBuf};
 
 /// Shortest decimal that reads back as `x`, always with a point or exponent.
@@ -27,7 +30,7 @@ pub(super) fn number(x: f64) -> String {
     format!("{x:?}")
 }
 
-fn string(s: &str) -> String {
+pub(super) fn string(s: &str) -> String {
     toml::Value::from(s).to_string()
 }
 
@@ -42,41 +45,56 @@ fn expressions(pair: &[Expression; 2]) -> String {
     format!("[{}, {}]", expression(&pair[0]), expression(&pair[1]))
 }
 
-fn pair(x: &[f64; 2]) -> String {
+pub(super) fn pair(x: &[f64; 2]) -> String {
     format!("[{}, {}]", number(x[0]), number(x[1]))
 }
 
-/// The name of `value` in a list of choices.
-pub(crate) fn name<T: PartialEq>(choices: &[(&'static str, T)], value: T) -> &'static str {
-    choices.iter().find(|(_, choice)| *choice == value).map_or("", |(name, _)| name)
-}
-
 /// Lines of TOML.
-struct Lines(String);
+#[derive(Default)]
+pub(super) struct Lines {
+    text: String,
+    /// The table of the next line.
+    table: String,
+}
 
 impl Lines {
     fn table(&mut self, name: &str) {
-        self.0 += &format!("\n[{name}]\n");
+        self.text += &format!("\n[{name}]\n");
+        self.table = name.into();
     }
 
-    fn key(&mut self, key: &str, value: impl AsRef<str>, comment: &str) {
-        let space = if comment.is_empty() { "" } else { "  # " };
-        self.0 += &format!("{key} = {}{space}{comment}\n", value.as_ref());
+    /// A value with its unit, or else its meaning, as a comment.
+    pub fn key(&mut self, key: &str, value: impl AsRef<str>) {
+        let dotted = if self.table.is_empty() { key.into() } else { format!("{}.{key}", self.table) };
+        let known = keys::find(&dotted);
+        debug_assert!(known.is_some(), "{dotted} is not in the table of keys");
+        let comment = known.map_or("", keys::Key::comment);
+        self.text += &format!("{key} = {}  # {comment}\n", value.as_ref());
     }
 
+    /// A word, which says itself what it means.
     fn word(&mut self, key: &str, value: &str) {
-        self.key(key, string(value), "");
+        self.text += &format!("{key} = {}\n", string(value));
+    }
+
+    pub fn choice<T: PartialEq>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+        self.word(key, name_of(table, value));
+    }
+
+    /// The name of a variant, whatever its parameters are.
+    pub fn variant<T>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+        self.word(key, row_of(table, value).map_or("", |row| row.name));
     }
 }
 
 impl Case {
     /// The case as TOML, every default written out; it loads again to an equal case.
     pub fn to_toml(&self) -> String {
-        let mut out = Lines(String::new());
+        let mut out = Lines::default();
         out.word("name", &self.name);
         out.word("title", &self.title);
         if let Some(reference) = &self.reference {
-            out.key("reference", string(reference), "published results");
+            out.key("reference", string(reference));
         }
         self.write_mesh(&mut out);
         self.write_stabilization(&mut out);
@@ -85,32 +103,28 @@ impl Case {
             out.table(&key::join("boundary", name));
             write_condition(&mut out, condition);
             if self.directional.contains(name) {
-                out.word("backflow", "directional");
+                out.choice("backflow", &BACKFLOW, &true);
             }
         }
         self.write_time(&mut out);
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
             out.table(&key::join("functional", name));
-            write_functional(&mut out, functional);
+            functional.write(&mut out);
         }
         out.table("output");
-        out.key("fields-every", self.output.fields_every.to_string(), "steps; 0: only at the end");
+        out.key("fields-every", self.output.fields_every.to_string());
         if let Some(interval) = self.output.fields_interval {
-            out.key("fields-interval", number(interval), "s; steps end there");
+            out.key("fields-interval", number(interval));
         }
-        out.word("mesh", if self.output.deformed { "deformed" } else { "reference" });
-        out.word("cells", if self.output.curved { "curved" } else { "linear" });
-        out.key("checkpoint-every", self.output.checkpoint_every.to_string(), "steps; 0: not by steps");
-        out.key(
-            "checkpoint-minutes",
-            number(self.output.checkpoint_minutes),
-            "by the clock on the wall; 0: not by time",
-        );
+        out.choice("mesh", &OUTPUT_MESH, &self.output.deformed);
+        out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
+        out.key("checkpoint-every", self.output.checkpoint_every.to_string());
+        out.key("checkpoint-minutes", number(self.output.checkpoint_minutes));
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
         }
-        out.0
+        out.text
     }
 
     /// The same for a file in `directory`: a mesh file that the case names by a relative path is named relative to it,
@@ -129,40 +143,33 @@ impl Case {
     fn write_mesh(&self, out: &mut Lines) {
         out.table("mesh");
         match &self.mesh.source {
-            MeshSource::TurekHron => out.word("generator", "turek-hron"),
-            MeshSource::SchaeferTurek => out.word("generator", "schaefer-turek"),
-            MeshSource::Rotor => out.word("generator", "rotor"),
-            MeshSource::Box { lower, upper, cells } => {
-                out.word("generator", "box");
-                out.key("lower", pair(lower), "m");
-                out.key("upper", pair(upper), "m");
-                out.key("cells", format!("{cells:?}"), "");
-            }
             MeshSource::File(path) => {
                 out.word("file", &path.to_string_lossy());
-                out.key("scale", number(self.mesh.scale), "m per unit of the file");
+                out.key("scale", number(self.mesh.scale));
             }
+            generator => out.variant("generator", &GENERATORS, generator),
         }
-        out.key("refine", self.mesh.refine.to_string(), "uniform refinements");
-        out.key("grading", self.mesh.grading.to_string(), "rings of half size at the corners");
+        if let MeshSource::Box { lower, upper, cells } = &self.mesh.source {
+            out.key("lower", pair(lower));
+            out.key("upper", pair(upper));
+            out.key("cells", format!("{cells:?}"));
+        }
+        out.key("refine", self.mesh.refine.to_string());
+        out.key("grading", self.mesh.grading.to_string());
         if !self.mesh.leave_out.is_empty() {
             let names: Vec<String> = self.mesh.leave_out.iter().map(|name| string(name)).collect();
-            out.key("leave-out", format!("[{}]", names.join(", ")), "regions that are not computed on");
+            out.key("leave-out", format!("[{}]", names.join(", ")));
         }
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
             for (name, inside) in &self.mesh.region {
-                out.key(&key::quote(name), expression(inside), "positive inside");
+                out.key(&key::quote(name), expression(inside));
             }
         }
         out.table("space");
         out.word("velocity", self.space.velocity.name());
         out.word("pressure", self.space.pressure.name());
-        out.key(
-            "quadrature",
-            self.space.quadrature.to_string(),
-            "Gauss points per direction; exact to the same degree on triangles",
-        );
+        out.key("quadrature", self.space.quadrature.to_string());
     }
 
     /// Keys that matter only: others would be refused when read again.
@@ -172,17 +179,17 @@ impl Case {
             return;
         }
         out.table("stabilization");
-        out.word("pressure", name(&PRESSURE, how.pressure));
-        out.word("transport", name(&TRANSPORT, how.transport));
+        out.choice("pressure", &PRESSURE_TERMS, &how.pressure);
+        out.choice("transport", &TRANSPORT_TERMS, &how.transport);
         if how.pressure != PressureTerm::None {
-            out.key("alpha", number(how.alpha), "");
-            out.key("directional", how.directional.to_string(), "axes of a cell apart");
+            out.key("alpha", number(how.alpha));
+            out.key("directional", how.directional.to_string());
         }
         if how.transport != TransportTerm::None {
-            out.key("delta", number(how.delta), "");
+            out.key("delta", number(how.delta));
         }
         if how.projects() {
-            out.word("projection", name(&PROJECTION, how.projection));
+            out.choice("projection", &PROJECTIONS, &how.projection);
         }
     }
 
@@ -190,165 +197,107 @@ impl Case {
         if let Some(fluid) = &self.fluid {
             out.table("fluid");
             out.word("region", &fluid.region);
-            out.key("density", number(fluid.density), "kg/m³");
-            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity), "m²/s");
-            out.key("body-force", expressions(&fluid.body_force), "m/s²");
-            out.word("body-force-at", if fluid.force_at_current { "current" } else { "reference" });
+            out.key("density", number(fluid.density));
+            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity));
+            out.key("body-force", expressions(&fluid.body_force));
+            out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
         }
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
             out.word("law", solid.law.name());
-            out.key("density", number(solid.density), "kg/m³");
-            out.key("mu", number(solid.mu), "Pa");
+            out.key("density", number(solid.density));
+            out.key("mu", number(solid.mu));
             if solid.law.is_mooney_rivlin() {
-                out.key("c2", number(solid.c2), "Pa, c1 = mu/2 - c2");
+                out.key("c2", number(solid.c2));
             }
             if !solid.law.is_incompressible() {
-                out.key("lambda", number(solid.lambda), "Pa");
+                out.key("lambda", number(solid.lambda));
             } else if let Some(bulk) = solid.bulk {
-                out.key("bulk", number(bulk), "Pa");
+                out.key("bulk", number(bulk));
             }
-            out.key("body-force", expressions(&solid.body_force), "m/s²");
+            out.key("body-force", expressions(&solid.body_force));
         }
         out.table("motion");
-        out.word(
-            "model",
-            match self.motion.model {
-                MotionModel::Harmonic => "harmonic",
-                MotionModel::StiffenedHarmonic => "stiffened-harmonic",
-                MotionModel::PseudoElastic => "pseudo-elastic",
-                MotionModel::JacobianStiffened => "jacobian-stiffened",
-                MotionModel::Biharmonic => "biharmonic",
-            },
-        );
-        out.key("poisson", number(self.motion.poisson), "");
+        out.choice("model", &MOTIONS, &self.motion.model);
+        out.key("poisson", number(self.motion.poisson));
         if let Some(offset) = self.motion.offset {
-            out.key("offset", number(offset), "m");
+            out.key("offset", number(offset));
         }
-        out.key("exponent", number(self.motion.exponent), "");
+        out.key("exponent", number(self.motion.exponent));
         if let Some(scale) = self.motion.scale {
-            out.key("scale", number(scale), "m");
+            out.key("scale", number(scale));
         }
         if self.motion.model == MotionModel::JacobianStiffened {
-            out.word("jacobian", if self.motion.lagged { "lagged" } else { "implicit" });
+            out.choice("jacobian", &STIFFENING, &self.motion.lagged);
         }
         if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
-            out.word("outer", if self.motion.hinged { "hinged" } else { "clamped" });
+            out.choice("outer", &OUTER, &self.motion.hinged);
         }
-        out.word("walls", if self.motion.walls == Walls::Fixed { "fixed" } else { "sliding" });
+        out.choice("walls", &WALLS, &self.motion.walls);
     }
 
     fn write_time(&self, out: &mut Lines) {
         out.table("time");
         let Some(time) = &self.time else {
-            out.word("scheme", "stationary");
-            return out.key("end", number(self.at_time), "s, the time expressions are taken at");
+            out.choice("scheme", &SCHEMES, &None);
+            return out.key("end", number(self.at_time));
         };
+        out.word("scheme", time.scheme.name());
         match time.scheme {
-            TimeScheme::BackwardEuler => out.word("scheme", "backward-euler"),
-            TimeScheme::CrankNicolson => out.word("scheme", "crank-nicolson"),
-            TimeScheme::Theta { theta } => {
-                out.word("scheme", "theta");
-                out.key("theta", number(theta), "");
+            Scheme::Theta { theta } => out.key("theta", number(theta)),
+            Scheme::ShiftedCrankNicolson { shift } => out.key("shift", number(shift)),
+            Scheme::Rannacher { steps, interval } => {
+                out.key("rannacher-steps", steps.to_string());
+                out.key("rannacher-interval", number(interval));
             }
-            TimeScheme::ShiftedCrankNicolson { shift } => {
-                out.word("scheme", "shifted-crank-nicolson");
-                out.key("shift", number(shift), "1/s, theta = 1/2 + shift * step");
-            }
-            TimeScheme::Rannacher { steps, interval } => {
-                out.word("scheme", "rannacher");
-                out.key("rannacher-steps", steps.to_string(), "of backward Euler from the start of every");
-                out.key("rannacher-interval", number(interval), "s");
-            }
-            TimeScheme::FractionalStepTheta => out.word("scheme", "fractional-step-theta"),
-            TimeScheme::Galerkin => out.word("scheme", "cg1"),
-            TimeScheme::Bdf2 => out.word("scheme", "bdf2"),
+            _ => {}
         }
-        if !matches!(time.scheme, TimeScheme::Galerkin | TimeScheme::Bdf2) {
-            out.word(
-                "domain-motion",
-                match time.domain_motion {
-                    DomainMotion::Secant => "secant",
-                    DomainMotion::Midpoint => "midpoint",
-                    DomainMotion::Galerkin => "galerkin",
-                },
-            );
+        if !time.scheme.has_own_domain_motion() {
+            out.choice("domain-motion", &DOMAIN_MOTIONS, &time.domain_motion);
         }
-        out.key("step", expression(&time.step), "s");
-        out.key("start", number(time.start), "s");
-        out.key("end", number(time.end), "s");
-        out.key("max-halvings", time.max_halvings.to_string(), "of a failed step");
+        out.key("step", expression(&time.step));
+        out.key("start", number(time.start));
+        out.key("end", number(time.end));
+        out.key("max-halvings", time.max_halvings.to_string());
         if let Some(adaptive) = &time.adaptive {
             out.table("time.adaptive");
-            out.key(
-                "tolerance",
-                number(adaptive.tolerance),
-                "of v in a step, relative to the largest so far",
-            );
-            out.key("min-step", number(adaptive.min_step), "s");
-            out.key("max-step", number(adaptive.max_step), "s");
-            out.key("safety", number(adaptive.safety), "");
+            out.key("tolerance", number(adaptive.tolerance));
+            out.key("min-step", number(adaptive.min_step));
+            out.key("max-step", number(adaptive.max_step));
+            out.key("safety", number(adaptive.safety));
         }
     }
 
     fn write_solvers(&self, out: &mut Lines) {
         let newton = &self.newton;
         out.table("newton");
-        out.word(
-            "linearization",
-            match newton.linearization {
-                Linearization::Newton => "newton",
-                Linearization::Reduced => "reduced",
-                Linearization::FixedPoint => "fixed-point",
-                Linearization::Condensed => "condensed",
-            },
-        );
-        out.word(
-            "jacobian",
-            match newton.jacobian {
-                JacobianKind::Automatic => "automatic",
-                JacobianKind::Analytic => "analytic",
-                JacobianKind::FiniteDifference { .. } => "finite-difference",
-            },
-        );
-        if let JacobianKind::FiniteDifference { central, epsilon } = newton.jacobian {
-            out.word("difference", if central { "central" } else { "one-sided" });
-            out.key("epsilon", number(epsilon), "relative to the size of what moves");
+        out.choice("linearization", &LINEARIZATIONS, &newton.linearization);
+        out.variant("jacobian", &TANGENTS, &newton.jacobian);
+        if let Tangent::Difference(difference) = newton.jacobian {
+            out.choice("difference", &DIFFERENCES, &difference.central);
+            out.key("epsilon", number(difference.epsilon));
         }
         if let Some(rate_max) = newton.rate_max {
-            let meaning = "a Jacobian is kept while residuals shrink by this factor";
-            out.key("rate-max", number(rate_max), meaning);
+            out.key("rate-max", number(rate_max));
         }
-        out.key("secants", newton.secants.to_string(), "pairs that improve corrections of a kept Jacobian");
-        out.key("tolerance", number(newton.tolerance), "relative to the old solution");
+        out.key("secants", newton.secants.to_string());
+        out.key("tolerance", number(newton.tolerance));
         if let Some(floor) = newton.floor {
-            out.key("floor", number(floor), "m/s");
+            out.key("floor", number(floor));
         }
-        out.key("max-steps", newton.max_steps.to_string(), "");
-        out.word("start", if newton.extrapolate { "extrapolated" } else { "old" });
-        out.key("line-search", newton.line_search.to_string(), "halvings of an update");
+        out.key("max-steps", newton.max_steps.to_string());
+        out.choice("start", &STARTS, &newton.extrapolate);
+        out.key("line-search", newton.line_search.to_string());
         out.table("linear");
-        out.word(
-            "solver",
-            match self.linear.solver {
-                LinearSolverKind::Multifrontal => "multifrontal",
-                LinearSolverKind::Faer => "faer",
-            },
-        );
-        out.word(
-            "precision",
-            match self.linear.precision {
-                Precision::Single => "single",
-                Precision::Double => "double",
-            },
-        );
-        out.word("krylov", if self.linear.krylov.is_some() { "gmres" } else { "none" });
+        out.choice("solver", &SOLVERS, &self.linear.solver);
+        out.choice("precision", &PRECISIONS, &self.linear.precision);
+        out.variant("krylov", &KRYLOV, &self.linear.krylov);
         if let Some(krylov) = &self.linear.krylov {
-            out.key("krylov-tolerance", number(krylov.tolerance), "relative to the right-hand side");
-            out.key("krylov-size", krylov.size.to_string(), "iterations at most, then factors are renewed");
+            out.key("krylov-tolerance", number(krylov.tolerance));
+            out.key("krylov-size", krylov.size.to_string());
         }
-        out.key("refinement", self.linear.refinement.to_string(), "steps of iterative refinement");
+        out.key("refinement", self.linear.refinement.to_string());
     }
 }
 
@@ -367,44 +316,6 @@ fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
 fn write_condition(out: &mut Lines, condition: &Condition) {
     out.word("condition", condition.name());
     if let Condition::Velocity(velocity) = condition {
-        out.key("velocity", expressions(velocity), "m/s");
-    }
-}
-
-fn write_functional(out: &mut Lines, functional: &FunctionalSpec) {
-    let axis = |component: usize| if component == 0 { "x" } else { "y" };
-    match functional {
-        FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-            out.word("kind", "force");
-            out.key("on", format!("[{}]", on.iter().map(|n| string(n)).collect::<Vec<_>>().join(", ")), "");
-            out.word("component", axis(*component));
-            out.word("method", if *surface_integral { "surface-integral" } else { "residual" });
-            if let Some(scales) = coefficient {
-                out.key("coefficient", pair(scales), "m/s, m: times 2/(density v² L)");
-            }
-        }
-        FunctionalSpec::Displacement { point, component } => {
-            out.word("kind", "displacement");
-            out.key("point", pair(point), "m");
-            out.word("component", axis(*component));
-        }
-        FunctionalSpec::PressureDifference { a, b } => {
-            out.word("kind", "pressure-difference");
-            out.key("a", pair(a), "m");
-            out.key("b", pair(b), "m");
-        }
-        FunctionalSpec::Energy(kind) => {
-            out.word("kind", "energy");
-            out.word(
-                "term",
-                match kind {
-                    EnergyKind::FluidKinetic => "fluid-kinetic",
-                    EnergyKind::SolidKinetic => "solid-kinetic",
-                    EnergyKind::Elastic => "elastic",
-                    EnergyKind::Dissipation => "dissipation",
-                },
-            );
-        }
-        FunctionalSpec::Rotation => out.word("kind", "rotation"),
+        out.key("velocity", expressions(velocity));
     }
 }

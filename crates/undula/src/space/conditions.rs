@@ -1,6 +1,7 @@
 //! Dirichlet data.
 
 use super::{FsiSpace, PsiOwner};
+use crate::choice::{Choice, choice};
 use std::sync::Arc;
 
 /// A velocity given as a function of position and time \[m/s\].
@@ -36,6 +37,12 @@ pub enum Walls {
     /// and where they are curved or inclined.
     Sliding,
 }
+
+/// Their names in a case.
+pub static WALLS: [Choice<Walls>; 2] = [
+    choice("fixed", Walls::Fixed, "the mesh does not move on the outer boundary"),
+    choice("sliding", Walls::Sliding, "the mesh slides along straight outer boundaries parallel to an axis"),
+];
 
 /// Constrained unknowns and the data they take.
 #[derive(Clone)]

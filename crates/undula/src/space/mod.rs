@@ -9,7 +9,7 @@ pub mod pressure;
 mod sliding;
 pub mod state;
 
-pub use conditions::{BoundaryCondition, Constraints, VelocityData, Walls};
+pub use conditions::{BoundaryCondition, Constraints, VelocityData, WALLS, Walls};
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};

@@ -1,6 +1,7 @@
 //! Derivatives by differences of the residual at a point.
 #![allow(non_snake_case)]
 
+use crate::choice::{Choice, choice};
 use crate::math::{Scalar, Vector};
 use crate::physics::{FacetForm, Fields, Place, StepRule, Tested, WeakForm};
 
@@ -18,6 +19,15 @@ pub struct Difference {
     /// Sizes of the fields.
     pub sizes: Sizes,
 }
+
+/// Perturbation unless another is asked for: best in the study of section 5.2.3.
+pub const EPSILON: f64 = 1e-6;
+
+/// Whether differences are central, by the names in a case.
+pub static DIFFERENCES: [Choice<bool>; 2] = [
+    choice("one-sided", false, "(A(U + h W) − A(U)) / h"),
+    choice("central", true, "(A(U + h W) − A(U − h W)) / 2h"),
+];
 
 /// Sizes of the fields that perturbations are relative to.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -41,7 +51,7 @@ impl Sizes {
 
 impl Difference {
     /// With the relative perturbation `epsilon` of fields of size 1.
-    pub fn new(central: bool, epsilon: f64) -> Difference {
+    pub const fn new(central: bool, epsilon: f64) -> Difference {
         Difference { central, epsilon, sizes: Sizes { v: 1.0, u: 1.0, p: 1.0 } }
     }
 

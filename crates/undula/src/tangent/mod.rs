@@ -3,8 +3,9 @@
 
 mod difference;
 
-pub use difference::{Difference, Sizes};
+pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes};
 
+use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::{
     Backflow, FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
@@ -26,6 +27,22 @@ pub enum Linearization {
     Condensed,
 }
 
+/// Their names in a case.
+pub static LINEARIZATIONS: [Choice<Linearization>; 4] = [
+    choice("newton", Linearization::Newton, "full Jacobian of v, u and p"),
+    choice("reduced", Linearization::Reduced, "without the derivatives of the flow with respect to u"),
+    choice(
+        "fixed-point",
+        Linearization::FixedPoint,
+        "domain map, transport velocity and one factor of the strain lagged",
+    ),
+    choice(
+        "condensed",
+        Linearization::Condensed,
+        "system of v and p; u by δu = kθ δv, the extension afterwards",
+    ),
+];
+
 /// How derivatives are computed.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Tangent {
@@ -36,6 +53,17 @@ pub enum Tangent {
     /// Differences of the residual at the quadrature point.
     Difference(Difference),
 }
+
+/// Their names in a case.
+pub static TANGENTS: [Choice<Tangent>; 3] = [
+    choice("automatic", Tangent::Automatic, "dual numbers at the quadrature points"),
+    choice("analytic", Tangent::Analytic, "by hand, Theorem 5.2"),
+    choice(
+        "finite-difference",
+        Tangent::Difference(Difference::new(false, EPSILON)),
+        "differences of the residual at the quadrature points",
+    ),
+];
 
 /// `U + ε W` as dual numbers.
 #[inline(always)]

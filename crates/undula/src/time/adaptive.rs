@@ -7,7 +7,6 @@
 use super::report::{StepFailure, StepReport};
 use super::restart::Clock;
 use super::schedule::decimal;
-use super::scheme::{FRACTIONAL, Scheme};
 use super::stepper::Stepper;
 use crate::space::State;
 
@@ -142,7 +141,7 @@ impl Adaptive {
     /// By how much a step of length `k` that was just done could be longer; `None` without enough past.
     fn factor<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
         let [(t1, first), (t2, second), (t3, third)] = &self.memory.past[..] else { return None };
-        let c = coefficients(stepper.settings.scheme, k, [stepper.time, *t1, *t2, *t3]);
+        let c = stepper.settings.scheme.local_error(k, [stepper.time, *t1, *t2, *t3]);
         let mut worst = 0.0f64;
         for (field, new) in [&stepper.new.v, &stepper.new.u].into_iter().enumerate() {
             let (mut error, mut scale) = (0.0f64, self.memory.scales[field]);
@@ -182,66 +181,5 @@ impl Adaptive {
             }
         }
         stepper.clock()
-    }
-}
-
-/// Coefficients of the solutions at the times t, t⁻, t⁼, t≡ in the local error of a step of length k from t⁻ to t.
-///
-/// With second and third divided differences d₂, d₃ and k⁻ = t⁻ − t⁼, a θ-step has
-/// k² (½ − θ) y″ + k³ (⅙ − θ/2) y‴ with y″ = 2 d₂ + 2 (k⁻ − k) d₃ at t⁻ and y‴ = 6 d₃; cG(1) that of θ = ½;
-/// fractional-step θ −k³ y‴ Σ l³ (θ³ + (1 − θ)³)/3; BDF2 k² (k + k⁻) (1 + ω)/(1 + 2ω) d₃.
-fn coefficients(scheme: Scheme, k: f64, t: [f64; 4]) -> [f64; 4] {
-    let before = t[1] - t[2];
-    let of_theta = |theta: f64| {
-        let second = k * k * (1.0 - 2.0 * theta);
-        (second, second * (before - k) + k.powi(3) * (1.0 - 3.0 * theta))
-    };
-    let (second, third) = match scheme {
-        Scheme::Galerkin | Scheme::Rannacher { .. } => of_theta(0.5),
-        Scheme::Theta { .. } | Scheme::ShiftedCrankNicolson { .. } => of_theta(scheme.rule(k).theta),
-        Scheme::FractionalStepTheta => {
-            let part = |l: f64, theta: f64| l.powi(3) * (theta.powi(3) + (1.0 - theta).powi(3)) / 3.0;
-            (0.0, -6.0 * k.powi(3) * FRACTIONAL.iter().map(|p| part(p.length, p.theta)).sum::<f64>())
-        }
-        Scheme::Bdf2 => {
-            let w = k / before;
-            (0.0, k * k * (k + before) * (1.0 + w) / (1.0 + 2.0 * w))
-        }
-    };
-    // A divided difference is Σ yᵢ / Π (tᵢ − tⱼ).
-    let divided = |n: usize, i: usize| {
-        let others = (0..n).filter(|&j| j != i);
-        if i < n { others.map(|j| t[i] - t[j]).product::<f64>().recip() } else { 0.0 }
-    };
-    std::array::from_fn(|i| second * divided(3, i) + third * divided(4, i))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Exact for y = t³, whose local errors are known.
-    #[test]
-    fn estimates_are_leading_errors() {
-        let (k, t) = (0.1, [1.0, 0.9, 0.75, 0.7]);
-        let of = |scheme| {
-            let c = coefficients(scheme, k, t);
-            (0..4).map(|i| c[i] * t[i].powi(3)).sum::<f64>()
-        };
-        // One step of y' = f(t) = 3 t² from the exact value.
-        let theta = |theta: f64| {
-            t[0].powi(3) - t[1].powi(3) - k * 3.0 * (theta * t[0].powi(2) + (1.0 - theta) * t[1].powi(2))
-        };
-        for weight in [0.5, 0.6, 1.0] {
-            let found = of(Scheme::Theta { theta: weight });
-            assert!((found - theta(weight)).abs() < 1e-13, "{weight}: {found} {}", theta(weight));
-        }
-        assert!((of(Scheme::Galerkin) + k.powi(3) / 2.0).abs() < 1e-13);
-        let w: f64 = k / 0.15;
-        let base = ((1.0 + w).powi(2) * t[1].powi(3) - w * w * t[2].powi(3)) / (1.0 + 2.0 * w);
-        let bdf2 = t[0].powi(3) - base - k * (1.0 + w) / (1.0 + 2.0 * w) * 3.0 * t[0].powi(2);
-        assert!((of(Scheme::Bdf2).abs() - bdf2.abs()).abs() < 1e-13, "{} {bdf2}", of(Scheme::Bdf2));
-        let fractional = of(Scheme::FractionalStepTheta) / of(Scheme::CRANK_NICOLSON);
-        assert!((fractional - 0.132_035).abs() < 1e-5, "{fractional}");
     }
 }

@@ -1,5 +1,6 @@
 //! Schemes as tables.
 
+use crate::choice::{Choice, choice};
 use crate::physics::StepRule;
 use crate::physics::step::{GALERKIN, MIDPOINT};
 use crate::space::State;
@@ -7,7 +8,11 @@ use crate::space::State;
 /// How steps are weighed, section 5.1.2.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Scheme {
-    /// Implicit weight θ; 1 is backward Euler, ½ Crank-Nicolson.
+    /// θ = 1.
+    BackwardEuler,
+    /// θ = ½.
+    CrankNicolson,
+    /// Implicit weight θ, from ½ to 1.
     Theta {
         /// Weight of the new time.
         theta: f64,
@@ -32,6 +37,43 @@ pub enum Scheme {
     Bdf2,
 }
 
+/// Their names in a case; `None`: a stationary solution is sought.
+pub static SCHEMES: [Choice<Option<Scheme>>; 9] = [
+    choice("backward-euler", Some(Scheme::BackwardEuler), "first order, damps all frequencies"),
+    choice(
+        "theta",
+        Some(Scheme::Theta { theta: 1.0 }),
+        "weight `theta` of the new time; second order for 0.5 only",
+    ),
+    choice("crank-nicolson", Some(Scheme::CrankNicolson), "second order, no damping"),
+    choice(
+        "shifted-crank-nicolson",
+        Some(Scheme::ShiftedCrankNicolson { shift: 0.0 }),
+        "second order, θ = ½ + shift · step: damping that vanishes with the step",
+    ),
+    choice(
+        "rannacher",
+        Some(Scheme::Rannacher { steps: 2, interval: 1.0 }),
+        "second order, Crank-Nicolson with steps of backward Euler now and then",
+    ),
+    choice(
+        "fractional-step-theta",
+        Some(Scheme::FractionalStepTheta),
+        "second order, three θ-steps in one, strongly A-stable",
+    ),
+    choice(
+        "cg1",
+        Some(Scheme::Galerkin),
+        "second order, Galerkin method with linear trial functions; conserves energy",
+    ),
+    choice(
+        "bdf2",
+        Some(Scheme::Bdf2),
+        "second order, backward differentiation over two steps; strong damping",
+    ),
+    choice("stationary", None, "no steps in time: a stationary solution"),
+];
+
 /// Where in the step the factors of ∂_t in the fluid are taken, section 5.1.2.1.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum DomainMotion {
@@ -43,6 +85,13 @@ pub enum DomainMotion {
     /// A third of the first and two of the second.
     Galerkin,
 }
+
+/// Their names in a case.
+pub static DOMAIN_MOTIONS: [Choice<DomainMotion>; 3] = [
+    choice("secant", DomainMotion::Secant, "(1 − θ) G(U⁻) + θ G(U)"),
+    choice("midpoint", DomainMotion::Midpoint, "G((1 − θ) U⁻ + θ U)"),
+    choice("galerkin", DomainMotion::Galerkin, "one third of `secant` and two thirds of `midpoint`"),
+];
 
 /// A θ-step that is a part of a step of fractional-step θ.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -98,14 +147,29 @@ pub struct Formula {
 }
 
 impl Scheme {
-    /// Backward Euler.
-    pub const BACKWARD_EULER: Scheme = Scheme::Theta { theta: 1.0 };
-    /// Crank-Nicolson.
-    pub const CRANK_NICOLSON: Scheme = Scheme::Theta { theta: 0.5 };
+    /// The name in a case.
+    pub fn name(self) -> &'static str {
+        let same = |row: &&Choice<Option<Scheme>>| {
+            row.value.is_some_and(|other| std::mem::discriminant(&other) == std::mem::discriminant(&self))
+        };
+        SCHEMES.iter().find(same).map_or("", |row| row.name)
+    }
+
+    /// Whether a step takes the forces of its beginning, too.
+    pub fn takes_old_forces(self) -> bool {
+        !matches!(self, Scheme::BackwardEuler | Scheme::Bdf2 | Scheme::Galerkin)
+    }
+
+    /// Whether the scheme says itself where the factors of ∂_t are taken, see [`DomainMotion`].
+    pub fn has_own_domain_motion(self) -> bool {
+        matches!(self, Scheme::Galerkin | Scheme::Bdf2)
+    }
 
     /// The formula of a step, or a part of one, of length `k` \[s\].
     pub fn formula(&self, k: f64, past: &Past) -> Formula {
         let theta = match *self {
+            Scheme::BackwardEuler => 1.0,
+            Scheme::CrankNicolson => 0.5,
             Scheme::Theta { theta } => theta,
             Scheme::ShiftedCrankNicolson { shift } => (0.5 + shift * k).min(1.0),
             Scheme::Rannacher { .. } if past.damped => 1.0,
@@ -130,7 +194,45 @@ impl Scheme {
 
     /// Order of v and u: 1 or 2.
     pub fn order(&self) -> u32 {
-        if matches!(*self, Scheme::Theta { theta } if theta != 0.5) { 1 } else { 2 }
+        match *self {
+            Scheme::BackwardEuler => 1,
+            Scheme::Theta { theta } if theta != 0.5 => 1,
+            _ => 2,
+        }
+    }
+
+    /// Coefficients of the solutions at the times t, t⁻, t⁼, t≡ in the local error of a step of length k from t⁻ to t.
+    ///
+    /// With second and third divided differences d₂, d₃ and k⁻ = t⁻ − t⁼, a θ-step has
+    /// k² (½ − θ) y″ + k³ (⅙ − θ/2) y‴ with y″ = 2 d₂ + 2 (k⁻ − k) d₃ at t⁻ and y‴ = 6 d₃; cG(1) that of θ = ½;
+    /// fractional-step θ −k³ y‴ Σ l³ (θ³ + (1 − θ)³)/3; BDF2 k² (k + k⁻) (1 + ω)/(1 + 2ω) d₃.
+    pub fn local_error(&self, k: f64, t: [f64; 4]) -> [f64; 4] {
+        let before = t[1] - t[2];
+        let of_theta = |theta: f64| {
+            let second = k * k * (1.0 - 2.0 * theta);
+            (second, second * (before - k) + k.powi(3) * (1.0 - 3.0 * theta))
+        };
+        let (second, third) = match *self {
+            Scheme::Galerkin | Scheme::Rannacher { .. } => of_theta(0.5),
+            Scheme::BackwardEuler
+            | Scheme::CrankNicolson
+            | Scheme::Theta { .. }
+            | Scheme::ShiftedCrankNicolson { .. } => of_theta(self.rule(k).theta),
+            Scheme::FractionalStepTheta => {
+                let part = |l: f64, theta: f64| l.powi(3) * (theta.powi(3) + (1.0 - theta).powi(3)) / 3.0;
+                (0.0, -6.0 * k.powi(3) * FRACTIONAL.iter().map(|p| part(p.length, p.theta)).sum::<f64>())
+            }
+            Scheme::Bdf2 => {
+                let w = k / before;
+                (0.0, k * k * (k + before) * (1.0 + w) / (1.0 + 2.0 * w))
+            }
+        };
+        // A divided difference is Σ yᵢ / Π (tᵢ − tⱼ).
+        let divided = |n: usize, i: usize| {
+            let others = (0..n).filter(|&j| j != i);
+            if i < n { others.map(|j| t[i] - t[j]).product::<f64>().recip() } else { 0.0 }
+        };
+        std::array::from_fn(|i| second * divided(3, i) + third * divided(4, i))
     }
 
     /// As `damping` is for a step that begins `elapsed` \[s\] after the start.
@@ -207,5 +309,30 @@ mod tests {
             }
         }
         assert_eq!(damped, [0, 1, 10, 11, 20, 21]);
+    }
+
+    /// Exact for y = t³, whose local errors are known.
+    #[test]
+    fn estimates_are_leading_errors() {
+        let (k, t) = (0.1, [1.0, 0.9, 0.75, 0.7]);
+        let of = |scheme: Scheme| {
+            let c = scheme.local_error(k, t);
+            (0..4).map(|i| c[i] * t[i].powi(3)).sum::<f64>()
+        };
+        // One step of y' = f(t) = 3 t² from the exact value.
+        let theta = |theta: f64| {
+            t[0].powi(3) - t[1].powi(3) - k * 3.0 * (theta * t[0].powi(2) + (1.0 - theta) * t[1].powi(2))
+        };
+        for weight in [0.5, 0.6, 1.0] {
+            let found = of(Scheme::Theta { theta: weight });
+            assert!((found - theta(weight)).abs() < 1e-13, "{weight}: {found} {}", theta(weight));
+        }
+        assert!((of(Scheme::Galerkin) + k.powi(3) / 2.0).abs() < 1e-13);
+        let w: f64 = k / 0.15;
+        let base = ((1.0 + w).powi(2) * t[1].powi(3) - w * w * t[2].powi(3)) / (1.0 + 2.0 * w);
+        let bdf2 = t[0].powi(3) - base - k * (1.0 + w) / (1.0 + 2.0 * w) * 3.0 * t[0].powi(2);
+        assert!((of(Scheme::Bdf2).abs() - bdf2.abs()).abs() < 1e-13, "{} {bdf2}", of(Scheme::Bdf2));
+        let fractional = of(Scheme::FractionalStepTheta) / of(Scheme::CrankNicolson);
+        assert!((fractional - 0.132_035).abs() < 1e-5, "{fractional}");
     }
 }

@@ -46,7 +46,7 @@ fn fsi3_is_the_published_problem() {
     assert!((vx.eval(&[0.0, 0.205, 0.0], 1.0) - 1.5).abs() < 1e-14);
     assert_eq!(vy, &Expression::constant(0.0));
     let time = case.time.clone().unwrap();
-    assert_eq!(time.scheme, TimeScheme::ShiftedCrankNicolson { shift: 2.0 });
+    assert_eq!(time.scheme, Scheme::ShiftedCrankNicolson { shift: 2.0 });
     assert_eq!((time.step, time.end), (Expression::constant(0.005), 10.0));
     assert!((case.theta().unwrap() - 0.51).abs() < 1e-15);
     let names: Vec<&str> = case.functional.iter().map(|(n, _)| n.as_str()).collect();
@@ -63,7 +63,7 @@ fn defaults() {
     assert_eq!(case.newton.tolerance, 1e-8);
     assert_eq!(case.newton.max_steps, 30);
     assert!(case.newton.extrapolate);
-    assert_eq!(case.newton.jacobian, JacobianKind::Automatic);
+    assert_eq!(case.newton.jacobian, Tangent::Automatic);
     assert_eq!(
         case.motion,
         MotionSpec {
@@ -104,13 +104,13 @@ fn overrides_reach_every_key() {
         ],
     );
     let time = case.time.unwrap();
-    assert_eq!((time.step, time.scheme), (Expression::constant(0.02), TimeScheme::CrankNicolson));
+    assert_eq!((time.step, time.scheme), (Expression::constant(0.02), Scheme::CrankNicolson));
     assert_eq!(case.mesh.refine, 2);
     assert_eq!(case.fluid.unwrap().kinematic_viscosity, 0.01);
     assert!(matches!(case.functional[0].1, FunctionalSpec::Force { component: 1, .. }));
-    assert_eq!(case.functional[4].1, FunctionalSpec::Energy(EnergyKind::Elastic));
+    assert_eq!(case.functional[4].1, FunctionalSpec::Energy(Integral::Elastic));
     assert_eq!((case.motion.model, case.motion.poisson), (MotionModel::Harmonic, 0.3));
-    assert_eq!(case.newton.jacobian, JacobianKind::Analytic);
+    assert_eq!(case.newton.jacobian, Tangent::Analytic);
     assert_eq!(case.title, "a title with = and blanks");
     assert_eq!(case.record.notes, ["time.shift has no effect: the scheme is another one"]);
 }
@@ -121,7 +121,7 @@ fn stationary_and_back() {
     assert!(still.time.is_none());
     assert_eq!(still.at_time, 10.0);
     let moving = builtin("fsi1", &["time.scheme=backward-euler", "time.step=0.1", "time.end=20"]);
-    assert_eq!(moving.time.unwrap().scheme, TimeScheme::BackwardEuler);
+    assert_eq!(moving.time.unwrap().scheme, Scheme::BackwardEuler);
     assert_eq!(
         wrong_builtin("fsi1", &["time.scheme=crank-nicolson"]),
         "--set time.scheme=crank-nicolson: time.step: missing: the time step [s]; for a stationary case set time.scheme = \"stationary\"\n\

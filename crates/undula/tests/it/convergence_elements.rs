@@ -14,8 +14,7 @@ fn errors(pair: Pair, n: usize) -> [f64; 3] {
     let space = pair.space(&square(n, Cells::Curved, Body::Half), &FSI);
     let accurate = pair.degree + 3;
     let problem = problem_in(space, FSI, smooth(true), InTime::Difference, accurate);
-    let mut stepper =
-        problem.stepper(Scheme::BACKWARD_EULER, 0.0, false, &Options::serial(pair.quadrature()));
+    let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, false, &Options::serial(pair.quadrature()));
     stepper.newton.settings.floor = Some(1e-10);
     stepper.stationary().unwrap();
     let e = problem.errors(&stepper.new, 0.0, 0.0, accurate);
@@ -87,7 +86,7 @@ fn p2_bubble_has_order_3_and_p1dc_order_2() {
 fn bubbles_stay_out_of_the_deformation_and_of_the_solid() {
     let space = BUBBLE.space(&square(4, Cells::Curved, Body::Half), &FSI);
     let problem = problem_in(space.clone(), FSI, smooth(true), InTime::Difference, 4);
-    let mut stepper = problem.stepper(Scheme::CRANK_NICOLSON, 0.0, false, &Options::serial(4));
+    let mut stepper = problem.stepper(Scheme::CrankNicolson, 0.0, false, &Options::serial(4));
     stepper.step(0.1).unwrap();
     let first = 2 * space.nodes.n_lagrange;
     let cells = space.regions.iter().filter(|r| **r == undula::space::Region::Fluid).count();

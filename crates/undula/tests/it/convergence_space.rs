@@ -73,7 +73,7 @@ impl Run {
 fn force_error(pressure: PressureKind, n: usize) -> [f64; 2] {
     let mesh = square(n, Cells::Square, Body::Half);
     let problem = problem(&mesh, FLOW, pressure, smooth(false), InTime::Difference, 5);
-    let mut stepper = problem.stepper(Scheme::BACKWARD_EULER, 0.0, false, &options());
+    let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, false, &options());
     stepper.newton.settings.floor = Some(1e-9);
     stepper.stationary().unwrap();
     let mut found = vec![0.0; problem.space.n_unknowns()];

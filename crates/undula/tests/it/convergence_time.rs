@@ -139,13 +139,13 @@ impl Study {
 
 #[test]
 fn backward_euler_is_first_order() {
-    check("backward Euler", Scheme::BACKWARD_EULER, false, 1.0, [2.5715e-3, 1.0576e-3, 1.6815e-2, 2.9559e-3]);
+    check("backward Euler", Scheme::BackwardEuler, false, 1.0, [2.5715e-3, 1.0576e-3, 1.6815e-2, 2.9559e-3]);
 }
 
 /// Pressure and force belong to t⁻ + θ k: read at the new time they are of first order.
 #[test]
 fn crank_nicolson_is_second_order() {
-    check("Crank-Nicolson", Scheme::CRANK_NICOLSON, false, 2.0, [1.1074e-5, 2.4516e-6, 9.0686e-5, 4.3800e-5]);
+    check("Crank-Nicolson", Scheme::CrankNicolson, false, 2.0, [1.1074e-5, 2.4516e-6, 9.0686e-5, 4.3800e-5]);
 }
 
 #[test]
@@ -157,7 +157,7 @@ fn shifted_crank_nicolson_is_second_order() {
 fn uneven_steps_keep_second_order() {
     check(
         "uneven Crank-Nicolson",
-        Scheme::CRANK_NICOLSON,
+        Scheme::CrankNicolson,
         true,
         2.0,
         [1.5090e-5, 3.2894e-6, 1.4072e-4, 7.0821e-5],
@@ -246,7 +246,7 @@ fn cg1_conserves_energy() {
         }
         worst
     };
-    let (galerkin, trapezoid) = (drift(Scheme::Galerkin), drift(Scheme::CRANK_NICOLSON));
+    let (galerkin, trapezoid) = (drift(Scheme::Galerkin), drift(Scheme::CrankNicolson));
     println!("energy: {galerkin:.1e} with cG(1), {trapezoid:.1e} with Crank-Nicolson");
     assert!(galerkin < 1e-8 && trapezoid > 1e-4, "{galerkin:e} {trapezoid:e}");
 }
@@ -266,7 +266,7 @@ fn every_domain_motion_term_is_second_order() {
         ("midpoint", DomainMotion::Midpoint, [1.0859e-5, 2.3611e-6, 9.0870e-5, 4.1948e-5]),
         ("galerkin", DomainMotion::Galerkin, [1.0860e-5, 2.3610e-6, 9.0864e-5, 4.1954e-5]),
     ] {
-        Study { motion, ..Study::new() }.check(name, Scheme::CRANK_NICOLSON, 2.0, stored);
+        Study { motion, ..Study::new() }.check(name, Scheme::CrankNicolson, 2.0, stored);
     }
     let study = Study { motion: DomainMotion::Galerkin, ..Study::new() };
     study.check("galerkin, shifted", SHIFTED, 2.0, NONE);

@@ -164,14 +164,14 @@ fn check_time(name: &str, physics: Physics, scheme: Scheme, order: f64, toleranc
 #[test]
 fn second_order_in_time() {
     let shifted = Scheme::ShiftedCrankNicolson { shift: 1.0 };
-    check_time("Crank-Nicolson", coupled(EXACTLY), Scheme::CRANK_NICOLSON, 2.0, 0.15);
+    check_time("Crank-Nicolson", coupled(EXACTLY), Scheme::CrankNicolson, 2.0, 0.15);
     check_time("shifted", coupled(EXACTLY), shifted, 2.0, 0.15);
-    check_time("nearly, Crank-Nicolson", coupled(1e2), Scheme::CRANK_NICOLSON, 2.0, 0.15);
+    check_time("nearly, Crank-Nicolson", coupled(1e2), Scheme::CrankNicolson, 2.0, 0.15);
 }
 
 #[test]
 fn backward_euler_is_first_order() {
-    check_time("backward Euler", body(EXACTLY), Scheme::BACKWARD_EULER, 1.0, 0.15);
+    check_time("backward Euler", body(EXACTLY), Scheme::BackwardEuler, 1.0, 0.15);
 }
 
 /// A square block free on all sides, stretched by dead tractions P n in one step of backward Euler from rest
@@ -205,7 +205,7 @@ fn block(material: Material, cells: Cells, B: Tensor<f64, 2>, P: Tensor<f64, 2>,
             }
         }
     }
-    let mut stepper = problem.stepper(Scheme::BACKWARD_EULER, 0.0, true, &options());
+    let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, true, &options());
     stepper.source = Some(Box::new(move |_, _, _, out| {
         out.iter_mut().zip(&rows).for_each(|(out, row)| *out -= row);
     }));

@@ -5,20 +5,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 19] = [
+const LAYERS: [(&str, &str); 20] = [
+    ("choice", ""),
     ("math", ""),
-    ("algebra", ""),
-    ("physics", "math"),
+    ("algebra", "choice"),
+    ("physics", "choice math"),
     ("element", "math"),
-    ("tangent", "math physics"),
+    ("tangent", "choice math physics"),
     ("mesh", "math element"),
     ("nonlinear", "algebra"),
-    ("space", "math element mesh algebra"),
+    ("space", "choice math element mesh algebra"),
     ("assembly", "math physics tangent element mesh space algebra"),
-    ("functional", "math physics element mesh space assembly"),
+    ("functional", "choice math physics element mesh space assembly"),
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
-    ("time", "math physics tangent algebra nonlinear space assembly"),
+    ("time", "choice math physics tangent algebra nonlinear space assembly"),
     // `error` gathers the errors of all layers, those of reading a case among them.
     ("problem", "* error"),
     ("error", "*"),

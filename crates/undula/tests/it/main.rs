@@ -23,6 +23,7 @@ mod derivatives;
 mod elements;
 mod extension;
 mod incompressible;
+mod keys;
 mod krylov;
 mod layering;
 mod linearization;

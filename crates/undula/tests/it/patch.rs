@@ -196,7 +196,7 @@ fn uniform_flow_on_a_moving_mesh_stays_uniform() {
     let mesh = square(4, Cells::Square, Body::Inclusion);
     let mut problem = problem(&mesh, FSI, Pdc(1), exact, InTime::Difference, QUADRATURE);
     problem.fluid = false;
-    for scheme in [Scheme::BACKWARD_EULER, Scheme::CRANK_NICOLSON] {
+    for scheme in [Scheme::BackwardEuler, Scheme::CrankNicolson] {
         let mut stepper = problem.stepper(scheme, 0.0, false, &options());
         for _ in 0..5 {
             stepper.step(K).unwrap();
@@ -243,7 +243,7 @@ fn poiseuille(f: f64) -> Exact {
 /// The stationary flow from rest with the data of `exact` and body force `f` along x.
 fn flow(problem: &Manufactured, f: f64) -> Stepper<2> {
     let options = Options::serial(problem.quadrature);
-    let mut stepper = problem.stepper(Scheme::BACKWARD_EULER, 0.0, true, &options);
+    let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, true, &options);
     stepper.source = None;
     stepper.assembler.set_force(Region::Fluid, End::New, Some(&|_| [f, 0.0]));
     stepper.stationary().unwrap();
@@ -348,7 +348,7 @@ fn closed_box_is_singular() {
                 problem(&channel(cells), FLOW, pressure, lid.clone(), InTime::Difference, QUADRATURE);
             problem.conditions = vec![BoundaryCondition::Velocity(velocity(&lid)); 4];
             for stationary in [true, false] {
-                let mut stepper = problem.stepper(Scheme::CRANK_NICOLSON, 0.0, true, &options());
+                let mut stepper = problem.stepper(Scheme::CrankNicolson, 0.0, true, &options());
                 stepper.source = None;
                 let result = if stationary { stepper.stationary() } else { stepper.step(K) };
                 let reason = result.expect_err("the pressure is not determined").reason;
@@ -371,7 +371,7 @@ fn closed_box_with_a_body_is_regular() {
             *condition = BoundaryCondition::Fixed;
         }
     }
-    let mut stepper = problem.stepper(Scheme::CRANK_NICOLSON, 0.0, true, &options());
+    let mut stepper = problem.stepper(Scheme::CrankNicolson, 0.0, true, &options());
     stepper.source = None;
     stepper.assembler.set_force(Region::Solid, End::New, Some(&|_| [0.5, 0.0]));
     stepper.step(K).unwrap();

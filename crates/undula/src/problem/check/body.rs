@@ -1,18 +1,23 @@
 //! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
 
 use super::resolve;
+use crate::choice;
 use crate::element::Shape;
 use crate::mesh::gmsh;
+use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
+use crate::physics::material::LAWS;
 use crate::problem::case::{
-    FluidSpec, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw, SolidSpec,
-    SpaceSpec, VelocityElement,
+    FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
+    SolidSpec, SpaceSpec, VelocityElement,
 };
+use crate::problem::choices::BODY_FORCE_AT;
 use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
+use crate::problem::error::quoted;
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::problem::synonyms::meant;
 use crate::problem::write::number;
-use crate::space::Walls;
+use crate::space::WALLS;
 use std::collections::BTreeMap;
 
 const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
@@ -31,22 +36,8 @@ const FINITE: Range = Range {
 
 const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
 
-#[derive(Copy, Clone, PartialEq)]
-enum Generator {
-    TurekHron,
-    SchaeferTurek,
-    Rotor,
-    Box,
-}
-
 pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<MeshSpec> {
-    let generators = [
-        ("turek-hron", Generator::TurekHron),
-        ("schaefer-turek", Generator::SchaeferTurek),
-        ("rotor", Generator::Rotor),
-        ("box", Generator::Box),
-    ];
-    let generator = s.choice("generator", &generators, &[]);
+    let generator = s.choice("generator", &GENERATORS, &[]);
     let file = s.string("file");
     let scale = s.number("scale", 1.0, POSITIVE);
     let refine = s.integer("refine", 0, 0..=10) as u32;
@@ -59,9 +50,10 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
     } else if !s.has("generator") && !s.has("file") && !s.means("file") {
-        s.missing("generator", "give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `box`) or `file`");
+        let generators = quoted(choice::names(&GENERATORS));
+        s.missing("generator", &format!("give `generator` ({generators}) or `file`"));
     }
-    let is_box = generator == Some(Generator::Box);
+    let is_box = matches!(generator, Some(MeshSource::Box { .. }));
     for key in ["lower", "upper", "cells", "region"] {
         if s.has(key) && !is_box && (generator.is_some() || file.is_some()) {
             s.wrong(key, "only for generator = \"box\"");
@@ -78,10 +70,8 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         s.wrong("upper", format!("expected a corner right of and above `lower` = [{}, {}]", a[0], a[1]));
     }
     let source = match (generator, file) {
-        (Some(Generator::TurekHron), _) => MeshSource::TurekHron,
-        (Some(Generator::SchaeferTurek), _) => MeshSource::SchaeferTurek,
-        (Some(Generator::Rotor), _) => MeshSource::Rotor,
-        (Some(Generator::Box), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
+        (Some(MeshSource::Box { .. }), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
+        (Some(generator), _) => generator,
         (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
         // A mistake was told; what follows is checked nevertheless.
         (None, None) => MeshSource::TurekHron,
@@ -163,9 +153,7 @@ pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
             "the kinematic viscosity [m²/s]",
         ),
         body_force: s.expressions("body-force").unwrap_or_default(),
-        force_at_current: s
-            .choice("body-force-at", &[("reference", false), ("current", true)], &[])
-            .unwrap_or(false),
+        force_at_current: s.choice("body-force-at", &BODY_FORCE_AT, &[]).unwrap_or(false),
     };
     explain_viscosity(&mut s);
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
@@ -203,7 +191,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
         return None;
     }
     let region = region(&mut s, "solid");
-    let law = s.choice("law", &SolidLaw::ALL, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
+    let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
     let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
     let body_force = s.expressions("body-force").unwrap_or_default();
@@ -353,14 +341,7 @@ fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
 
 /// `moves`: whether the case has a last step to take J from.
 pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElement) -> MotionSpec {
-    let models = [
-        ("harmonic", MotionModel::Harmonic),
-        ("stiffened-harmonic", MotionModel::StiffenedHarmonic),
-        ("pseudo-elastic", MotionModel::PseudoElastic),
-        ("jacobian-stiffened", MotionModel::JacobianStiffened),
-        ("biharmonic", MotionModel::Biharmonic),
-    ];
-    let model = s.choice("model", &models, &[]).unwrap_or(MotionModel::PseudoElastic);
+    let model = s.choice("model", &MOTIONS, &[]).unwrap_or(MotionModel::PseudoElastic);
     if model == MotionModel::Biharmonic && velocity.degree() == 1 {
         let other = if velocity.shape() == Shape::Triangle { "P2" } else { "Q2" };
         let message = format!(
@@ -368,12 +349,12 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElem
         );
         s.wrong("model", message);
     }
-    let jacobian = s.choice("jacobian", &[("lagged", true), ("implicit", false)], &[]);
+    let jacobian = s.choice("jacobian", &STIFFENING, &[]);
     if jacobian == Some(true) && !moves {
         s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
     }
-    let walls = s.choice("walls", &[("fixed", Walls::Fixed), ("sliding", Walls::Sliding)], &[]);
-    let outer = s.choice("outer", &[("clamped", false), ("hinged", true)], &[]);
+    let walls = s.choice("walls", &WALLS, &[]);
+    let outer = s.choice("outer", &OUTER, &[]);
     let spec = MotionSpec {
         model,
         poisson: s.number("poisson", 0.0, POISSON),

@@ -2,19 +2,11 @@
 
 use super::is_name;
 use crate::output::history::COLUMNS;
-use crate::problem::case::{Condition, EnergyKind, FunctionalSpec, SolidLaw};
+use crate::problem::case::{CONDITIONS, Condition, FUNCTIONALS, FunctionalSpec, SolidLaw};
+use crate::problem::choices::BACKFLOW;
 use crate::problem::error::quoted;
-use crate::problem::read::{ANY, POSITIVE, Section};
+use crate::problem::read::Section;
 use std::collections::{BTreeMap, BTreeSet};
-
-#[derive(Copy, Clone, PartialEq)]
-enum Kind {
-    Velocity,
-    NoSlip,
-    DoNothing,
-    TractionFree,
-    Clamped,
-}
 
 /// Conditions by name, and the names of outlets with the directional term.
 pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>, BTreeSet<String>) {
@@ -28,28 +20,20 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let kinds = [
-            ("velocity", Kind::Velocity),
-            ("no-slip", Kind::NoSlip),
-            ("do-nothing", Kind::DoNothing),
-            ("traction-free", Kind::TractionFree),
-            ("clamped", Kind::Clamped),
-        ];
-        let kind =
-            s.choice("condition", &kinds, &["sliding", "pressure", "traction", "periodic", "symmetry"]);
+        let later = ["sliding", "pressure", "traction", "periodic", "symmetry"];
+        let condition = s.choice("condition", &CONDITIONS, &later);
         let velocity = s.expressions("velocity");
-        if !s.has("condition") {
-            s.missing("condition", "one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`");
-        }
-        if kind == Some(Kind::Velocity) && !s.has("velocity") {
+        s.require_choice("condition", &CONDITIONS);
+        let takes_velocity = matches!(condition, Some(Condition::Velocity(_)));
+        if takes_velocity && !s.has("velocity") {
             s.missing("velocity", "two expressions [m/s], as velocity = [\"1.5*y\", \"0\"]");
-        } else if kind.is_some_and(|k| k != Kind::Velocity) && s.has("velocity") {
+        } else if condition.is_some() && !takes_velocity && s.has("velocity") {
             let key = s.dotted("velocity");
             let note = format!("{key} has no effect: the condition is not `velocity`");
             s.checker.notes.borrow_mut().push(note);
         }
-        let against = s.choice("backflow", &[("none", false), ("directional", true)], &[]);
-        let outlet = matches!(kind, Some(Kind::DoNothing | Kind::TractionFree) | None);
+        let against = s.choice("backflow", &BACKFLOW, &[]);
+        let outlet = matches!(condition, Some(Condition::DoNothing | Condition::TractionFree) | None);
         if against == Some(true) && outlet {
             directional.insert(name.clone());
         } else if against == Some(true) {
@@ -59,25 +43,13 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             s.checker.notes.borrow_mut().push(note);
         }
         s.finish();
-        let condition = match kind {
-            Some(Kind::Velocity) => Condition::Velocity(velocity.unwrap_or_default()),
-            Some(Kind::DoNothing) => Condition::DoNothing,
-            Some(Kind::TractionFree) => Condition::TractionFree,
-            Some(Kind::Clamped) => Condition::Clamped,
-            Some(Kind::NoSlip) | None => Condition::NoSlip,
+        let condition = match condition {
+            Some(Condition::Velocity(_)) => Condition::Velocity(velocity.unwrap_or_default()),
+            condition => condition.unwrap_or(Condition::NoSlip),
         };
         boundary.insert(name, condition);
     }
     (boundary, directional)
-}
-
-#[derive(Copy, Clone)]
-enum Functional {
-    Force,
-    Displacement,
-    PressureDifference,
-    Energy,
-    Rotation,
 }
 
 /// The functionals that have a meaning for the bodies that are there, and the names of all.
@@ -99,44 +71,11 @@ pub(super) fn functional(
                 ),
             );
         }
-        let kinds = [
-            ("force", Functional::Force),
-            ("displacement", Functional::Displacement),
-            ("pressure-difference", Functional::PressureDifference),
-            ("energy", Functional::Energy),
-            ("rotation", Functional::Rotation),
-        ];
-        let Some(kind) = s.choice("kind", &kinds, &["flux", "pressure", "velocity"]) else {
-            if !s.has("kind") {
-                s.missing(
-                    "kind",
-                    "one of `force`, `displacement`, `pressure-difference`, `energy`, `rotation`",
-                );
-            }
-            continue;
-        };
-        let spec = match kind {
-            Functional::Force => force(&mut s),
-            Functional::Displacement => FunctionalSpec::Displacement {
-                point: required_point(&mut s, "point"),
-                component: component(&mut s),
-            },
-            Functional::PressureDifference => FunctionalSpec::PressureDifference {
-                a: required_point(&mut s, "a"),
-                b: required_point(&mut s, "b"),
-            },
-            Functional::Energy => FunctionalSpec::Energy(energy(&mut s)),
-            Functional::Rotation => FunctionalSpec::Rotation,
-        };
+        s.require_choice("kind", &FUNCTIONALS);
+        let Some(spec) = s.choice("kind", &FUNCTIONALS, &["flux", "pressure", "velocity"]) else { continue };
+        let spec = spec.read(&mut s);
         s.finish();
-        let needs_fluid = match &spec {
-            FunctionalSpec::Force { .. } => true,
-            FunctionalSpec::PressureDifference { .. } => !solid.is_some_and(SolidLaw::is_incompressible),
-            FunctionalSpec::Energy(kind) => {
-                matches!(kind, EnergyKind::FluidKinetic | EnergyKind::Dissipation)
-            }
-            FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation => false,
-        };
+        let needs_fluid = spec.needs_fluid(solid);
         if if needs_fluid { fluid } else { solid.is_some() } {
             functionals.push((name.clone(), spec));
         } else {
@@ -146,48 +85,4 @@ pub(super) fn functional(
         }
     }
     (functionals, names)
-}
-
-fn force(s: &mut Section<'_, '_>) -> FunctionalSpec {
-    let on = s.strings("on");
-    if !s.has("on") {
-        s.missing("on", "the boundaries, such as on = [\"cylinder\", \"interface\"]");
-    }
-    let method = s.choice("method", &[("residual", false), ("surface-integral", true)], &[]);
-    FunctionalSpec::Force {
-        on: on.unwrap_or_default(),
-        component: component(s),
-        surface_integral: method.unwrap_or(false),
-        coefficient: s.pair("coefficient", POSITIVE),
-    }
-}
-
-fn component(s: &mut Section<'_, '_>) -> usize {
-    let component = s.choice("component", &[("x", 0), ("y", 1)], &[]);
-    if !s.has("component") {
-        s.missing("component", "\"x\" or \"y\"");
-    }
-    component.unwrap_or(0)
-}
-
-fn required_point(s: &mut Section<'_, '_>, key: &str) -> [f64; 2] {
-    let point = s.pair(key, ANY);
-    if !s.has(key) {
-        s.missing(key, "a point of the reference domain [m], such as [0.6, 0.2]");
-    }
-    point.unwrap_or_default()
-}
-
-fn energy(s: &mut Section<'_, '_>) -> EnergyKind {
-    let terms = [
-        ("fluid-kinetic", EnergyKind::FluidKinetic),
-        ("solid-kinetic", EnergyKind::SolidKinetic),
-        ("elastic", EnergyKind::Elastic),
-        ("dissipation", EnergyKind::Dissipation),
-    ];
-    let term = s.choice("term", &terms, &[]);
-    if !s.has("term") {
-        s.missing("term", "one of `fluid-kinetic`, `solid-kinetic`, `elastic`, `dissipation`");
-    }
-    term.unwrap_or(EnergyKind::FluidKinetic)
 }

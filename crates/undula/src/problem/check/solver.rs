@@ -1,13 +1,18 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
+use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::choice;
 use crate::problem::case::{
-    AdaptiveSettings, DomainMotion, FunctionalSpec, JacobianKind, KrylovSpec, LinearSolverKind, LinearSpec,
-    Linearization, NewtonSpec, OutputSpec, Precision, TimeScheme, TimeSpec,
+    AdaptiveSettings, DomainMotion, FunctionalSpec, KRYLOV, KrylovSpec, LinearSolverKind, LinearSpec,
+    Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec,
 };
-use crate::problem::error::suggestion;
+use crate::problem::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use crate::problem::error::{quoted, suggestion};
 use crate::problem::expression::Expression;
 use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS};
 use crate::time::schedule::RESOLUTION;
+use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
@@ -17,21 +22,6 @@ const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
 /// Minutes of computation that a run may lose when it is killed.
 pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
-/// Best in the study of section 5.2.3.
-const EPSILON: f64 = 1e-6;
-
-#[derive(Copy, Clone, PartialEq)]
-enum Scheme {
-    Stationary,
-    BackwardEuler,
-    Theta,
-    CrankNicolson,
-    Shifted,
-    Rannacher,
-    FractionalStepTheta,
-    Galerkin,
-    Bdf2,
-}
 
 /// θ − ½ of shifted Crank-Nicolson, and steps from damping to damping of Rannacher's scheme, where the case does not say.
 const DAMPING: f64 = 0.005;
@@ -42,18 +32,7 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     if !s.is_present() {
         return (None, None);
     }
-    let schemes = [
-        ("backward-euler", Scheme::BackwardEuler),
-        ("theta", Scheme::Theta),
-        ("crank-nicolson", Scheme::CrankNicolson),
-        ("shifted-crank-nicolson", Scheme::Shifted),
-        ("rannacher", Scheme::Rannacher),
-        ("fractional-step-theta", Scheme::FractionalStepTheta),
-        ("cg1", Scheme::Galerkin),
-        ("bdf2", Scheme::Bdf2),
-        ("stationary", Scheme::Stationary),
-    ];
-    let scheme = s.choice("scheme", &schemes, &[]);
+    let scheme = s.choice("scheme", &SCHEMES, &[]);
     let step = s.expression("step");
     let start = s.number("start", 0.0, ANY);
     let end = s.optional_number("end", ANY);
@@ -63,65 +42,57 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let max_halvings = s.integer("max-halvings", 5, 0..=20) as u32;
     let steps = s.integer("rannacher-steps", 2, 1..=1000) as u32;
     let interval = s.number("rannacher-interval", DAMPED_EVERY * first, POSITIVE);
-    let motions = [
-        ("secant", DomainMotion::Secant),
-        ("midpoint", DomainMotion::Midpoint),
-        ("galerkin", DomainMotion::Galerkin),
-    ];
-    let domain_motion = s.choice("domain-motion", &motions, &[]);
+    let domain_motion = s.choice("domain-motion", &DOMAIN_MOTIONS, &[]);
     let largest = start.abs().max(end.unwrap_or(start).abs());
     let adaptive = adaptive(s.section("adaptive"), step.as_ref(), RESOLUTION * largest);
     if adaptive.is_some() && step.as_ref().is_some_and(|step| !step.is_constant()) {
         s.wrong("step", "expected a number, the first step: [time.adaptive] chooses the others");
     }
+    let shifted = Scheme::ShiftedCrankNicolson { shift };
     // After a mistake any scheme will do that asks for nothing more.
-    let scheme = scheme.unwrap_or(if s.has("scheme") { Scheme::BackwardEuler } else { Scheme::Shifted });
-    check_schedule(&s, scheme, step.as_ref(), (start, end), shift);
-    check_domain_motion(&s, scheme, domain_motion);
-    if scheme == Scheme::Rannacher {
-        check_rannacher(&s, step.as_ref(), start, steps, interval);
-    }
-    let of_one_scheme = [
-        ("theta", Scheme::Theta),
-        ("shift", Scheme::Shifted),
-        ("rannacher-steps", Scheme::Rannacher),
-        ("rannacher-interval", Scheme::Rannacher),
-    ];
-    for (key, its_scheme) in of_one_scheme {
-        if s.has(key) && scheme != its_scheme && scheme != Scheme::Stationary {
-            let note = format!("time.{key} has no effect: the scheme is another one");
-            s.checker.notes.borrow_mut().push(note);
+    let scheme = scheme.unwrap_or(Some(if s.has("scheme") { Scheme::BackwardEuler } else { shifted }));
+    let Some(scheme) = scheme else {
+        if s.has("step") {
+            let note = "time.step has no effect: time.scheme is `stationary`";
+            s.checker.notes.borrow_mut().push(note.into());
         }
-    }
-    let scheme = match scheme {
-        Scheme::Stationary => {
-            if s.has("step") {
-                s.checker
-                    .notes
-                    .borrow_mut()
-                    .push("time.step has no effect: time.scheme is `stationary`".into());
-            }
-            s.finish();
-            return (None, end);
-        }
-        Scheme::BackwardEuler => TimeScheme::BackwardEuler,
-        Scheme::CrankNicolson => TimeScheme::CrankNicolson,
-        Scheme::Shifted => TimeScheme::ShiftedCrankNicolson { shift },
-        Scheme::Rannacher => TimeScheme::Rannacher { steps, interval },
-        Scheme::FractionalStepTheta => TimeScheme::FractionalStepTheta,
-        Scheme::Galerkin => TimeScheme::Galerkin,
-        Scheme::Bdf2 => TimeScheme::Bdf2,
-        Scheme::Theta => {
-            if !s.has("theta") {
-                s.missing("theta", "the weight of the new time, from 0.5 to 1");
-            }
-            TimeScheme::Theta { theta: theta.unwrap_or(1.0) }
-        }
+        s.finish();
+        return (None, end);
     };
+    let scheme = match scheme {
+        Scheme::Theta { theta: default } => Scheme::Theta { theta: theta.unwrap_or(default) },
+        Scheme::ShiftedCrankNicolson { .. } => shifted,
+        Scheme::Rannacher { .. } => Scheme::Rannacher { steps, interval },
+        other => other,
+    };
+    check_schedule(&s, scheme, step.as_ref(), (start, end));
+    check_domain_motion(&s, scheme, domain_motion);
+    check_rannacher(&s, scheme, step.as_ref(), start);
+    note_other_schemes(&s, scheme);
+    if matches!(scheme, Scheme::Theta { .. }) && !s.has("theta") {
+        s.missing("theta", "the weight of the new time, from 0.5 to 1");
+    }
     s.finish();
     let (step, end_or_start) = (step.unwrap_or_default(), end.unwrap_or(start));
     let domain_motion = domain_motion.unwrap_or_default();
     (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
+}
+
+/// Keys that belong to another scheme.
+fn note_other_schemes(s: &Section<'_, '_>, scheme: Scheme) {
+    let (theta, shifted) =
+        (matches!(scheme, Scheme::Theta { .. }), matches!(scheme, Scheme::ShiftedCrankNicolson { .. }));
+    let rannacher = matches!(scheme, Scheme::Rannacher { .. });
+    let used = [
+        ("theta", theta),
+        ("shift", shifted),
+        ("rannacher-steps", rannacher),
+        ("rannacher-interval", rannacher),
+    ];
+    for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
+        let note = format!("time.{key} has no effect: the scheme is another one");
+        s.checker.notes.borrow_mut().push(note);
+    }
 }
 
 /// The first step \[s\], from which times are taken that the case does not give.
@@ -178,7 +149,8 @@ fn check_domain_motion(s: &Section<'_, '_>, scheme: Scheme, motion: Option<Domai
 }
 
 /// Whether steps of Crank-Nicolson are left.
-fn check_rannacher(s: &Section<'_, '_>, step: Option<&Expression>, start: f64, steps: u32, interval: f64) {
+fn check_rannacher(s: &Section<'_, '_>, scheme: Scheme, step: Option<&Expression>, start: f64) {
+    let Scheme::Rannacher { steps, interval } = scheme else { return };
     let Some(step) = step.filter(|step| !step.depends_on_space()) else { return };
     let damped = f64::from(steps) * step.eval(&[0.0; 3], start);
     if damped >= interval * (1.0 - 1e-9) {
@@ -195,11 +167,7 @@ fn check_schedule(
     scheme: Scheme,
     step: Option<&Expression>,
     (start, end): (f64, Option<f64>),
-    shift: f64,
 ) {
-    if scheme == Scheme::Stationary {
-        return;
-    }
     for (key, meaning) in [
         ("step", "the time step [s]; for a stationary case set time.scheme = \"stationary\""),
         ("end", "the last time [s]; for a stationary case set time.scheme = \"stationary\""),
@@ -229,12 +197,13 @@ fn check_schedule(
     let Some((t, k)) =
         times.map(|t| (t, step.eval(&[0.0; 3], t))).find(|(_, k)| !(k.is_finite() && *k > 0.0))
     else {
-        let theta = 0.5 + shift * step.eval(&[0.0; 3], start);
-        if scheme == Scheme::Shifted && theta > 1.0 {
-            s.wrong(
-                "step",
-                format!("theta = 1/2 + shift * step = {theta} is above 1; reduce `step` or `shift`"),
-            );
+        if let Scheme::ShiftedCrankNicolson { shift } = scheme {
+            let theta = 0.5 + shift * step.eval(&[0.0; 3], start);
+            let message =
+                format!("theta = 1/2 + shift * step = {theta} is above 1; reduce `step` or `shift`");
+            if theta > 1.0 {
+                s.wrong("step", message);
+            }
         }
         return;
     };
@@ -256,38 +225,28 @@ fn smallest_step(step: &Expression, start: f64, end: f64) -> (f64, f64) {
 }
 
 /// How derivatives are computed: `jacobian`, `difference`, `epsilon`.
-fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> JacobianKind {
-    let central = s.choice("difference", &[("one-sided", false), ("central", true)], &[]);
+fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> Tangent {
+    let tangent = s.choice("jacobian", &TANGENTS, &[]).unwrap_or(Tangent::Automatic);
+    let central = s.choice("difference", &DIFFERENCES, &[]);
     let epsilon = s.number("epsilon", EPSILON, PERTURBATION);
-    let kinds = [
-        ("automatic", JacobianKind::Automatic),
-        ("analytic", JacobianKind::Analytic),
-        ("finite-difference", JacobianKind::FiniteDifference { central: central.unwrap_or(false), epsilon }),
-    ];
-    let kind = s.choice("jacobian", &kinds, &[]).unwrap_or(JacobianKind::Automatic);
-    if kind == JacobianKind::Analytic && linearization == Linearization::FixedPoint {
+    if tangent == Tangent::Analytic && linearization == Linearization::FixedPoint {
         let message = "Theorem 5.2 is the Jacobian of Newton's method, not the matrix of a fixed-point \
                        iteration; expected `automatic` or `finite-difference`";
         s.wrong("jacobian", message);
     }
-    for key in ["difference", "epsilon"] {
-        if s.has(key) && !matches!(kind, JacobianKind::FiniteDifference { .. }) {
-            let note = format!("newton.{key} has no effect: newton.jacobian is not `finite-difference`");
-            s.checker.notes.borrow_mut().push(note);
-        }
+    if let Tangent::Difference(default) = tangent {
+        return Tangent::Difference(Difference::new(central.unwrap_or(default.central), epsilon));
     }
-    kind
+    for key in ["difference", "epsilon"].into_iter().filter(|key| s.has(key)) {
+        let note = format!("newton.{key} has no effect: newton.jacobian is not `finite-difference`");
+        s.checker.notes.borrow_mut().push(note);
+    }
+    tangent
 }
 
 /// `condensed`: whether the condensed system is the better default, in time or without a solid.
 pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
-    let linearizations = [
-        ("newton", Linearization::Newton),
-        ("reduced", Linearization::Reduced),
-        ("fixed-point", Linearization::FixedPoint),
-        ("condensed", Linearization::Condensed),
-    ];
-    let linearization = s.choice("linearization", &linearizations, &[]);
+    let linearization = s.choice("linearization", &LINEARIZATIONS, &[]);
     let default = if condensed { Linearization::Condensed } else { Linearization::Newton };
     let mut linearization = linearization.unwrap_or(default);
     if linearization == Linearization::Condensed && !condensed {
@@ -310,7 +269,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
         floor: s.optional_number("floor", NOT_NEGATIVE),
         max_steps: s.integer("max-steps", max_steps, 1..=1000),
-        extrapolate: s.choice("start", &[("extrapolated", true), ("old", false)], &[]).unwrap_or(true),
+        extrapolate: s.choice("start", &STARTS, &[]).unwrap_or(true),
         line_search: s.integer("line-search", defaults.line_search, 0..=30),
     };
     s.finish();
@@ -318,18 +277,18 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
 }
 
 pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
-    let known = [("multifrontal", LinearSolverKind::Multifrontal), ("faer", LinearSolverKind::Faer)];
     let solver = if s.is_word("solver", "gmres") {
-        let message = "it is preconditioned by factors: expected one of `multifrontal`, `faer`, which make them, and \
-                       linear.krylov = \"gmres\"";
+        let message = format!(
+            "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
+            quoted(choice::names(&SOLVERS))
+        );
         s.wrong("solver", message);
         None
     } else {
-        s.choice("solver", &known, &["umfpack", "mumps"])
+        s.choice("solver", &SOLVERS, &["umfpack", "mumps"])
     };
     let refinement = s.integer("refinement", 2, 0..=20);
-    let precisions = [("single", Precision::Single), ("double", Precision::Double)];
-    let precision = s.choice("precision", &precisions, &[]).unwrap_or(Precision::Single);
+    let precision = s.choice("precision", &PRECISIONS, &[]).unwrap_or(Precision::Single);
     let krylov = krylov(&mut s);
     s.finish();
     LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement, precision, krylov }
@@ -337,17 +296,16 @@ pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
 
 /// GMRES on top of the factors: `krylov`, `krylov-tolerance`, `krylov-size`.
 fn krylov(s: &mut Section<'_, '_>) -> Option<KrylovSpec> {
-    let defaults = KrylovSpec::default();
-    let wanted = s.choice("krylov", &[("none", false), ("gmres", true)], &[]).unwrap_or(false);
-    let tolerance = s.number("krylov-tolerance", defaults.tolerance, REDUCTION);
-    let size = s.integer("krylov-size", defaults.size, 1..=200);
+    let chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
+    let tolerance = s.number("krylov-tolerance", KrylovSpec::DEFAULT.tolerance, REDUCTION);
+    let size = s.integer("krylov-size", KrylovSpec::DEFAULT.size, 1..=200);
     for key in ["krylov-tolerance", "krylov-size"] {
-        if s.has(key) && !wanted {
+        if s.has(key) && chosen.is_none() {
             let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
             s.checker.notes.borrow_mut().push(note);
         }
     }
-    wanted.then_some(KrylovSpec { tolerance, size })
+    chosen.map(|_| KrylovSpec { tolerance, size })
 }
 
 /// `names` are all functionals of the file, `present` those that are evaluated.
@@ -358,8 +316,8 @@ pub(super) fn output(
 ) -> OutputSpec {
     let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
     let fields_interval = s.optional_number("fields-interval", POSITIVE);
-    let deformed = s.choice("mesh", &[("deformed", true), ("reference", false)], &[]).unwrap_or(true);
-    let curved = s.choice("cells", &[("linear", false), ("curved", true)], &[]).unwrap_or(false);
+    let deformed = s.choice("mesh", &OUTPUT_MESH, &[]).unwrap_or(true);
+    let curved = s.choice("cells", &OUTPUT_CELLS, &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
     let checkpoint_minutes = s.number("checkpoint-minutes", CHECKPOINT_MINUTES, NOT_NEGATIVE);
     let leading = s.string("leading");

@@ -1,36 +1,21 @@
 //! The table `[stabilization]`.
 
+use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
 use crate::problem::case::SpaceSpec;
 use crate::problem::element::{PressureElement, Stability};
 use crate::problem::read::{POSITIVE, Section};
-
-/// Names of the terms in the divergence equation.
-pub(in crate::problem) const PRESSURE: [(&str, PressureTerm); 4] = [
-    ("off", PressureTerm::None),
-    ("brezzi-pitkaranta", PressureTerm::BrezziPitkaranta),
-    ("lps", PressureTerm::LocalProjection),
-    ("pspg", PressureTerm::Pspg),
-];
-
-/// Names of the terms in the momentum equation.
-pub(in crate::problem) const TRANSPORT: [(&str, TransportTerm); 3] =
-    [("off", TransportTerm::None), ("lps", TransportTerm::LocalProjection), ("supg", TransportTerm::Supg)];
-
-/// Names of the projections.
-pub(in crate::problem) const PROJECTION: [(&str, Projection); 2] =
-    [("cell", Projection::Cell), ("patch", Projection::Patch)];
 
 /// Pairs of equal order get local projections unless another term is asked for, stable ones nothing.
 pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bool) -> Stabilization {
     let equal = space.velocity.stability(space.pressure) == Stability::Equal;
     let default = if equal && fluid { PressureTerm::LocalProjection } else { PressureTerm::None };
     let how = Stabilization {
-        pressure: s.choice("pressure", &PRESSURE, &[]).unwrap_or(default),
-        transport: s.choice("transport", &TRANSPORT, &[]).unwrap_or(TransportTerm::None),
+        pressure: s.choice("pressure", &PRESSURE_TERMS, &[]).unwrap_or(default),
+        transport: s.choice("transport", &TRANSPORT_TERMS, &[]).unwrap_or(TransportTerm::None),
         alpha: s.number("alpha", 0.1, POSITIVE),
         delta: s.number("delta", 0.1, POSITIVE),
-        projection: s.choice("projection", &PROJECTION, &[]).unwrap_or(Projection::Cell),
+        projection: s.choice("projection", &PROJECTIONS, &[]).unwrap_or(Projection::Cell),
         directional: s.boolean("directional", false),
     };
     if fluid {

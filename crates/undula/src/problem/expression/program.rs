@@ -168,12 +168,15 @@ enum Instruction {
 /// Instructions in postfix order; at most [`STACK`] numbers are alive at once.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Program {
-    code: Box<[Instruction]>,
+    code: Vec<Instruction>,
 }
 
 impl Program {
+    /// No instructions, which leave 0.
+    pub(super) const EMPTY: Program = Program { code: Vec::new() };
+
     pub(super) fn constant(value: f64) -> Self {
-        Self { code: Box::new([Instruction::Push(value)]) }
+        Self { code: vec![Instruction::Push(value)] }
     }
 
     pub(super) fn compile(tree: &Tree) -> Result<Self, ExpressionError> {
@@ -185,7 +188,7 @@ impl Program {
                 message: format!("needs more than {STACK} numbers at once"),
             });
         }
-        Ok(Self { code: code.into_boxed_slice() })
+        Ok(Self { code })
     }
 
     pub(super) fn as_constant(&self) -> Option<f64> {
