@@ -123,6 +123,7 @@ fn source(case: &Case) -> String {
         MeshSource::SchaeferTurek => "channel with cylinder (schaefer-turek)".into(),
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),
+        MeshSource::Own(_) => "given by a program".into(),
     }
 }
 

@@ -3,7 +3,7 @@
 use super::case::Precision;
 use super::case::{
     Case, Condition, EnergyKind, FunctionalSpec, JacobianKind, KrylovSpec, LinearSolverKind, MeshSource,
-    MotionModel, PressureElement, VelocityElement,
+    MotionModel, OwnMesh, PressureElement, VelocityElement,
 };
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
@@ -31,6 +31,7 @@ use std::sync::Arc;
 /// Functionals by name, in the order of the columns of `history.csv`.
 pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
+#[doc(hidden)]
 impl Case {
     /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
     ///
@@ -88,9 +89,13 @@ impl Case {
                 }
                 (mesh.refined(refine, &[]), vec![])
             }
+            MeshSource::Own(OwnMesh(mesh)) => {
+                self.check_memory(Some(mesh))?;
+                (Mesh::clone(mesh).refined(refine, &[]), vec![])
+            }
         };
         if triangles {
-            if !matches!(spec.source, MeshSource::File(_)) {
+            if !matches!(spec.source, MeshSource::File(_) | MeshSource::Own(_)) {
                 mesh = mesh.triangulated();
             }
             mesh = mesh.refined(spec.refine as usize, &curves);
@@ -454,6 +459,7 @@ fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
     })))
 }
 
+#[doc(hidden)]
 impl Case {
     /// Builds mesh, spaces and functionals without computing anything, and says what they are.
     ///

@@ -6,12 +6,14 @@
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
-use crate::physics::{Material, Stabilization};
+use crate::mesh::Mesh;
+use crate::physics::{Material, OwnLaw, Stabilization};
 use crate::space::Walls;
 pub use crate::tangent::Linearization;
 use crate::time::Scheme;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A complete, valid description of one computation.
 #[derive(Clone, Debug, PartialEq)]
@@ -122,6 +124,19 @@ pub enum MeshSource {
     },
     /// A Gmsh file with named physical groups.
     File(PathBuf),
+    /// A mesh of the program, see [`super::builder::CaseBuilder::mesh`].
+    Own(OwnMesh),
+}
+
+/// A mesh that a program gives; copies are one mesh.
+#[derive(Clone, Debug)]
+pub struct OwnMesh(pub Arc<Mesh<2>>);
+
+/// Whether they are one object.
+impl PartialEq for OwnMesh {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// Finite element spaces by name.
@@ -157,6 +172,9 @@ pub struct SolidSpec {
     pub region: String,
     /// Constitutive law.
     pub law: SolidLaw,
+    /// A stored energy of the program in place of `law`, see [`super::builder::CaseBuilder::material`]; `mu` and
+    /// `lambda` are then those at rest.
+    pub own: Option<OwnLaw>,
     /// ρ_s \[kg/m³\].
     pub density: f64,
     /// Shear modulus μ_s \[Pa\].
@@ -218,6 +236,9 @@ impl SolidLaw {
 impl SolidSpec {
     /// The law with its constants.
     pub fn material(&self) -> Material {
+        if let Some(own) = self.own {
+            return Material::Own(own);
+        }
         let (mu, lambda, c1, c2) = (self.mu, self.lambda, 0.5 * self.mu - self.c2, self.c2);
         match self.law {
             SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },

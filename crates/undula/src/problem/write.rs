@@ -27,7 +27,7 @@ pub(super) fn number(x: f64) -> String {
     format!("{x:?}")
 }
 
-fn string(s: &str) -> String {
+pub(super) fn string(s: &str) -> String {
     toml::Value::from(s).to_string()
 }
 
@@ -50,6 +50,9 @@ fn pair(x: &[f64; 2]) -> String {
 pub(crate) fn name<T: PartialEq>(choices: &[(&'static str, T)], value: T) -> &'static str {
     choices.iter().find(|(_, choice)| *choice == value).map_or("", |(name, _)| name)
 }
+
+/// What stands for parts that a program gives.
+const OWN: &str = "own";
 
 /// Lines of TOML.
 struct Lines(String);
@@ -138,6 +141,9 @@ impl Case {
                 out.key("upper", pair(upper), "m");
                 out.key("cells", format!("{cells:?}"), "");
             }
+            MeshSource::Own(_) => {
+                out.key("generator", string(OWN), "the mesh of a program: give it one to read this")
+            }
             MeshSource::File(path) => {
                 out.word("file", &path.to_string_lossy());
                 out.key("scale", number(self.mesh.scale), "m per unit of the file");
@@ -198,7 +204,12 @@ impl Case {
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
-            out.word("law", solid.law.name());
+            match solid.own {
+                Some(_) => {
+                    out.key("law", string(OWN), "the stored energy of a program: give one to read this")
+                }
+                None => out.word("law", solid.law.name()),
+            }
             out.key("density", number(solid.density), "kg/m³");
             out.key("mu", number(solid.mu), "Pa");
             if solid.law.is_mooney_rivlin() {

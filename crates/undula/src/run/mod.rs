@@ -183,8 +183,8 @@ impl Run {
         restore(&mut simulation, &checkpoint, &metadata)?;
         let row = metadata.row.as_deref();
         let (history, before) = HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
-        let n = simulation.names().len();
-        simulation.history = before.rows.iter().map(|row| read_row(row, n)).collect();
+        let names: Arc<[String]> = simulation.names().into();
+        simulation.history = before.rows.iter().map(|row| read_row(row, &names)).collect();
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
         notes.iter().for_each(|note| observer.note(note));
         let mut run = Run::new(simulation, directory, history, collection);
@@ -403,7 +403,8 @@ fn numbers(row: &Row) -> Vec<f64> {
     numbers
 }
 
-fn read_row(row: &[f64], n: usize) -> Row {
+fn read_row(row: &[f64], names: &Arc<[String]>) -> Row {
+    let n = names.len();
     Row {
         step: row[0] as u64,
         time: row[1],
@@ -412,6 +413,7 @@ fn read_row(row: &[f64], n: usize) -> Row {
         min_j: row[3 + n],
         newton_steps: row[4 + n] as usize,
         jacobians: row[5 + n] as usize,
+        names: names.clone(),
     }
 }
 
