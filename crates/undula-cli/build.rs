@@ -16,7 +16,8 @@ fn main() {
             println!("cargo::rerun-if-changed={path}");
         }
     }
-    let changed = git(&["--no-optional-locks", "status", "--porcelain", "--untracked-files=no"]).is_some_and(|files| !files.is_empty());
+    let changed = git(&["--no-optional-locks", "status", "--porcelain", "--untracked-files=no"])
+        .is_some_and(|files| !files.is_empty());
     println!("cargo::rustc-env=UNDULA_COMMIT={commit}{}", if changed { "-dirty" } else { "" });
 }
 

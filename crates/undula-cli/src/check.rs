@@ -121,6 +121,7 @@ fn source(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),
+        MeshSource::Own(_) => "given by a program".into(),
         generator => row_of(&GENERATORS, generator)
             .map_or(String::new(), |row| format!("{} ({})", row.about, row.name)),
     }

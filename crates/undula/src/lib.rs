@@ -5,15 +5,94 @@
 //! numbers of this book. All unknowns are functions on the reference domain `Ω = F ∪ S` (fluid and solid). The mesh is
 //! fixed: the displacement `u` describes the motion of the domain.
 //!
+//! # From a case to numbers
+//!
+//! A [`Case`] is a file or is set in a program; [`CaseBuilder::build`] checks it and tells all mistakes with their keys.
+//! A [`Simulation`] computes it step by step. Each [`Row`] has the functionals by name, [`Fields`] the solution.
+//!
 //! ```
-//! # use undula::{problem::case::Case, simulation::Simulation};
-//! let small = ["mesh.refine=0".to_string(), "newton.tolerance=1e-10".to_string()];
-//! let case = Case::load("csm1", &small)?; // the name of a built-in case, or the path of a file
-//! let mut simulation = Simulation::new(case, 1)?;
+//! use undula::{CaseBuilder, Simulation};
+//! let case = CaseBuilder::load("csm1")? // a built-in case, or the path of a file
+//!     .set("mesh.refine", 0)
+//!     .set("newton.tolerance", 1e-10)
+//!     .build()?;
+//! let mut simulation = Simulation::new(case, 1)?; // on one thread
 //! let row = simulation.step()?;
-//! assert!((row.values[1] / -66.1e-3 - 1.0).abs() < 0.02); // the tip of the beam sinks by 66 mm
-//! # Ok::<(), undula::error::Error>(())
+//! assert!((row["uy_A"] / -66.1e-3 - 1.0).abs() < 0.02); // the tip of the beam sinks by 66 mm
+//! let point = simulation.fields().at([0.6, 0.2])?; // a position on the reference domain
+//! assert!((point.displacement[1] - row["uy_A"]).abs() < 1e-12);
+//! # Ok::<(), undula::Error>(())
 //! ```
+//!
+//! A loop of your own decides how long it goes on ([`Simulation::step`]):
+//!
+//! ```
+//! # use undula::{CaseBuilder, Simulation};
+//! let case = CaseBuilder::load("csm3")?.set("mesh.refine", 0).set("time.step", 0.02).build()?;
+//! let mut simulation = Simulation::new(case, 1)?;
+//! while simulation.time() < 0.2 && simulation.step()?["uy_A"] > -0.02 {}
+//! assert!((simulation.time() - 0.12).abs() < 1e-9); // the tip has fallen by 20 mm
+//! # Ok::<(), undula::Error>(())
+//! ```
+//!
+//! A functional and a material of your own ([`Simulation::record`], [`StoredEnergy`]):
+//!
+//! ```
+//! use undula::{CaseBuilder, Deformation, Scalar, Simulation, StoredEnergy};
+//!
+//! /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)² with μ = 0.5 MPa, λ = 2 MPa.
+//! struct Rubber;
+//!
+//! impl StoredEnergy for Rubber {
+//!     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+//!         at.I1_minus_3() * 0.25e6 - at.J().ln() * 0.5e6 + at.J_minus_1() * at.J_minus_1() * 1e6
+//!     }
+//! }
+//!
+//! let case = CaseBuilder::load("csm1")?.set("mesh.refine", 0).material(Rubber).build()?;
+//! let mut simulation = Simulation::new(case, 1)?;
+//! simulation.record("area", "m²", |fields| fields.integrate(|point| point.jacobian()));
+//! let row = simulation.step()?;
+//! assert!((row["uy_A"] / -66.1e-3 - 1.0).abs() < 0.02);
+//! assert!((row["area"] / (0.35 * 0.02) - 1.0).abs() < 0.01); // the bent beam
+//! # Ok::<(), undula::Error>(())
+//! ```
+//!
+//! A mesh of your own ([`Mesh::from_cells`]):
+//!
+//! ```
+//! use undula::{CaseBuilder, Mesh, Simulation};
+//! let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 2.0], [0.0, 2.0]];
+//! let side = |x: [f64; 2]| if x[1] == 0.0 { "foot" } else { "sides" };
+//! let mesh = Mesh::from_cells(corners, &[[0, 1, 2], [0, 2, 3]], |_| "solid", side)?;
+//! let case = CaseBuilder::new("block")
+//!     .mesh(mesh)
+//!     .set("mesh.refine", 2)
+//!     .set("solid.density", 1.0)
+//!     .set("solid.young", 1.0)
+//!     .set("solid.poisson", 0.3)
+//!     .set("solid.body-force", [0.0, -0.01])
+//!     .set("boundary.foot.condition", "clamped")
+//!     .set("boundary.sides.condition", "traction-free")
+//!     .build()?;
+//! let mut simulation = Simulation::new(case, 1)?;
+//! simulation.step()?;
+//! assert!(simulation.fields().at([0.5, 2.0])?.displacement[1] < 0.0); // it sinks under its weight
+//! # Ok::<(), undula::Error>(())
+//! ```
+//!
+//! Whole programs:
+//!
+//! | own | by | example |
+//! | --- | --- | --- |
+//! | time loop | [`Simulation::step`] | `examples/step_by_step.rs` |
+//! | functional | [`Simulation::record`], a closure over [`Fields`] | `examples/own_functional.rs` |
+//! | material | [`CaseBuilder::material`], a [`StoredEnergy`] | `examples/own_material.rs` |
+//! | mesh | [`CaseBuilder::mesh`], a [`Mesh`] from [`Mesh::from_cells`] | `examples/own_mesh.rs` |
+//! | many cases on all cores | threads, one [`Simulation`] each | `examples/sweep.rs` |
+//!
+//! The names at the root of the crate are for other programs. The modules are those of the program `undula`; they are
+//! hidden here, but for the equations in [`physics`], and may change at any time.
 //!
 //! # The equations
 //!
@@ -28,20 +107,20 @@
 //!
 //! The velocity v and its test function φ are continuous across the interface. The kinematic and the dynamic interface
 //! condition (equal velocities, equal forces) therefore hold without further terms. The ψ rows of the interface belong
-//! to the solid: the test functions ψ of the extension vanish on the interface, (5.26), see [`space`].
+//! to the solid: the test functions ψ of the extension vanish on the interface, (5.26), see `src/space`.
 //!
 //! # The modules
 //!
 //! | step | module |
 //! | --- | --- |
-//! | discretise a weak form in time | [`physics::step`], with the rules of [`time`] |
-//! | differentiate the weak form | [`tangent`] by dual numbers, [`physics::theorem_5_2`] by hand |
-//! | assemble residual and Jacobian | [`assembly`] |
-//! | iterate by Newton's method with a kept Jacobian (5.20) | [`nonlinear`] |
-//! | solve the linear systems | [`algebra`] |
-//! | run a case step by step, without files | [`simulation`] |
-//! | run a case with its output files | [`run`] |
-//! | measure the time of a step | [`mod@bench`] |
+//! | discretise a weak form in time | [`physics::step`], with the rules of `src/time` |
+//! | differentiate the weak form | `src/tangent` by dual numbers, [`physics::theorem_5_2`] by hand |
+//! | assemble residual and Jacobian | `src/assembly` |
+//! | iterate by Newton's method with a kept Jacobian (5.20) | `src/nonlinear` |
+//! | solve the linear systems | `src/algebra` |
+//! | run a case step by step, without files | [`Simulation`] |
+//! | run a case with its output files | `src/run` |
+//! | measure the time of a step | `src/bench` |
 //!
 //! # Symbols
 //!
@@ -61,23 +140,50 @@
 //! | k, θ | `k`, `theta`; `per_k` = 1/k | time step size, weight of the new time level | s, 1 |
 //! | γ_nt | `rate_max` | largest convergence rate at which a Jacobian is kept | 1 |
 
+#[doc(hidden)]
 pub mod algebra;
+#[doc(hidden)]
 pub mod assembly;
+#[doc(hidden)]
 pub mod bench;
 pub mod choice;
+#[doc(hidden)]
 pub mod element;
+#[doc(hidden)]
 pub mod error;
+#[doc(hidden)]
 pub mod functional;
+#[doc(hidden)]
 pub mod jacobian;
+#[doc(hidden)]
 pub mod math;
+#[doc(hidden)]
 pub mod mesh;
+#[doc(hidden)]
 pub mod nonlinear;
+#[doc(hidden)]
 pub mod output;
 pub mod physics;
+#[doc(hidden)]
 pub mod problem;
+#[doc(hidden)]
 pub mod run;
+#[doc(hidden)]
 pub mod simulation;
+#[doc(hidden)]
 pub mod space;
+#[doc(hidden)]
 pub mod stability;
+#[doc(hidden)]
 pub mod tangent;
+#[doc(hidden)]
 pub mod time;
+
+pub use error::Error;
+pub use functional::fields::{Fields, PointFields};
+pub use math::{Scalar, Tensor};
+pub use mesh::{Located, Mesh, MeshError};
+pub use physics::{Deformation, Material, StoredEnergy};
+pub use problem::builder::{CaseBuilder, Setting};
+pub use problem::case::Case;
+pub use simulation::{Row, Simulation};

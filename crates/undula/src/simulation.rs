@@ -1,9 +1,14 @@
 //! The computation: step by step, with its functionals. No files; see [`crate::run`] for those.
 
+mod row;
+
+pub use row::Row;
+
 use crate::assembly::StepView;
 use crate::error::Error;
 use crate::functional::Snapshot;
 use crate::functional::balance::Balance;
+use crate::functional::fields::{Fields, OwnFunctional};
 use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
@@ -12,34 +17,41 @@ use crate::problem::case::{Case, TimeSpec};
 use crate::space::State;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A case in the course of being computed.
 ///
 /// ```no_run
-/// # use undula::{problem::case::Case, simulation::Simulation};
-/// let case = Case::load("fsi3", &["time.end=6".into()]).expect("a built-in case");
-/// let mut simulation = Simulation::new(case, 2).expect("it fits its mesh");
+/// use undula::{CaseBuilder, Simulation};
+/// let case = CaseBuilder::load("fsi3")?.set("time.end", 6.0).build()?;
+/// let mut simulation = Simulation::new(case, 2)?;
 /// while !simulation.finished() {
-///     let row = simulation.step().expect("a solution");
-///     println!("{:.3} s: drag {:.2} N/m", row.time, row.values[0]);
+///     let row = simulation.step()?;
+///     println!("{:.3} s: drag {:.2} N/m", row.time, row["drag"]);
 /// }
+/// # Ok::<(), undula::Error>(())
 /// ```
 pub struct Simulation {
     /// The case.
     pub case: Case,
     /// Spaces, equations, solvers, and the solution.
+    #[doc(hidden)]
     pub stepper: Stepper<2>,
     /// Rows so far.
     pub history: Vec<Row>,
     /// Steps done.
     pub steps: u64,
     /// How the last step went.
+    #[doc(hidden)]
     pub report: StepReport,
     /// Step-size control, if the case has it.
+    #[doc(hidden)]
     pub adaptive: Option<Adaptive>,
     /// What flows through the boundaries of the fluid; `None` without fluid.
+    #[doc(hidden)]
     pub balance: Option<Balance<2>>,
     functionals: Functionals,
+    names: Arc<[String]>,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
     threads: usize,
@@ -51,23 +63,8 @@ fn schedule(case: &Case, time: &TimeSpec) -> Schedule {
     Schedule { start: time.start, end: time.end, interval: case.output.fields_interval }
 }
 
-/// What one step gave.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Row {
-    /// Number of the step, from 1; 0 for a stationary solution.
-    pub step: u64,
-    /// Time \[s\].
-    pub time: f64,
-    /// Time t⁻ + θ k to which pressure and forces belong \[s\].
-    pub force_time: f64,
-    /// Functionals in the order of [`Simulation::names`].
-    pub values: Vec<f64>,
-    /// Smallest J at the quadrature points.
-    pub min_j: f64,
-    /// Newton iterations.
-    pub newton_steps: usize,
-    /// Jacobians assembled.
-    pub jacobians: usize,
+fn names_of(functionals: &Functionals) -> Arc<[String]> {
+    functionals.iter().map(|(name, _)| name.clone()).collect()
 }
 
 impl Simulation {
@@ -102,6 +99,7 @@ impl Simulation {
             history: vec![],
             steps: 0,
             report: StepReport::default(),
+            names: names_of(&functionals),
             functionals,
             fluid_residual,
             needs_residual: !nodes.is_empty(),
@@ -112,7 +110,44 @@ impl Simulation {
 
     /// Names of the functionals.
     pub fn names(&self) -> Vec<String> {
-        self.functionals.iter().map(|(name, _)| name.clone()).collect()
+        self.names.to_vec()
+    }
+
+    /// Time of the solution \[s\].
+    pub fn time(&self) -> f64 {
+        self.stepper.time
+    }
+
+    /// The solution after the last step; at first that at rest with the boundary values of the start.
+    pub fn fields(&self) -> Fields<'_> {
+        Fields::new(&self.stepper.assembler.space, &self.stepper.new)
+    }
+
+    /// Adds a functional: `value` is called after every step, and the rows have it under `name`; `unit` is an SI unit.
+    ///
+    /// ```
+    /// use undula::{CaseBuilder, Simulation};
+    /// let case = CaseBuilder::load("csm1")?.set("mesh.refine", 0).build()?;
+    /// let mut simulation = Simulation::new(case, 1)?;
+    /// let middle = simulation.fields().locate([0.4, 0.2])?;
+    /// simulation.record("uy_middle", "m", move |fields| fields.value(&middle).displacement[1]);
+    /// let row = simulation.step()?;
+    /// assert!(row["uy_A"] < row["uy_middle"] && row["uy_middle"] < 0.0);
+    /// # Ok::<(), undula::Error>(())
+    /// ```
+    ///
+    /// # Panics
+    /// If a step was taken already, or there is a functional of that name.
+    pub fn record(
+        &mut self,
+        name: &str,
+        unit: &'static str,
+        value: impl Fn(&Fields<'_>) -> f64 + Send + 'static,
+    ) {
+        assert!(self.history.is_empty() && self.steps == 0, "functionals are added before the first step");
+        assert!(!self.names.iter().any(|n| n == name), "there is a functional `{name}` already");
+        self.functionals.push((name.into(), Box::new(OwnFunctional { unit, value })));
+        self.names = names_of(&self.functionals);
     }
 
     /// Units of the functionals, empty for a pure number.
@@ -270,6 +305,7 @@ impl Simulation {
             min_j: report.min_j,
             newton_steps: report.newton_steps,
             jacobians: report.jacobians,
+            names: self.names.clone(),
         }
     }
 

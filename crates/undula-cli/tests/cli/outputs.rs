@@ -160,7 +160,9 @@ fn a_summary_says_where_the_result_comes_from() {
     assert!(text("date").ends_with('Z') && text("date").len() == 20, "{summary}");
     let commit = text("commit");
     let digits = commit.trim_end_matches("-dirty");
-    assert!(summary["commit"].is_null() || digits.len() == 40 && digits.bytes().all(|c| c.is_ascii_hexdigit()));
+    assert!(
+        summary["commit"].is_null() || digits.len() == 40 && digits.bytes().all(|c| c.is_ascii_hexdigit())
+    );
     assert!(summary.get("processor").is_some());
     assert!(text("case_hash").len() == 32 && summary["mesh_hash"].is_null(), "{summary}");
     // The same input has the same hash, another one has another.

@@ -2,6 +2,7 @@
 
 pub mod balance;
 pub mod energy;
+pub mod fields;
 pub mod force;
 pub mod point;
 mod signal;

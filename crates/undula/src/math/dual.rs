@@ -80,6 +80,7 @@ impl<S: Scalar> SubAssign for Dual<S> {
 
 impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     type Value = S;
+    const LANES: usize = S::LANES;
 
     #[inline(always)]
     fn constant(x: f64) -> Self {
@@ -108,6 +109,28 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     #[inline(always)]
     fn ln(self) -> Self {
         Dual { re: self.re.ln(), eps: self.eps / self.re }
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        let re = self.re.exp();
+        Dual { re, eps: self.eps * re }
+    }
+
+    #[inline(always)]
+    fn powf(self, n: f64) -> Self {
+        Dual { re: self.re.powf(n), eps: self.eps * self.re.powf(n - 1.0) * n }
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> [f64; 2] {
+        [self.re.lane(lane)[0], self.eps.lane(lane)[0]]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: [f64; 2]) {
+        self.re.set_lane(lane, [number[0], 0.0]);
+        self.eps.set_lane(lane, [number[1], 0.0]);
     }
 
     #[inline(always)]

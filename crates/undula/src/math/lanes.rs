@@ -153,6 +153,7 @@ impl<const L: usize> Lanes<L> {
 
 impl<const L: usize> Scalar for Lanes<L> {
     type Value = Self;
+    const LANES: usize = L;
 
     #[inline(always)]
     fn constant(x: f64) -> Self {
@@ -177,6 +178,26 @@ impl<const L: usize> Scalar for Lanes<L> {
     #[inline(always)]
     fn ln(self) -> Self {
         Lanes(self.0.map(f64::ln))
+    }
+
+    #[inline(always)]
+    fn exp(self) -> Self {
+        Lanes(self.0.map(f64::exp))
+    }
+
+    #[inline(always)]
+    fn powf(self, n: f64) -> Self {
+        Lanes(self.0.map(|x| x.powf(n)))
+    }
+
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> [f64; 2] {
+        [self.0[lane], 0.0]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, lane: usize, number: [f64; 2]) {
+        self.0[lane] = number[0];
     }
 
     #[inline(always)]

@@ -21,6 +21,9 @@ pub trait Scalar:
     /// The number without its derivatives: `f64` or lanes.
     type Value: Scalar<Value = Self::Value>;
 
+    /// Numbers side by side in one: 1, or the lanes.
+    const LANES: usize;
+
     /// The same constant everywhere.
     fn constant(x: f64) -> Self;
 
@@ -35,6 +38,24 @@ pub trait Scalar:
 
     /// Natural logarithm.
     fn ln(self) -> Self;
+
+    /// Exponential function.
+    fn exp(self) -> Self;
+
+    /// The power with exponent `n`, for numbers above 0.
+    fn powf(self, n: f64) -> Self;
+
+    /// Value and derivative in lane `lane`; the derivative is 0 unless the number has one.
+    fn lane(&self, lane: usize) -> [f64; 2];
+
+    /// Sets value and derivative in lane `lane`, the inverse of [`Scalar::lane`].
+    fn set_lane(&mut self, lane: usize, number: [f64; 2]);
+
+    /// Square root of a number above 0.
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.powf(0.5)
+    }
 
     /// 1 where the value is below 0, else 0; without derivative.
     fn below_zero(self) -> Self;
@@ -54,6 +75,7 @@ pub trait Scalar:
 
 impl Scalar for f64 {
     type Value = f64;
+    const LANES: usize = 1;
 
     #[inline(always)]
     fn constant(x: f64) -> f64 {
@@ -78,6 +100,26 @@ impl Scalar for f64 {
     #[inline(always)]
     fn ln(self) -> f64 {
         f64::ln(self)
+    }
+
+    #[inline(always)]
+    fn exp(self) -> f64 {
+        f64::exp(self)
+    }
+
+    #[inline(always)]
+    fn powf(self, n: f64) -> f64 {
+        f64::powf(self, n)
+    }
+
+    #[inline(always)]
+    fn lane(&self, _: usize) -> [f64; 2] {
+        [*self, 0.0]
+    }
+
+    #[inline(always)]
+    fn set_lane(&mut self, _: usize, number: [f64; 2]) {
+        *self = number[0];
     }
 
     #[inline(always)]

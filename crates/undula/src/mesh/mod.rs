@@ -8,6 +8,7 @@ mod curve;
 mod distance;
 mod error;
 mod fold;
+mod from_cells;
 mod geometry;
 mod grade;
 mod locate;

@@ -66,7 +66,11 @@ mod tests {
     #[test]
     fn dates_are_of_one_form() {
         let now = Provenance::now(Some("abc".into()));
-        assert!(now.date.len() == 20 && now.date.ends_with('Z') && now.date.starts_with("20"), "{}", now.date);
+        assert!(
+            now.date.len() == 20 && now.date.ends_with('Z') && now.date.starts_with("20"),
+            "{}",
+            now.date
+        );
         assert_eq!((now.version.as_str(), now.commit.as_deref()), (env!("CARGO_PKG_VERSION"), Some("abc")));
     }
 }

@@ -5,6 +5,7 @@
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
 use super::kinematics::{Kinematics, volume_change};
+use super::stored_energy::{OwnLaw, StoredEnergy};
 use crate::choice::{Choice, choice, name_of};
 use crate::math::{Scalar, Tensor};
 
@@ -61,6 +62,8 @@ pub enum Material {
         /// 1/κ' \[1/Pa\]; 0 for J = 1.
         compliance: f64,
     },
+    /// A stored energy of another program, see [`Material::own`].
+    Own(OwnLaw),
 }
 
 /// Constitutive law of the solid without its constants.
@@ -167,6 +170,33 @@ impl Material {
         Material::Incompressible { c1, c2, compliance: 1.0 / (lambda - 4.0 * c2) }
     }
 
+    /// The law with the stored energy `energy`, see [`StoredEnergy`]. It is kept until the program ends.
+    pub fn own(energy: impl StoredEnergy + 'static) -> Material {
+        Material::Own(OwnLaw::new(energy))
+    }
+
+    /// First Piola-Kirchhoff stress P = F Σ \[Pa\] at ∇u.
+    ///
+    /// ```
+    /// use undula::{Material, Tensor};
+    /// let hooke = Material::Linear { mu: 2.0, lambda: 1.0 };
+    /// let grad_u = Tensor([[0.5, 0.0], [0.0, 0.0]]);
+    /// assert_eq!(hooke.stress(&grad_u).0, [[2.5, 0.0], [0.0, 0.5]]);
+    /// assert_eq!(hooke.tangent(&Tensor::zero(), &grad_u), hooke.stress(&grad_u));
+    /// ```
+    pub fn stress<const D: usize>(&self, grad_u: &Tensor<f64, D>) -> Tensor<f64, D> {
+        self.piola(grad_u, grad_u)
+    }
+
+    /// Derivative \[Pa\] of the stress P at ∇u in the direction ∇w.
+    pub fn tangent<const D: usize>(
+        &self,
+        grad_u: &Tensor<f64, D>,
+        grad_w: &Tensor<f64, D>,
+    ) -> Tensor<f64, D> {
+        self.derivative(grad_u, grad_w)
+    }
+
     /// 1/κ' of a law with a pressure of its own; `None` for the others.
     pub fn compliance(&self) -> Option<f64> {
         match *self {
@@ -183,7 +213,7 @@ impl Material {
     #[inline(always)]
     fn rubber<T: Scalar>(&self, J: T) -> Option<Rubber<T>> {
         let (c1, c2, lambda) = match *self {
-            Material::Linear { .. } | Material::StVenantKirchhoff { .. } => return None,
+            Material::Linear { .. } | Material::StVenantKirchhoff { .. } | Material::Own(_) => return None,
             Material::NeoHookean { mu, lambda } => (0.5 * mu, 0.0, lambda),
             Material::MooneyRivlin { c1, c2, lambda } => (c1, c2, lambda),
             Material::Incompressible { c1, c2, .. } => (c1, c2, 4.0 * c2),
@@ -218,13 +248,33 @@ impl Material {
             return (Tensor::identity() + *lag) * hooke(E, mu, lambda);
         }
         let Kinematics { F, F_inv, J } = Kinematics::of(lag);
-        let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else { return Tensor::zero() };
+        let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else {
+            return self.own_piola(grad_u);
+        };
         let change = volume * volume_change(grad_u, lag);
         let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
         if second != 0.0 {
             P += second * (F * cross(E));
         }
         P
+    }
+
+    /// The stress of a law of another program; a fixed-point iteration takes its whole derivative.
+    #[inline(always)]
+    fn own_piola<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+        let Material::Own(law) = self else { return Tensor::zero() };
+        law.stress(grad_u)
+    }
+
+    /// Its derivative.
+    #[inline(always)]
+    fn own_derivative<T: Scalar, const D: usize>(
+        &self,
+        grad_u: &Tensor<T, D>,
+        grad_w: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        let Material::Own(law) = self else { return Tensor::zero() };
+        law.derivative(grad_u, grad_w)
     }
 
     /// Derivative of [`Material::piola`] at ∇u in the direction ∇w by hand, Lemma 5.5.
@@ -243,7 +293,9 @@ impl Material {
         if let Material::StVenantKirchhoff { mu, lambda } = *self {
             return *grad_w * hooke(E, mu, lambda) + F * hooke(dE, mu, lambda);
         }
-        let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else { return Tensor::zero() };
+        let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else {
+            return self.own_derivative(grad_u, grad_w);
+        };
         let F_inv_t = F_inv.t();
         let turned = F_inv_t * grad_w.t() * F_inv_t;
         shear * (*grad_w + turned)
@@ -274,6 +326,7 @@ impl Material {
                 let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
                 compressible(c1, c2, bulk + 4.0 * c2)
             }
+            Material::Own(law) => law.energy(grad_u),
         }
     }
 }

@@ -14,6 +14,7 @@ pub mod outflow;
 pub mod solid;
 pub mod stabilization;
 pub mod step;
+pub mod stored_energy;
 pub mod theorem_5_2;
 
 pub use extension::{Extension, MotionModel};
@@ -26,3 +27,4 @@ pub use outflow::{Backflow, Outflow};
 pub use solid::Solid;
 pub use stabilization::{PressureTerm, Projection, Stabilization, TransportTerm};
 pub use step::StepRule;
+pub use stored_energy::{Deformation, OwnLaw, StoredEnergy};

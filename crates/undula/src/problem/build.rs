@@ -1,6 +1,8 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::case::{Case, Condition, KrylovSpec, MeshSource, Precision, PressureElement, VelocityElement};
+use super::case::{
+    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
+};
 use super::error::{CaseError, CaseErrors};
 use super::expression::Expression;
 use super::fit::{INTERFACE, MeshNames};
@@ -23,6 +25,7 @@ use std::sync::Arc;
 /// Functionals by name, in the order of the columns of `history.csv`.
 pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
+#[doc(hidden)]
 impl Case {
     /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
     ///
@@ -80,9 +83,13 @@ impl Case {
                 }
                 (mesh.refined(refine, &[]), vec![])
             }
+            MeshSource::Own(OwnMesh(mesh)) => {
+                self.check_memory(Some(mesh))?;
+                (Mesh::clone(mesh).refined(refine, &[]), vec![])
+            }
         };
         if triangles {
-            if !matches!(spec.source, MeshSource::File(_)) {
+            if !matches!(spec.source, MeshSource::File(_) | MeshSource::Own(_)) {
                 mesh = mesh.triangulated();
             }
             mesh = mesh.refined(spec.refine as usize, &curves);
@@ -357,6 +364,7 @@ fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
     })))
 }
 
+#[doc(hidden)]
 impl Case {
     /// Builds mesh, spaces and functionals without computing anything, and says what they are.
     ///

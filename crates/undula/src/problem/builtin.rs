@@ -55,21 +55,36 @@ impl Case {
     /// # Errors
     /// Neither exists, the file cannot be read, or it has mistakes.
     pub fn load(path_or_builtin: &str, overrides: &[String]) -> Result<Self, LoadError> {
-        if builtin_case(path_or_builtin).is_some() {
-            return Self::builtin(path_or_builtin, overrides);
-        }
-        let path = Path::new(path_or_builtin);
-        let bytes = match std::fs::read(path) {
-            Ok(bytes) => bytes,
-            Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(no_such_case(path_or_builtin)),
-            Err(source) => return Err(LoadError::Unreadable { path: path.into(), source }),
-        };
-        if let Some(what) = no_case(path, &bytes) {
-            return Err(mistake(path_or_builtin, what).into());
-        }
-        let text =
-            String::from_utf8(bytes).map_err(|e| not_text(path_or_builtin, e.utf8_error().valid_up_to()))?;
-        Ok(Self::from_toml(&text, path_or_builtin, overrides)?)
+        let (text, name) = text_and_name(path_or_builtin)?;
+        Ok(Self::from_toml(&text, &name, overrides)?)
+    }
+}
+
+/// The case file at a path.
+///
+/// # Errors
+/// There is none, it cannot be read, or it is no text.
+fn text_of(path_or_builtin: &str) -> Result<String, LoadError> {
+    let path = Path::new(path_or_builtin);
+    let bytes = match std::fs::read(path) {
+        Ok(bytes) => bytes,
+        Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Err(no_such_case(path_or_builtin)),
+        Err(source) => return Err(LoadError::Unreadable { path: path.into(), source }),
+    };
+    if let Some(what) = no_case(path, &bytes) {
+        return Err(mistake(path_or_builtin, what).into());
+    }
+    Ok(String::from_utf8(bytes).map_err(|e| not_text(path_or_builtin, e.utf8_error().valid_up_to()))?)
+}
+
+/// Text and name of the built-in case of that name, else of the case file at that path.
+///
+/// # Errors
+/// Neither exists, or the file cannot be read.
+pub(super) fn text_and_name(path_or_builtin: &str) -> Result<(String, String), LoadError> {
+    match builtin_case(path_or_builtin) {
+        Some(case) => Ok((case.toml.into(), format!("{path_or_builtin}.toml"))),
+        None => Ok((text_of(path_or_builtin)?, path_or_builtin.into())),
     }
 }
 

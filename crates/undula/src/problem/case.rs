@@ -10,13 +10,15 @@ pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
 pub use crate::algebra::{LinearSolverKind, Precision};
 use crate::choice::{Choice, choice, row_of};
 pub use crate::functional::energy::Integral;
+use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{Material, Stabilization};
+use crate::physics::{Material, OwnLaw, Stabilization};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A complete, valid description of one computation.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,6 +129,19 @@ pub enum MeshSource {
     },
     /// A Gmsh file with named physical groups.
     File(PathBuf),
+    /// A mesh of the program, see [`super::builder::CaseBuilder::mesh`].
+    Own(OwnMesh),
+}
+
+/// A mesh that a program gives; copies are one mesh.
+#[derive(Clone, Debug)]
+pub struct OwnMesh(pub Arc<Mesh<2>>);
+
+/// Whether they are one object.
+impl PartialEq for OwnMesh {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
 }
 
 /// Generators by their names in a case.
@@ -174,6 +189,9 @@ pub struct SolidSpec {
     pub region: String,
     /// Constitutive law.
     pub law: SolidLaw,
+    /// A stored energy of the program in place of `law`, see [`super::builder::CaseBuilder::material`]; `mu` and
+    /// `lambda` are then those at rest.
+    pub own: Option<OwnLaw>,
     /// ρ_s \[kg/m³\].
     pub density: f64,
     /// Shear modulus μ_s \[Pa\].
@@ -191,7 +209,10 @@ pub struct SolidSpec {
 impl SolidSpec {
     /// The law with its constants.
     pub fn material(&self) -> Material {
-        self.law.material(self.mu, self.lambda, self.c2)
+        match self.own {
+            Some(own) => Material::Own(own),
+            None => self.law.material(self.mu, self.lambda, self.c2),
+        }
     }
 }
 

@@ -9,7 +9,7 @@ mod solver;
 mod stabilization;
 
 use super::builtin::{builtin_case, builtin_cases};
-use super::case::{Case, Record, Scheme, TimeSpec};
+use super::case::{Case, OwnMesh, Record, Scheme, TimeSpec};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
@@ -24,14 +24,24 @@ impl Case {
     /// All mistakes, each with its place.
     ///
     /// ```
-    /// use undula::problem::case::Case;
+    /// use undula::Case;
     /// let text = "[mesh]\ngenerator = \"turek-hron\"\n[fluid]\ndensity = -1\nkinematic-viscosity = 1e-3\n";
     /// let errors = Case::from_toml(text, "own.toml", &[]).unwrap_err();
     /// assert_eq!(errors.to_string(), "own.toml:4:11: fluid.density = -1: expected a number above 0");
     /// ```
     pub fn from_toml(text: &str, file_name: &str, overrides: &[String]) -> Result<Self, CaseErrors> {
+        Self::from_toml_on(text, file_name, overrides, None)
+    }
+
+    /// The same on the `mesh` that the program gives, if it does.
+    pub(super) fn from_toml_on(
+        text: &str,
+        file_name: &str,
+        overrides: &[String],
+        mesh: Option<&OwnMesh>,
+    ) -> Result<Self, CaseErrors> {
         let document = Document::parse(text, file_name, overrides).map_err(CaseErrors)?;
-        let checker = Checker::new(&document);
+        let checker = Checker::new(&document, mesh);
         let case = read(&checker);
         let places =
             checker.origins.borrow().iter().map(|(key, o)| (key.clone(), document.place(o))).collect();

@@ -17,6 +17,7 @@ const PLACES: usize = 2000;
 /// Velocities and forces have two components.
 type Pair = [Expression; 2];
 
+#[doc(hidden)]
 impl Case {
     /// Looks at the velocities of boundaries at their nodes, and at body forces at nodes and centres of cells, at the start,
     /// the end and some times between.

@@ -16,6 +16,7 @@ const SAMPLES: u32 = 50;
 /// What must not be, by the way out of it.
 const OPEN: &str = "one boundary needs condition = `do-nothing` or `traction-free`";
 
+#[doc(hidden)]
 impl Case {
     /// What should be known of the parts of the fluid that are closed in.
     ///

@@ -24,6 +24,7 @@ struct Largest {
     time: f64,
 }
 
+#[doc(hidden)]
 impl Case {
     /// Refuses velocity data that would move the solid.
     pub(super) fn check_ends(&self, space: &FsiSpace<2>) -> Result<(), CaseErrors> {

@@ -116,6 +116,7 @@ fn push_new<T: PartialEq>(list: &mut Vec<T>, item: T) {
     }
 }
 
+#[doc(hidden)]
 impl Case {
     /// Compares the names in the case with those of the complete mesh.
     ///

@@ -15,6 +15,7 @@ const OFFSET: f64 = 0.05;
 /// L as a part of the smaller extent of the mesh.
 const SCALE: f64 = 0.5;
 
+#[doc(hidden)]
 impl Case {
     /// `[motion]` with the lengths that it leaves open, for spaces of this case: d_0 is a twentieth of the smaller extent
     /// of the fluid or of the larger one of the solid, whichever is less; L is half the smaller extent of both.

@@ -35,6 +35,7 @@ const MESH: f64 = 700.0;
 /// Points per direction at which the share of regions of a box is taken.
 const SAMPLES: u32 = 64;
 
+#[doc(hidden)]
 impl Case {
     /// Refuses a case that needs more memory than there is. `file` is the mesh that was read where there is a file.
     ///
@@ -42,7 +43,7 @@ impl Case {
     /// With the key to blame, and the gigabytes that are needed and at hand.
     pub(super) fn check_memory(&self, file: Option<&Mesh<2>>) -> Result<(), Error> {
         let Some(at_hand) = available_memory() else { return Ok(()) };
-        let is_file = matches!(self.mesh.source, MeshSource::File(_));
+        let is_file = matches!(self.mesh.source, MeshSource::File(_) | MeshSource::Own(_));
         if is_file != file.is_some() {
             return Ok(());
         }
@@ -88,7 +89,7 @@ impl Case {
                 let all = cells[0] as f64 * cells[1] as f64;
                 (all, all * self.share_of_box(*lower, *upper))
             }
-            MeshSource::File(_) => return file.map_or((0.0, 0.0), of_mesh),
+            MeshSource::File(_) | MeshSource::Own(_) => return file.map_or((0.0, 0.0), of_mesh),
         };
         if triangles { (2.0 * all, 2.0 * kept) } else { (all, kept) }
     }

@@ -5,13 +5,15 @@
 //! `check` makes a [`case::Case`] of it and `fit` compares that with a mesh: `regions` with its regions, `bodies` with
 //! their connected parts, `enclosed` with those of the fluid that nothing opens, `ends` with the nodes of the solid,
 //! `data` evaluates what is given on it.
-//! `functionals` has all that a case says of its functionals. `write` is the way back,
+//! `functionals` has all that a case says of its functionals. `write` is the way back, `builder` makes cases in a
+//! program,
 //! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
 //! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
 //! `manufactured` makes problems whose solution is known.
 
 mod bodies;
 pub mod build;
+pub mod builder;
 pub mod builtin;
 pub mod case;
 mod check;

@@ -76,6 +76,7 @@ const LARGE: f64 = 10.0;
 /// Density \[kg/m³\] above which the unit of length is taken for the metre: 1 in g/cm³, 1e-3 in g/mm³.
 const DENSE: f64 = 100.0;
 
+#[doc(hidden)]
 impl Case {
     /// What the case is on its mesh, but for what only the complete mesh knows.
     pub fn overview(&self, space: &FsiSpace<2>) -> Overview {

@@ -1,5 +1,6 @@
 //! Typed reading of a table: each method takes a key, tells what is wrong with its value, and goes on.
 
+use super::case::OwnMesh;
 use super::error::{CaseError, did_you_mean, quoted};
 use super::expression::Expression;
 use super::raw::{Document, Item, Origin, Table, Value};
@@ -11,6 +12,8 @@ use std::collections::BTreeMap;
 /// The document under check, and what was found so far.
 pub(super) struct Checker<'d> {
     pub document: &'d Document,
+    /// The mesh, if the program gives it.
+    pub mesh: Option<&'d OwnMesh>,
     /// Each with the byte it belongs to, to be sorted at the end.
     errors: RefCell<Vec<(usize, CaseError)>>,
     /// Settings without effect and parts left out.
@@ -20,9 +23,9 @@ pub(super) struct Checker<'d> {
 }
 
 impl<'d> Checker<'d> {
-    pub fn new(document: &'d Document) -> Self {
+    pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
         let (errors, notes, origins) = Default::default();
-        Self { document, errors, notes, origins }
+        Self { document, mesh, errors, notes, origins }
     }
 
     pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {

@@ -16,6 +16,7 @@ pub(super) fn mesh_key(case: &Case) -> &'static str {
     if matches!(case.mesh.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" }
 }
 
+#[doc(hidden)]
 impl Case {
     /// Regions of the mesh that are computed on: those of `[fluid]` and `[solid]`.
     pub fn regions(&self) -> Vec<&str> {

@@ -49,6 +49,9 @@ pub(super) fn pair(x: &[f64; 2]) -> String {
     format!("[{}, {}]", number(x[0]), number(x[1]))
 }
 
+/// What stands for parts that a program gives.
+const OWN: &str = "own";
+
 /// Lines of TOML.
 #[derive(Default)]
 pub(super) struct Lines {
@@ -143,6 +146,8 @@ impl Case {
     fn write_mesh(&self, out: &mut Lines) {
         out.table("mesh");
         match &self.mesh.source {
+            // The mesh of a program: give it one to read this.
+            MeshSource::Own(_) => out.key("generator", string(OWN)),
             MeshSource::File(path) => {
                 out.word("file", &path.to_string_lossy());
                 out.key("scale", number(self.mesh.scale));
@@ -205,7 +210,11 @@ impl Case {
         if let Some(solid) = &self.solid {
             out.table("solid");
             out.word("region", &solid.region);
-            out.word("law", solid.law.name());
+            match solid.own {
+                // The stored energy of a program: give it one to read this.
+                Some(_) => out.key("law", string(OWN)),
+                None => out.word("law", solid.law.name()),
+            }
             out.key("density", number(solid.density));
             out.key("mu", number(solid.mu));
             if solid.law.is_mooney_rivlin() {

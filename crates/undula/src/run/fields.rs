@@ -1,6 +1,7 @@
 //! The solution as fields at points.
 
 use crate::element::Shape;
+use crate::functional::fields::nodal_pressure;
 use crate::output::{CellKind, Field, FieldSnapshot};
 use crate::space::{FsiSpace, Region, State};
 
@@ -19,7 +20,9 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
         point_data.push(Field::new("deformation", 2, state.u[..2 * n].to_vec()));
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
-        if let Some(values) = nodal_pressure(space, state, region) {
+        let values = nodal_pressure(space, state, region);
+        if values.iter().any(Option::is_some) {
+            let values = values.into_iter().map(|value| value.unwrap_or(0.0)).collect();
             point_data.push(Field::new(name, 1, values));
         }
     }
@@ -40,25 +43,4 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
 /// The nodes of `cell` that are points.
 fn points_of(space: &FsiSpace<2>, cell: usize) -> &[u32] {
     &space.nodes.cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
-}
-
-/// Pressure of a region at the nodes, the mean over its cells; 0 outside. `None` if the region has none.
-fn nodal_pressure(space: &FsiSpace<2>, state: &State, region: Region) -> Option<Vec<f64>> {
-    let n = space.nodes.n_lagrange;
-    let (mut sum, mut count) = (vec![0.0; n], vec![0.0; n]);
-    for cell in 0..space.mesh.n_cells() {
-        let dofs = space.pressure.cell(cell);
-        if dofs.is_empty() || space.regions[cell] != region {
-            continue;
-        }
-        for (a, &node) in points_of(space, cell).iter().enumerate() {
-            let xi = crate::element::lagrange::node(space.mesh.shape, space.nodes.degree, a);
-            let x = space.nodes.points[node as usize];
-            let basis = space.pressure.basis(&space.mesh, cell, &xi, &x);
-            sum[node as usize] += dofs.iter().zip(&basis).map(|(&d, b)| b * state.p[d as usize]).sum::<f64>();
-            count[node as usize] += 1.0;
-        }
-    }
-    let mean = sum.iter().zip(&count).map(|(s, c)| if *c > 0.0 { s / c } else { 0.0 });
-    count.iter().any(|c| *c > 0.0).then(|| mean.collect())
 }

@@ -13,8 +13,8 @@ pub use inflow::{Inflow, inflow};
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
-    Breakdown, Checkpoint, Collection, HistoryWriter, Phases, Precision, Provenance, RunDirectory, Status, Summary,
-    hash, peak_memory, write_vtu,
+    Breakdown, Checkpoint, Collection, HistoryWriter, Phases, Precision, Provenance, RunDirectory, Status,
+    Summary, hash, peak_memory, write_vtu,
 };
 use crate::output::{OutputError, text_of};
 use crate::problem::case::Case;
@@ -189,8 +189,8 @@ impl Run {
         restore(&mut simulation, &checkpoint, &metadata)?;
         let row = metadata.row.as_deref();
         let (history, before) = HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
-        let n = simulation.names().len();
-        simulation.history = before.rows.iter().map(|row| read_row(row, n)).collect();
+        let names: Arc<[String]> = simulation.names().into();
+        simulation.history = before.rows.iter().map(|row| read_row(row, &names)).collect();
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
         notes.iter().for_each(|note| observer.note(note));
         let mut run = Run::new(simulation, directory, history, collection);
@@ -414,7 +414,8 @@ fn numbers(row: &Row) -> Vec<f64> {
     numbers
 }
 
-fn read_row(row: &[f64], n: usize) -> Row {
+fn read_row(row: &[f64], names: &Arc<[String]>) -> Row {
+    let n = names.len();
     Row {
         step: row[0] as u64,
         time: row[1],
@@ -423,6 +424,7 @@ fn read_row(row: &[f64], n: usize) -> Row {
         min_j: row[3 + n],
         newton_steps: row[4 + n] as usize,
         jacobians: row[5 + n] as usize,
+        names: names.clone(),
     }
 }
 

@@ -21,6 +21,7 @@ mod convergence_stabilized;
 mod convergence_time;
 mod derivatives;
 mod elements;
+mod examples;
 mod extension;
 mod incompressible;
 mod keys;

@@ -92,6 +92,42 @@ fn stress_is_the_derivative_of_the_energy() {
     run::<3>();
 }
 
+/// The built-in energies as laws of another program: what follows from them is what is written by hand.
+#[test]
+fn laws_by_their_energy_are_those_by_hand() {
+    fn run<const D: usize>() {
+        let mut random = Random(17);
+        for material in all() {
+            let own = Material::own(material);
+            for _ in 0..100 {
+                let (grad_u, grad_w) = (random.tensor::<D>(0.6), random.tensor::<D>(1.0));
+                let what = format!("{material:?} in {D}D");
+                let expected = piola(&material, &grad_u);
+                assert_near(own.stress(&grad_u), expected, &what);
+                let at = seeded(&grad_u, &grad_w);
+                let slope = piola(&material, &at).map(|x| x.eps);
+                assert_near(own.tangent(&grad_u, &grad_w), slope, &what);
+                // By dual numbers, as the Jacobian has it; the state before does not matter.
+                let lagged = own.piola(&at, &at.map(Scalar::frozen));
+                assert_near(lagged.map(|x| x.re), expected, &what);
+                assert_near(lagged.map(|x| x.eps), slope, &what);
+                let energy = own.energy(&at);
+                assert!((energy.re - material.energy(&grad_u)).abs() < 1e-13, "{what}");
+                assert!((energy.eps - expected.ddot(grad_w)).abs() < 1e-12, "{what}");
+            }
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// ∇u + ε ∇w.
+fn seeded<const D: usize>(grad_u: &Tensor<f64, D>, grad_w: &Tensor<f64, D>) -> Tensor<Dual<f64>, D> {
+    let mut at = grad_u.map(|x| Dual { re: x, eps: 0.0 });
+    at.0.as_flattened_mut().iter_mut().zip(grad_w.0.as_flattened()).for_each(|(x, w)| x.eps = *w);
+    at
+}
+
 /// The derivative at rest is 2 μ ε + λ tr(ε) I for every law, μ = 2 (c₁ + c₂); with J = 1 for ε without trace.
 #[test]
 fn at_rest_every_law_is_that_of_hooke() {
@@ -105,6 +141,7 @@ fn at_rest_every_law_is_that_of_hooke() {
                 Material::MooneyRivlin { c1, c2, .. } | Material::Incompressible { c1, c2, .. } => {
                     2.0 * (c1 + c2)
                 }
+                Material::Own(_) => unreachable!("of other programs"),
             };
             let rest = Tensor::<f64, D>::zero();
             assert_eq!(largest(piola(&material, &rest)), 0.0, "{material:?}");

@@ -45,7 +45,10 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
-    if !s.is_present() {
+    let own = root.checker.mesh;
+    if own.is_some() {
+        refuse_source(&s);
+    } else if !s.is_present() {
         root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
     } else if s.has("generator") && s.has("file") {
         s.wrong("file", "give either `generator` or `file`");
@@ -76,8 +79,18 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         // A mistake was told; what follows is checked nevertheless.
         (None, None) => MeshSource::TurekHron,
     };
+    let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
     Some(MeshSpec { source, scale, refine, grading, region, leave_out })
+}
+
+/// Keys that say where the mesh comes from, if the program gives it.
+fn refuse_source(s: &Section<'_, '_>) {
+    for key in ["generator", "file", "grading", "lower", "upper", "cells", "region"] {
+        if s.has(key) {
+            s.wrong(key, "the program gives the mesh");
+        }
+    }
 }
 
 /// What names of regions and boundaries must be: those of a Gmsh file may have spaces and dots.
@@ -105,11 +118,14 @@ fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
 
 /// The velocity unless one is asked for: Q2, on the triangles of a file P2.
 fn default_velocity(mesh: Option<&MeshSpec>, pressure: Option<PressureElement>) -> VelocityElement {
-    let Some(MeshSource::File(path)) = mesh.map(|mesh| &mesh.source) else { return VelocityElement::Q(2) };
-    let triangles = match gmsh::shape(path) {
-        Ok(shape) => shape == Shape::Triangle,
-        // What is wrong with the file is told when the mesh is made, and should be the only thing that is told.
-        Err(_) => matches!(pressure, Some(PressureElement::P(_))),
+    let triangles = match mesh.map(|mesh| &mesh.source) {
+        Some(MeshSource::File(path)) => match gmsh::shape(path) {
+            Ok(shape) => shape == Shape::Triangle,
+            // What is wrong with the file is told when the mesh is made, and should be the only thing that is told.
+            Err(_) => matches!(pressure, Some(PressureElement::P(_))),
+        },
+        Some(MeshSource::Own(mesh)) => mesh.0.shape == Shape::Triangle,
+        _ => false,
     };
     if triangles { VelocityElement::P(2) } else { VelocityElement::Q(2) }
 }
@@ -196,7 +212,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
     let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
-    Some(SolidSpec { region, law, density, mu, lambda, c2, bulk, body_force })
+    Some(SolidSpec { region, law, own: None, density, mu, lambda, c2, bulk, body_force })
 }
 
 /// The pressure of a solid has no stabilisation.

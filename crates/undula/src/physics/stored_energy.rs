@@ -1,0 +1,222 @@
+//! Materials of other programs: the stored energy is written, stress and tangent follow by dual numbers.
+
+use super::kinematics::volume_change;
+use super::material::Material;
+use crate::math::{HyperDual, Scalar, Tensor};
+use std::fmt;
+
+/// A hyperelastic law by its stored energy W per reference volume \[J/m³\].
+///
+/// The stress P = ∂W/∂F = F Σ and its derivative follow from it. W must vanish at rest together with its first
+/// derivative. In two dimensions the law means plane strain, see [`Deformation`].
+///
+/// ```
+/// use undula::{Deformation, Material, Scalar, StoredEnergy, Tensor};
+///
+/// /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (ln J)².
+/// struct Rubber { mu: f64, lambda: f64 }
+///
+/// impl StoredEnergy for Rubber {
+///     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+///         let ln_J = at.J().ln();
+///         at.I1_minus_3() * (0.5 * self.mu) - ln_J * self.mu + ln_J * ln_J * (0.5 * self.lambda)
+///     }
+/// }
+///
+/// let material = Material::own(Rubber { mu: 2e6, lambda: 8e6 });
+/// let grad_u = Tensor([[0.0, 1e-6], [0.0, 0.0]]);
+/// let P = material.stress(&grad_u); // a small shear: P₁₂ = μ γ
+/// assert!((P.0[0][1] - 2.0).abs() < 1e-6 && P.0[0][0].abs() < 1e-5);
+/// ```
+pub trait StoredEnergy: Send + Sync {
+    /// W \[J/m³\] at a deformation; written once for every kind of number.
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T;
+}
+
+/// What a stored energy may depend on, from ∇u at a point.
+///
+/// In two dimensions F is extended by 1 in the third direction (plane strain), so that the invariants are those of
+/// three dimensions.
+#[derive(Copy, Clone, Debug)]
+pub struct Deformation<T, const D: usize> {
+    /// ∇u, `(∇u)_ij = ∂u_i/∂x_j`.
+    pub grad_u: Tensor<T, D>,
+}
+
+impl<T: Scalar, const D: usize> Deformation<T, D> {
+    /// Deformation gradient F = I + ∇u.
+    pub fn F(&self) -> Tensor<T, D> {
+        Tensor::identity() + self.grad_u
+    }
+
+    /// Green-Lagrange strain E = ½ (∇u + ∇uᵀ + ∇uᵀ ∇u), without cancellation at small strains.
+    pub fn E(&self) -> Tensor<T, D> {
+        0.5 * (self.grad_u + self.grad_u.t() + self.grad_u.t() * self.grad_u)
+    }
+
+    /// J = det F.
+    pub fn J(&self) -> T {
+        self.F().det()
+    }
+
+    /// J − 1 without cancellation at small strains.
+    pub fn J_minus_1(&self) -> T {
+        volume_change(&self.grad_u, &self.grad_u)
+    }
+
+    /// I₁ − 3 = 2 tr E, without cancellation at small strains; I₁ = tr C, C = FᵀF.
+    pub fn I1_minus_3(&self) -> T {
+        self.E().trace() * 2.0
+    }
+
+    /// I₂ − 3 = 4 tr E + 2 ((tr E)² − E:E), without cancellation at small strains; I₂ = ½ (I₁² − C:C).
+    pub fn I2_minus_3(&self) -> T {
+        let E = self.E();
+        let trace = E.trace();
+        trace * 4.0 + (trace * trace - E.ddot(E)) * 2.0
+    }
+}
+
+/// The built-in laws by their energies; of a law with a pressure of its own that of the deformation alone.
+impl StoredEnergy for Material {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        Material::energy(self, &at.grad_u)
+    }
+}
+
+/// A law by its energy, as the kernels call it: stress and derivative of the stress, by number.
+trait Law: Send + Sync {
+    /// Value of W at ∇u and its derivative in the direction that comes with it; lists are of D² pairs.
+    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2];
+    /// The same for P, into `stress`.
+    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]);
+}
+
+/// Components of ∇u as hyper-dual numbers: the second direction is that of the pairs, the first one moves component
+/// `moved`.
+fn seeded<const D: usize>(grad_u: &[[f64; 2]], moved: Option<usize>) -> Deformation<HyperDual, D> {
+    let mut at = Deformation { grad_u: Tensor::zero() };
+    for (n, &[re, b]) in grad_u.iter().enumerate() {
+        let a = if moved == Some(n) { 1.0 } else { 0.0 };
+        at.grad_u.0[n / D][n % D] = HyperDual { re, a, b, ab: 0.0 };
+    }
+    at
+}
+
+/// W and its derivatives, component `moved` of ∇u moving in the first direction.
+fn evaluate(law: &impl StoredEnergy, grad_u: &[[f64; 2]], moved: Option<usize>) -> HyperDual {
+    match grad_u.len() {
+        4 => law.energy(&seeded::<2>(grad_u, moved)),
+        9 => law.energy(&seeded::<3>(grad_u, moved)),
+        _ => law.energy(&seeded::<1>(grad_u, moved)),
+    }
+}
+
+impl<E: StoredEnergy> Law for E {
+    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2] {
+        let W = evaluate(self, grad_u, None);
+        [W.re, W.b]
+    }
+
+    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
+        for (n, component) in stress.iter_mut().enumerate() {
+            let W = evaluate(self, grad_u, Some(n));
+            *component = [W.a, W.ab];
+        }
+    }
+}
+
+/// A law of another program. It is kept until the program ends, because every copy of the equations refers to it.
+#[derive(Copy, Clone)]
+pub struct OwnLaw(&'static dyn Law);
+
+impl fmt::Debug for OwnLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("OwnLaw")
+    }
+}
+
+/// Whether they are one object.
+impl PartialEq for OwnLaw {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::addr_eq(self.0, other.0)
+    }
+}
+
+impl OwnLaw {
+    /// The law with the stored energy `energy`.
+    pub fn new(energy: impl StoredEnergy + 'static) -> Self {
+        OwnLaw(Box::leak(Box::new(energy)))
+    }
+
+    // Lanes are taken apart in functions of their own: nothing here is compiled for wide vectors.
+
+    /// W at ∇u.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn energy<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> T {
+        let mut W = T::zero();
+        for lane in 0..T::LANES {
+            let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+            W.set_lane(lane, self.0.energy_at(at.as_flattened()));
+        }
+        W
+    }
+
+    /// P at ∇u, with its derivative if `T` has one.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn stress<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+        let mut P = Tensor::zero();
+        for lane in 0..T::LANES {
+            let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+            self.fill(&at, |pair| pair, lane, &mut P);
+        }
+        P
+    }
+
+    /// Derivative of P at ∇u in the direction ∇w.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn derivative<T: Scalar, const D: usize>(
+        self,
+        grad_u: &Tensor<T, D>,
+        grad_w: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        let mut dP = Tensor::zero();
+        for lane in 0..T::LANES {
+            let mut at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+            for (pair, w) in at.as_flattened_mut().iter_mut().zip(grad_w.0.as_flattened()) {
+                pair[1] = w.lane(lane)[0];
+            }
+            self.fill(&at, |[_, slope]| [slope, 0.0], lane, &mut dP);
+        }
+        dP
+    }
+
+    /// What `part` takes of P at ∇u, into lane `lane` of `out`.
+    fn fill<T: Scalar, const D: usize>(
+        self,
+        at: &[[[f64; 2]; D]; D],
+        part: impl Fn([f64; 2]) -> [f64; 2],
+        lane: usize,
+        out: &mut Tensor<T, D>,
+    ) {
+        let mut stress = [[[0.0; 2]; D]; D];
+        self.0.stress_at(at.as_flattened(), stress.as_flattened_mut());
+        for (component, value) in out.0.as_flattened_mut().iter_mut().zip(stress.as_flattened()) {
+            component.set_lane(lane, part(*value));
+        }
+    }
+
+    /// Lamé constants μ and λ at rest \[Pa\], and the largest component of the stress there \[Pa\].
+    pub fn at_rest(self) -> [f64; 3] {
+        let rest = Tensor::<f64, 2>::zero();
+        let (mut stretch, mut shear) = (rest, rest);
+        stretch.0[0][0] = 1.0;
+        shear.0[0][1] = 1.0;
+        let (of_stretch, of_shear) = (self.derivative(&rest, &stretch), self.derivative(&rest, &shear));
+        let stress = self.stress(&rest).0.as_flattened().iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+        [of_shear.0[0][1], of_stretch.0[1][1], stress]
+    }
+}
