@@ -146,6 +146,7 @@ pub mod algebra;
 pub mod assembly;
 #[doc(hidden)]
 pub mod bench;
+#[doc(hidden)]
 pub mod choice;
 #[doc(hidden)]
 pub mod element;
