@@ -1,7 +1,7 @@
 //! Cases made in a program: settings, a mesh and a material, checked like a case file.
 
 use super::builtin::text_and_name;
-use super::case::{Case, OwnMesh, SolidSpec};
+use super::case::{Case, OwnMesh, SolidLaw, SolidSpec};
 use super::write::{number, string};
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -127,7 +127,7 @@ impl CaseBuilder {
         }
         let sound = mu > 0.0 && lambda + mu > 0.0 && mu.is_finite() && lambda.is_finite();
         let (shown_mu, shown_lambda) = if sound { (mu, lambda) } else { (1.0, 1.0) };
-        self = self.set("solid.law", "st-venant-kirchhoff");
+        self = self.set("solid.law", SolidLaw::StVenantKirchhoff.name());
         self = self.set("solid.mu", shown_mu).set("solid.lambda", shown_lambda);
         let mut case = self.checked()?;
         if !sound {
