@@ -220,6 +220,8 @@ class Fuzzer:
         content = mesh()
         lines = content.split(b"\n")
         for _ in range(dice.choice([1, 1, 2, 4])):
+            if not lines:
+                break
             i = dice.randrange(len(lines))
             how = dice.random()
             if how < 0.5 and lines[i].split():

@@ -26,8 +26,8 @@ cases = [line.split()[0] for line in said(new, "cases").splitlines() if line.str
 different = 0
 with tempfile.TemporaryDirectory(prefix="undula-same-") as work:
     for case in cases:
-        time = tomllib.loads(said(new, "check", case, "--toml")).get("time")
-        sets = [f"time.end={time['start'] + steps * time['step']}"] if time else []
+        time = tomllib.loads(said(new, "check", case, "--toml")).get("time", {})
+        sets = [f"time.end={time.get('start', 0.0) + steps * time['step']}"] if "step" in time else []
         rows = [history(program, case, sets, os.path.join(work, name)) for program, name in ((old, "old"), (new, "new"))]
         same = rows[0] == rows[1]
         different += not same

@@ -3,7 +3,7 @@
 
     pip install vtk numpy
     trace_vtu.py out/fsi3/fields.pvd --line 0.05,0.26,2.45,0.26
-    trace_vtu.py out/fsi3/fields.pvd --seeds 0.3,0.01,0.3,0.4 --until 2.4
+    trace_vtu.py out/fsi3/fields.pvd --seeds 0.3,0.22,0.3,0.4 --until 2.4
 
 The last file of the collection is read. --line: 201 points between two places, all of which must lie in a cell.
 --seeds: 41 streamlines by RK2 from points between two places, all of which must reach x = --until (a streamline ends
