@@ -27,6 +27,10 @@ pub struct AdaptiveSettings {
 const GROWTH: f64 = 2.0;
 const SHRINK: f64 = 0.2;
 
+/// A last step may be longer than the others by this factor, rather than leave a small one. The smallest step may, too:
+/// it is not rejected then.
+const STRETCH: f64 = 1.001;
+
 /// A step that could grow by less than this stays as it is: a new length costs a new Jacobian.
 const WORTHWHILE: f64 = 1.25;
 
@@ -103,7 +107,7 @@ impl Adaptive {
             let report = StepReport { parts, min_j, ..spent };
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
             let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
-            if !rejected || k <= self.settings.min_step {
+            if !rejected || k <= STRETCH * self.settings.min_step {
                 self.accept(k, factor.unwrap_or(1.0));
                 self.remember(stepper);
                 return Ok(report);
@@ -118,7 +122,7 @@ impl Adaptive {
     /// The next step, `rest` \[s\] before a time that is to be hit: without a small one at the end.
     fn length(&self, rest: f64) -> f64 {
         let k = self.memory.next.clamp(self.settings.min_step, self.settings.max_step);
-        if rest <= 1.001 * k {
+        if rest <= STRETCH * k {
             rest
         } else if rest < 2.0 * k {
             0.5 * rest

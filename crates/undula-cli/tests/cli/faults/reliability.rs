@@ -377,6 +377,21 @@ fn steps_below_rounding_are_refused() {
     assert_eq!(here.json("late/summary.json")["status"], "failed");
 }
 
+/// 0.3 − 0.29 is more than 0.01 by rounding: the last step is the smallest one nevertheless.
+#[test]
+fn a_tolerance_that_no_step_meets_ends() {
+    let here = place("unreachable", &[]);
+    let sets = [
+        "mesh.refine=0",
+        "time.step=0.01",
+        "time.end=0.3",
+        "time.adaptive.tolerance=1e-300",
+        "time.adaptive.min-step=0.01",
+    ];
+    undula(&here, "run fsi3 -o results --quiet --threads 1", &sets).expect(0, &[]);
+    assert_eq!(here.json("results/summary.json")["steps"], 30);
+}
+
 #[test]
 fn meshes_that_do_not_fit_into_memory_are_refused_at_once() {
     let here = place("memory", &[]);
