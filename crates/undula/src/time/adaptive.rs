@@ -6,7 +6,7 @@
 
 use super::report::{StepFailure, StepReport};
 use super::restart::Clock;
-use super::schedule::decimal;
+use super::schedule::{STRETCH, decimal};
 use super::stepper::Stepper;
 use crate::space::State;
 
@@ -26,10 +26,6 @@ pub struct AdaptiveSettings {
 /// Largest ratio of a step to the one before, and smallest to one that was rejected.
 const GROWTH: f64 = 2.0;
 const SHRINK: f64 = 0.2;
-
-/// A last step may be longer than the others by this factor, rather than leave a small one. The smallest step may, too:
-/// it is not rejected then.
-const STRETCH: f64 = 1.001;
 
 /// A step that could grow by less than this stays as it is: a new length costs a new Jacobian.
 const WORTHWHILE: f64 = 1.25;
@@ -107,7 +103,8 @@ impl Adaptive {
             let report = StepReport { parts, min_j, ..spent };
             let factor = if stepper.was_damped() { None } else { self.factor(stepper, k) };
             let rejected = factor.is_some_and(|factor| factor < self.settings.safety);
-            if !rejected || k <= STRETCH * self.settings.min_step {
+            // The smallest step is not rejected, also where it is a little longer to end at the target.
+            if !rejected || k <= (1.0 + STRETCH) * self.settings.min_step {
                 self.accept(k, factor.unwrap_or(1.0));
                 self.remember(stepper);
                 return Ok(report);
@@ -122,7 +119,7 @@ impl Adaptive {
     /// The next step, `rest` \[s\] before a time that is to be hit: without a small one at the end.
     fn length(&self, rest: f64) -> f64 {
         let k = self.memory.next.clamp(self.settings.min_step, self.settings.max_step);
-        if rest <= STRETCH * k {
+        if rest <= (1.0 + STRETCH) * k {
             rest
         } else if rest < 2.0 * k {
             0.5 * rest

@@ -5,7 +5,7 @@
 const NOTHING: f64 = 1e-9;
 
 /// A last step may be longer than the others by this part, rather than leave a small one.
-const STRETCH: f64 = 1e-3;
+pub const STRETCH: f64 = 1e-3;
 
 /// Smallest step as a part of the time: below it the difference of two times has fewer than four digits.
 pub const RESOLUTION: f64 = 1e-12;
