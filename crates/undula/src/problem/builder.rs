@@ -136,7 +136,7 @@ impl CaseBuilder {
             );
             return Err(case.refuse("solid.law", message));
         }
-        if stress > AT_REST * mu {
+        if stress.is_nan() || stress > AT_REST * mu {
             let message = format!("the stored energy has a stress of {stress} Pa at rest; expected 0");
             return Err(case.refuse("solid.law", message));
         }
