@@ -5,8 +5,8 @@
 
 Kinds: `case` mutates the text of case files, `set` values of the command line, `mesh` the text or bytes of Gmsh files,
 `run` the files of an interrupted run before it is resumed, compared, plotted. A finding is an exit code other than 0, 1, 2,
-3 and 130, the word `panicked`, no message with an exit code 1 or 2, or more than --limit seconds (which may be honest
-work: the input is kept). Findings are kept in --keep and counted at the end; the exit code is 1 if there are any.
+3 and 130, the word `panicked`, no message with an exit code 1 or 2, or more than --limit seconds of processor time (which
+may be honest work: the input is kept). Findings are kept in --keep and counted at the end; the exit code is 1 if there are any.
 Nothing but Python is needed. The same seed gives the same inputs.
 """
 import argparse
@@ -15,6 +15,7 @@ import os
 import random
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
@@ -138,13 +139,16 @@ class Fuzzer:
         def limits():
             resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
             resource.setrlimit(resource.RLIMIT_AS, (self.options.memory << 20,) * 2)
+            resource.setrlimit(resource.RLIMIT_CPU, (int(self.options.limit) + 1,) * 2)
         process = subprocess.Popen([self.program, *arguments], cwd=self.scratch, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=limits)
         try:
-            out, err = process.communicate(timeout=self.options.limit)
+            out, err = process.communicate(timeout=50 * self.options.limit)
         except subprocess.TimeoutExpired:
             process.kill()
             process.communicate()
+            return None, ""
+        if process.returncode in (-signal.SIGXCPU, -signal.SIGKILL):
             return None, ""
         return process.returncode, (out + err).decode(errors="replace")
 
@@ -293,6 +297,8 @@ class Fuzzer:
             methods[kind](random.Random(f"{self.options.seed}-{number}"), number)
             number += 1
         shutil.rmtree(self.scratch, ignore_errors=True)
+        used = resource.getrusage(resource.RUSAGE_CHILDREN)
+        print(f"{time.monotonic() - begun:.0f} s, {used.ru_utime + used.ru_stime:.0f} s of the program on a processor")
         print(f"{number - self.options.first} inputs, {sum(self.counts.values())} runs of the program, "
               f"{len(self.findings)} findings")
         for name, count in sorted(self.counts.items()):
@@ -324,7 +330,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0, help="number of the first input, to repeat one")
     parser.add_argument("--kinds", default="case,set,mesh,run")
-    parser.add_argument("--limit", type=float, default=60, help="seconds after which a run of the program counts as hanging")
+    parser.add_argument("--limit", type=float, default=60, help="processor seconds after which a run of the program counts as hanging")
     parser.add_argument("--memory", type=int, default=8192, help="MiB of address space of the program")
     parser.add_argument("--keep", default="out/fuzz", help="directory for findings")
     sys.exit(Fuzzer(parser.parse_args()).go())
