@@ -35,6 +35,10 @@ pub enum Command {
     Compare(CompareArgs),
     /// Plot histories and fields of a run
     Plot(PlotArgs),
+    /// Compute a study: many runs, and a page with their tables, figures and statements
+    Study(StudyArgs),
+    /// Recompute the numerical studies of chapter 5 of the book, published numbers beside computed ones
+    Reproduce(ReproduceArgs),
     /// Measure the time of a step, of its phases and of its kernels
     Bench(BenchArgs),
 }
@@ -143,6 +147,53 @@ pub struct PlotArgs {
     /// Directory for the pictures [default: DIR/plots]
     #[arg(short, long, value_name = "OUT")]
     pub output: Option<PathBuf>,
+}
+
+/// `undula study`.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// The study, a TOML file
+    pub file: PathBuf,
+    /// Directory of the page and of the runs [default: out/NAME of the study]; an earlier study there goes on
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Take the settings of `[quick]`, and leave out runs that are `full-only`
+    #[arg(long)]
+    pub quick: bool,
+    /// Replace runs that were computed with other settings
+    #[arg(long)]
+    pub force: bool,
+    /// Number of threads [default: all cores]; runs are computed side by side
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// `undula reproduce`.
+#[derive(Debug, Args)]
+pub struct ReproduceArgs {
+    /// Studies [default: all]
+    pub studies: Vec<String>,
+    /// List the studies
+    #[arg(long)]
+    pub list: bool,
+    /// Directory of the page and of the runs [default: out/chapter-5]; an earlier call there goes on
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Coarser or shorter runs, in minutes
+    #[arg(long)]
+    pub quick: bool,
+    /// Replace runs that were computed with other settings
+    #[arg(long)]
+    pub force: bool,
+    /// Number of threads [default: all cores]; runs are computed side by side
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Print errors only
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// `undula bench`.

@@ -6,9 +6,25 @@ pub fn fixed(x: f64, size: f64, decimals: usize) -> String {
     format!("{x:.*}", decimals.max(needed.max(0.0) as usize))
 }
 
+/// `x` with `digits` significant digits, without zeros at the end.
+pub fn significant(x: f64, digits: usize) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return x.to_string();
+    }
+    let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
+    if (1e-4..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::fixed;
+    use super::{fixed, significant};
+
+    #[test]
+    fn significant_digits_are_counted_from_the_first() {
+        assert_eq!([significant(8.412_345, 4), significant(0.034_999_9, 4)], ["8.412", "0.035"]);
+        assert_eq!([significant(-1.5e-7, 3), significant(123_456.0, 3)], ["-1.5e-7", "123000"]);
+        assert_eq!([significant(0.0, 3), significant(f64::NAN, 3)], ["0", "NaN"]);
+    }
 
     #[test]
     fn small_numbers_keep_their_digits() {

@@ -12,9 +12,11 @@ mod inf_sup;
 mod jacobian;
 mod keys;
 mod new;
+mod page;
 mod plot;
 mod progress;
 mod run;
+mod study;
 
 use args::{Cli, Command};
 use clap::Parser;
@@ -31,6 +33,8 @@ fn main() -> ExitCode {
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Study(args) => study::run(&args),
+        Command::Reproduce(args) => study::reproduce(&args),
         Command::Bench(args) => bench::run(&args),
     };
     result.unwrap_or_else(|error| {

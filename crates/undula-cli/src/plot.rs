@@ -1,8 +1,8 @@
 //! Pictures of a run: `undula plot DIR`, and the end of `undula run`.
 
 mod cell;
-mod colors;
-mod figure;
+pub mod colors;
+pub mod figure;
 mod history;
 mod picture;
 

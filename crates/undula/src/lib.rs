@@ -176,6 +176,8 @@ pub mod space;
 #[doc(hidden)]
 pub mod stability;
 #[doc(hidden)]
+pub mod study;
+#[doc(hidden)]
 pub mod tangent;
 #[doc(hidden)]
 pub mod time;

@@ -24,6 +24,8 @@ const CHARACTER: f64 = 0.63;
 pub struct Figure {
     scene: Scene,
     clips: usize,
+    /// What the names of its clips begin with.
+    id: String,
 }
 
 /// Where a text is held.
@@ -44,9 +46,14 @@ fn color([r, g, b]: Rgb) -> Color {
 impl Figure {
     /// An empty white drawing.
     pub fn new(width: f64, height: f64) -> Self {
+        Self::named(width, height, "panel")
+    }
+
+    /// The same for a page with other drawings, none of which has this `id`.
+    pub fn named(width: f64, height: f64, id: &str) -> Self {
         let mut scene = Scene::new(width.ceil(), height.ceil());
         scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".into());
-        Figure { scene, clips: 0 }
+        Figure { scene, clips: 0, id: id.into() }
     }
 
     /// A straight line.
@@ -89,7 +96,7 @@ impl Figure {
     pub fn clipped(&mut self, panel: &Panel, inside: impl FnOnce(&mut Self)) {
         let Panel { left: x, top: y, width, height, .. } = *panel;
         self.clips += 1;
-        let id = format!("panel{}", self.clips);
+        let id = format!("{}{}", self.id, self.clips);
         self.scene.defs.push(format!(
             "<clipPath id=\"{id}\"><rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"/></clipPath>"
         ));
@@ -98,11 +105,15 @@ impl Figure {
         self.scene.elements.push(Primitive::ClipEnd);
     }
 
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::new().render_scene(&self.scene)
+    }
+
     /// Writes `stem.svg` and `stem.png`.
     pub fn save(&self, stem: &Path) -> anyhow::Result<Vec<PathBuf>> {
         let paths = vec![stem.with_extension("svg"), stem.with_extension("png")];
-        let svg = SvgBackend::new().render_scene(&self.scene);
-        write_atomic(&paths[0], |file| file.write_all(svg.as_bytes()))?;
+        write_atomic(&paths[0], |file| file.write_all(self.svg().as_bytes()))?;
         self.raster()?.save(&paths[1])?;
         Ok(paths)
     }
@@ -166,6 +177,8 @@ pub struct Panel {
     pub x: (f64, f64),
     /// Lowest and highest value of the vertical axis.
     pub y: (f64, f64),
+    /// Whether the values are decimal logarithms, which ticks do not show.
+    pub logarithmic: bool,
 }
 
 impl Panel {
@@ -179,12 +192,16 @@ impl Panel {
 
     /// Ticks of the horizontal axis, as many as fit.
     fn x_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.x, (self.width / 60.0).clamp(2.0, 12.0))
+        self.ticks(self.x, (self.width / 60.0).clamp(2.0, 12.0))
     }
 
     /// Ticks of the vertical axis, as many as fit.
     fn y_ticks(&self) -> Vec<(f64, String)> {
-        ticks(self.y, (self.height / 26.0).clamp(2.0, 9.0))
+        self.ticks(self.y, (self.height / 26.0).clamp(2.0, 9.0))
+    }
+
+    fn ticks(&self, range: (f64, f64), count: f64) -> Vec<(f64, String)> {
+        if self.logarithmic { decades(range) } else { ticks(range, count) }
     }
 
     /// Room needed on the left for tick labels.
@@ -281,6 +298,23 @@ pub fn ticks((low, high): (f64, f64), count: f64) -> Vec<(f64, String)> {
         .map(|n| n as f64 * step)
         .map(|x| (x, format!("{x:.decimals$}").replace('-', "\u{2212}")))
         .collect()
+}
+
+/// Powers of ten whose logarithms are in a range; with 2 and 5 times them where they are few.
+fn decades((low, high): (f64, f64)) -> Vec<(f64, String)> {
+    let between: &[f64] = if high - low < 2.5 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+    let mut found = vec![];
+    for power in low.floor() as i32..=high.ceil() as i32 {
+        for times in between {
+            let at = f64::from(power) + times.log10();
+            if (low - 1e-9..=high + 1e-9).contains(&at) {
+                let value = times * 10_f64.powi(power);
+                let label = if (-3..=3).contains(&power) { value.to_string() } else { format!("{value:e}") };
+                found.push((at, label.replace('-', "\u{2212}")));
+            }
+        }
+    }
+    found
 }
 
 /// Factor and unit that make numbers up to `size` readable: `(1e3, "mm")` for small lengths.

@@ -83,7 +83,7 @@ fn stacked(signals: &[Signal], times: &[f64], window: Option<Window>, case: &str
         .map(|(&x, &width)| {
             let panel = |(n, s): (usize, &Signal)| {
                 let top = TOP + PITCH * n as f64;
-                Panel { left: 0.0, top, width, height: HEIGHT, x, y: span(s, x) }
+                Panel { left: 0.0, top, width, height: HEIGHT, x, y: span(s, x), logarithmic: false }
             };
             signals.iter().enumerate().map(panel).collect()
         })
@@ -170,7 +170,7 @@ fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, case: &str)
     let first = x.times.partition_point(|&t| t < late);
     let range = (late, f64::INFINITY);
     let mut panel =
-        Panel { left: 0.0, top: 60.0, width: 420.0, height: 420.0, x: span(x, range), y: span(y, range) };
+        Panel { left: 0.0, top: 60.0, width: 420.0, height: 420.0, x: span(x, range), y: span(y, range), logarithmic: false };
     panel.left = 12.0 + panel.margin();
     let mut figure = Figure::new(panel.left + panel.width + 24.0, panel.top + panel.height + 54.0);
     panel.grid(&mut figure);

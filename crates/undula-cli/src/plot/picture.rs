@@ -98,7 +98,7 @@ fn draw(
         let scale = (WIDTH / (x.1 - x.0)).min(640.0 / (y.1 - y.0));
         let (width, height) =
             ((scale * (x.1 - x.0)).round().max(4.0), (scale * (y.1 - y.0)).round().max(4.0));
-        panels.push(Panel { left: 0.0, top, width, height, x, y });
+        panels.push(Panel { left: 0.0, top, width, height, x, y, logarithmic: false });
         top += height + 72.0;
     }
     let margin = (12.0 + panels.iter().map(Panel::margin).fold(0.0, f64::max)).round();

@@ -49,6 +49,31 @@ pub struct ExpressionError {
     pub message: String,
 }
 
+/// Names that an expression may use besides its own, each a number: results of runs.
+pub trait Names {
+    /// The number that `name` stands for, or why there is none; `None` if it is no name of these.
+    fn value(&self, name: &str) -> Option<Result<f64, String>>;
+    /// Whether `name` may be an argument of a function of these.
+    fn is_signal(&self, name: &str) -> bool;
+    /// Whether there is a function of this name, which takes names, then numbers.
+    fn has_function(&self, name: &str) -> bool;
+    /// Its value.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments.
+    fn call(&self, function: &str, of: &[&str], numbers: &[f64]) -> Result<f64, String>;
+}
+
+/// The value of an expression of `names`; `and` and `or` combine comparisons.
+///
+/// # Errors
+/// As [`Expression::parse`]; x, y, z and t are no names here.
+pub fn evaluate(source: &str, names: &dyn Names) -> Result<f64, ExpressionError> {
+    let program = Program::compile(&parse::parse(source, Some(names))?)?;
+    let variable = ExpressionError { position: 0, message: "x, y, z and t are no names of results".into() };
+    program.as_constant().ok_or(variable)
+}
+
 impl Expression {
     /// No expression yet, in tables of values that have one; its value is 0.
     pub(crate) const EMPTY: Expression = Expression { source: String::new(), program: Program::EMPTY };
@@ -64,7 +89,7 @@ impl Expression {
     /// assert_eq!(error.to_string(), "unknown function `sinn`; did you mean `sin`? (at byte 4)");
     /// ```
     pub fn parse(source: &str) -> Result<Self, ExpressionError> {
-        let tree = parse::parse(source)?;
+        let tree = parse::parse(source, None)?;
         let program = Program::compile(&tree)?;
         Ok(Self { source: source.trim().to_string(), program })
     }

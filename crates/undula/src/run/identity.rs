@@ -39,7 +39,7 @@ fn without_choices(case: &Case) -> Case {
 }
 
 /// [`hash`] of the mesh file of `case`. `None` without a file, or if it cannot be read.
-pub(super) fn mesh_hash(case: &Case) -> Option<String> {
+pub(crate) fn mesh_hash(case: &Case) -> Option<String> {
     let MeshSource::File(path) = &case.mesh.source else { return None };
     Some(hash(&std::fs::read(path).ok()?))
 }

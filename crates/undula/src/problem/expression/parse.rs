@@ -1,7 +1,7 @@
 //! From text to tree: a tokenizer and a Pratt parser.
 
-use super::ExpressionError;
-use super::program::{Binary, Tree, Unary, Variable};
+use super::{ExpressionError, Names};
+use super::program::{Binary, Program, Tree, Unary, Variable};
 use crate::problem::error::did_you_mean;
 
 /// Longest source, so that the depth of the tree is bounded.
@@ -68,12 +68,12 @@ enum Token<'a> {
 
 const OPERATORS: &[&str] = &["<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
 
-/// The tree of `source`.
-pub(super) fn parse(source: &str) -> Result<Tree, ExpressionError> {
+/// The tree of `source`; `names` are known besides those of every expression.
+pub(super) fn parse(source: &str, names: Option<&dyn Names>) -> Result<Tree, ExpressionError> {
     if source.len() > MAX_SOURCE {
         return error(MAX_SOURCE, format!("longer than {MAX_SOURCE} bytes"));
     }
-    let mut parser = Parser { source, position: 0, token: Token::End, start: 0, depth: 0 };
+    let mut parser = Parser { source, names, position: 0, token: Token::End, start: 0, depth: 0 };
     parser.advance()?;
     if parser.token == Token::End {
         return error(0, "empty expression".into());
@@ -93,6 +93,7 @@ fn error<T>(position: usize, message: String) -> Result<T, ExpressionError> {
 
 struct Parser<'a> {
     source: &'a str,
+    names: Option<&'a dyn Names>,
     /// Byte after the current token.
     position: usize,
     token: Token<'a>,
@@ -127,7 +128,9 @@ impl<'a> Parser<'a> {
             self.position += length;
             self.token = Token::Number(value);
         } else if first.is_ascii_alphabetic() || first == '_' {
-            let length = rest.bytes().take_while(|b| b.is_ascii_alphanumeric() || *b == b'_').count();
+            let dots = self.names.is_some();
+            let inner = |b: &u8| b.is_ascii_alphanumeric() || *b == b'_' || (dots && *b == b'.');
+            let length = rest.bytes().take_while(inner).count();
             self.position += length;
             self.token = Token::Name(&rest[..length]);
         } else if rest.starts_with("**") {
@@ -156,8 +159,7 @@ impl<'a> Parser<'a> {
             return error(self.start, format!("nested more than {MAX_DEPTH} deep"));
         }
         let mut left = self.operand()?;
-        while let Token::Operator(symbol) = self.token {
-            let Some((operator, power)) = infix(symbol) else { break };
+        while let Some((operator, power)) = self.infix() {
             if power <= floor {
                 break;
             }
@@ -183,7 +185,7 @@ impl<'a> Parser<'a> {
             }
             Token::Name(name) => {
                 self.advance()?;
-                if self.token == Token::Operator("(") { self.call(name, start) } else { named(name, start) }
+                if self.token == Token::Operator("(") { self.call(name, start) } else { self.named(name, start) }
             }
             Token::Operator("(") => {
                 self.advance()?;
@@ -207,8 +209,61 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// The operator at the current token; with names of their own, expressions have `and` and `or`.
+    fn infix(&self) -> Option<(Binary, u8)> {
+        match self.token {
+            Token::Operator(symbol) => infix(symbol),
+            // Of 0 and 1.
+            Token::Name("and") if self.names.is_some() => Some((Binary::Min, AND)),
+            Token::Name("or") if self.names.is_some() => Some((Binary::Max, OR)),
+            _ => None,
+        }
+    }
+
+    fn named(&self, name: &str, start: usize) -> Result<Tree, ExpressionError> {
+        match self.names.and_then(|names| names.value(name)) {
+            Some(Ok(value)) => Ok(Tree::Constant(value)),
+            Some(Err(message)) => error(start, message),
+            None => named(name, start),
+        }
+    }
+
+    /// The arguments of a function of [`Names`]: names, then numbers.
+    fn call_of_names(&mut self, names: &dyn Names, name: &str, start: usize) -> Result<Tree, ExpressionError> {
+        let (mut of, mut numbers) = (vec![], vec![]);
+        loop {
+            self.advance()?;
+            match self.token {
+                Token::Name(signal) if numbers.is_empty() && names.is_signal(signal) => {
+                    of.push(signal);
+                    self.advance()?;
+                }
+                Token::Operator(")") => break,
+                _ => {
+                    let at = self.start;
+                    let argument = Program::compile(&self.expression(0)?)?;
+                    let Some(number) = argument.as_constant() else {
+                        return error(at, "expected a number".into());
+                    };
+                    numbers.push(number);
+                }
+            }
+            if self.token != Token::Operator(",") {
+                break;
+            }
+        }
+        self.expect(")", &format!("to close `{name}(`"))?;
+        match names.call(name, &of, &numbers) {
+            Ok(value) => Ok(Tree::Constant(value)),
+            Err(message) => error(start, message),
+        }
+    }
+
     /// The arguments of the function `name`; the current token is its `(`.
     fn call(&mut self, name: &str, start: usize) -> Result<Tree, ExpressionError> {
+        if let Some(names) = self.names.filter(|names| names.has_function(name)) {
+            return self.call_of_names(names, name, start);
+        }
         let Some((_, function)) = FUNCTIONS.iter().find(|(n, _)| *n == name) else {
             let hint = did_you_mean(name, FUNCTIONS.iter().map(|(n, _)| *n));
             return error(start, format!("unknown function `{name}`{hint}"));
@@ -227,8 +282,10 @@ impl<'a> Parser<'a> {
     }
 }
 
-const COMPARISON: u8 = 1;
-const SIGN: u8 = 4;
+const OR: u8 = 1;
+const AND: u8 = 2;
+const COMPARISON: u8 = 3;
+const SIGN: u8 = 6;
 
 /// The operator and its binding power.
 fn infix(symbol: &str) -> Option<(Binary, u8)> {
@@ -237,11 +294,11 @@ fn infix(symbol: &str) -> Option<(Binary, u8)> {
         "<=" => (Binary::LessEqual, COMPARISON),
         ">" => (Binary::Greater, COMPARISON),
         ">=" => (Binary::GreaterEqual, COMPARISON),
-        "+" => (Binary::Add, 2),
-        "-" => (Binary::Sub, 2),
-        "*" => (Binary::Mul, 3),
-        "/" => (Binary::Div, 3),
-        "^" => (Binary::Pow, 5),
+        "+" => (Binary::Add, 4),
+        "-" => (Binary::Sub, 4),
+        "*" => (Binary::Mul, 5),
+        "/" => (Binary::Div, 5),
+        "^" => (Binary::Pow, 7),
         _ => return None,
     })
 }

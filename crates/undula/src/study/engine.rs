@@ -1,0 +1,271 @@
+//! The runs of a study: their cases, and their computation on all cores.
+
+use super::file::{RunEntry, Study, StudyError, Values};
+use crate::error::Error;
+use crate::output::{Status, Summary, write_atomic};
+use crate::problem::builtin::builtin_case;
+use crate::problem::case::Case;
+use crate::problem::results::Results;
+use crate::run::{Flow, Observer, RunOptions, mesh_hash, run};
+use crate::simulation::{Row, Simulation};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+
+/// One run of a study.
+#[derive(Clone, Debug)]
+pub struct Job {
+    /// Name in expressions.
+    pub name: String,
+    /// Built-in case or file.
+    pub of: String,
+    /// Settings of this run that others of the study do not have, `key = value`.
+    pub settings: Vec<(String, String)>,
+    /// The case; `None` if a quick study leaves the run out.
+    pub case: Option<Case>,
+}
+
+/// How a study is computed.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Directory of the study; each run has one of its own inside.
+    pub directory: PathBuf,
+    /// Threads, over all runs.
+    pub threads: usize,
+    /// Commit of the source of the program, which the summaries name.
+    pub commit: Option<String>,
+}
+
+impl Settings {
+    /// Runs of `jobs` that were computed with other settings.
+    pub fn changed(&self, jobs: &[Job]) -> Vec<String> {
+        let is_other = |job: &&Job| {
+            let before = std::fs::read_to_string(self.marker(job));
+            job.case.as_ref().is_some_and(|case| before.is_ok_and(|before| before != asked(case)))
+        };
+        jobs.iter().filter(is_other).map(|job| job.name.clone()).collect()
+    }
+
+    /// The file with the case as it was asked for.
+    fn marker(&self, job: &Job) -> PathBuf {
+        self.directory.join(format!("{}.asked.toml", job.name))
+    }
+}
+
+/// All that makes a run another one.
+fn asked(case: &Case) -> String {
+    format!("# mesh {}\n{}", mesh_hash(case).unwrap_or_default(), case.to_toml())
+}
+
+/// A run with its results.
+#[derive(Clone, Debug)]
+pub struct Computed {
+    /// Which.
+    pub job: Job,
+    /// Its results; `None` where it is left out or was interrupted.
+    pub results: Option<Results>,
+    /// Whether an earlier call had computed it.
+    pub kept: bool,
+    /// Its directory.
+    pub directory: PathBuf,
+}
+
+/// What happens to a run.
+#[derive(Clone, Debug)]
+pub enum Event<'a> {
+    /// It begins; how many have ended, of how many.
+    Begins(&'a Job, [usize; 2]),
+    /// It has ended.
+    Ended(&'a Job, Status, f64),
+    /// An earlier call had computed it.
+    Kept(&'a Job),
+}
+
+/// Watches a study.
+pub trait Watch: Sync {
+    /// Called from several threads.
+    fn event(&self, event: &Event<'_>);
+    /// Ends the study when it is set.
+    fn stop(&self) -> Arc<AtomicBool>;
+}
+
+impl Study {
+    /// The runs with their cases. Relative paths of cases are relative to `base`; `file` is the name of the study in
+    /// messages.
+    ///
+    /// # Errors
+    /// A run whose case has mistakes.
+    pub fn jobs(&self, quick: bool, base: &Path, file: &str) -> Result<Vec<Job>, StudyError> {
+        let mut jobs = vec![];
+        for entry in &self.run {
+            for (name, values, is_quick) in combinations(entry) {
+                let mut all = defaults();
+                all.extend(self.set.clone());
+                if quick {
+                    all.extend(self.quick.clone());
+                }
+                let mut own = entry.set.clone();
+                if quick {
+                    own.extend(entry.quick.clone());
+                }
+                own.extend(values);
+                all.extend(own.clone());
+                let of = if entry.case.is_empty() { &self.case } else { &entry.case };
+                let path = match builtin_case(of) {
+                    Some(_) => of.clone(),
+                    None => base.join(of).to_string_lossy().into_owned(),
+                };
+                let wrong = |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
+                let left_out = quick && (entry.full_only || !is_quick);
+                let case = match left_out {
+                    true => None,
+                    false => Some(Case::load(&path, &assignments(&all)).map_err(|e| wrong(e.to_string()))?),
+                };
+                let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
+                jobs.push(Job { name, of: of.clone(), settings, case });
+            }
+        }
+        Ok(jobs)
+    }
+
+    /// Computes `jobs`, as many at a time as there are threads, or one after the other where their seconds are compared.
+    /// A run that an earlier call has computed is kept, one that it has begun goes on.
+    ///
+    /// # Errors
+    /// The first error of a run. A breakdown is none.
+    pub fn compute(&self, jobs: &[Job], settings: &Settings, watch: &dyn Watch) -> Result<Vec<Computed>, Error> {
+        let at_once = if self.timed { 1 } else { settings.threads.min(jobs.len()).max(1) };
+        let threads = if self.timed { 1 } else { (settings.threads / at_once).max(1) };
+        let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let found: Mutex<Vec<Option<Computed>>> = Mutex::new(vec![None; jobs.len()]);
+        let failure: Mutex<Option<Error>> = Mutex::new(None);
+        let stop = watch.stop();
+        let work = || {
+            loop {
+                let n = next.fetch_add(1, Ordering::Relaxed);
+                if n >= jobs.len() || stop.load(Ordering::Relaxed) || lock(&failure).is_some() {
+                    return;
+                }
+                let progress = [ended.load(Ordering::Relaxed), jobs.len()];
+                match compute(&jobs[n], settings, threads, watch, progress) {
+                    Ok(computed) => lock(&found)[n] = Some(computed),
+                    Err(error) => *lock(&failure) = Some(error),
+                }
+                ended.fetch_add(1, Ordering::Relaxed);
+            }
+        };
+        std::thread::scope(|scope| {
+            (0..at_once).for_each(|_| {
+                scope.spawn(work);
+            });
+        });
+        if let Some(error) = lock(&failure).take() {
+            return Err(error);
+        }
+        let found = std::mem::take(&mut *lock(&found));
+        let absent = |job: &Job| Computed {
+            job: job.clone(),
+            results: None,
+            kept: false,
+            directory: settings.directory.join(&job.name),
+        };
+        Ok(found.into_iter().zip(jobs).map(|(computed, job)| computed.unwrap_or_else(|| absent(job))).collect())
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// Runs of a study write what expressions need.
+fn defaults() -> Values {
+    ["output.fields-every", "output.checkpoint-every"]
+        .map(|key| (key.to_string(), toml::Value::Integer(0)))
+        .into()
+}
+
+/// Names and settings of all combinations, and whether a quick study has them.
+fn combinations(entry: &RunEntry) -> Vec<(String, Values, bool)> {
+    let mut all = vec![(entry.name.clone(), Values::new(), true)];
+    for axis in &entry.over {
+        let more = |(name, values, is_quick): &(String, Values, bool)| {
+            let with = |(n, value): (usize, &toml::Value)| {
+                let mut values = values.clone();
+                values.insert(axis.key.clone(), value.clone());
+                (format!("{name}_{n}"), values, *is_quick && axis.quick.is_none_or(|count| n < count))
+            };
+            axis.values.iter().enumerate().map(with).collect::<Vec<_>>()
+        };
+        all = all.iter().flat_map(more).collect();
+    }
+    all
+}
+
+fn text(value: &toml::Value) -> String {
+    match value {
+        toml::Value::String(word) if word == "none" => word.clone(),
+        value => value.to_string(),
+    }
+}
+
+fn assignments(values: &Values) -> Vec<String> {
+    values.iter().map(|(key, value)| format!("{key}={}", text(value))).collect()
+}
+
+fn compute(
+    job: &Job,
+    settings: &Settings,
+    threads: usize,
+    watch: &dyn Watch,
+    progress: [usize; 2],
+) -> Result<Computed, Error> {
+    let directory = settings.directory.join(&job.name);
+    let mut computed = Computed { job: job.clone(), results: None, kept: false, directory: directory.clone() };
+    let Some(case) = &job.case else { return Ok(computed) };
+    let (asked, marker) = (asked(case), settings.marker(job));
+    let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);
+    let before = Summary::read(directory.join("summary.json")).ok().filter(|_| same);
+    let ended = |status: Status| matches!(status, Status::Completed | Status::Breakdown);
+    if before.as_ref().is_some_and(|summary| ended(summary.status)) {
+        watch.event(&Event::Kept(job));
+        (computed.kept, computed.results) = (true, Some(Results::read(&directory)?));
+        return Ok(computed);
+    }
+    watch.event(&Event::Begins(job, progress));
+    std::fs::create_dir_all(&settings.directory)
+        .map_err(crate::output::OutputError::io("create", &settings.directory))?;
+    write_atomic(&marker, |file| file.write_all(asked.as_bytes()))?;
+    let go_on = before.is_some() && case.time.is_some();
+    let options = |resume: bool| RunOptions {
+        directory: directory.clone(),
+        threads,
+        force: !resume,
+        resume,
+        commit: settings.commit.clone(),
+    };
+    let mut observer = Silent(watch.stop());
+    let mut result = run(case.clone(), &options(go_on), &mut observer);
+    if go_on && matches!(&result, Err(Error::Resume(_) | Error::Directory(_))) {
+        result = run(case.clone(), &options(false), &mut observer);
+    }
+    let summary = result?;
+    watch.event(&Event::Ended(job, summary.status, summary.wall_seconds));
+    if ended(summary.status) {
+        computed.results = Some(Results::read(&directory)?);
+    }
+    Ok(computed)
+}
+
+/// Ends a run when the study is stopped.
+struct Silent(Arc<AtomicBool>);
+
+impl Observer for Silent {
+    fn stop(&self) -> Option<Arc<AtomicBool>> {
+        Some(self.0.clone())
+    }
+
+    fn after_step(&mut self, _: &Simulation, _: &Row) -> Flow {
+        if self.0.load(Ordering::Relaxed) { Flow::Stop } else { Flow::Continue }
+    }
+}

@@ -1,0 +1,179 @@
+//! Names of results in the expressions of a study.
+//!
+//! | expression | number |
+//! | --- | --- |
+//! | `run.drag` | last value of a functional |
+//! | `run.drag.mean`, `.amplitude`, `.frequency`, `.min`, `.max` | as `undula compare` prints them; those over a period are missing where nothing is periodic |
+//! | `run.end_time`, `run.end_rotation` | time reached, value of a functional there |
+//! | `run.completed`, `run.broke_down` | 1 or 0 |
+//! | `run.unknowns`, `run.cells`, `run.steps`, `run.newton_steps`, `run.jacobians`, `run.factorizations` | counts |
+//! | `run.seconds`, `run.assembly`, `run.factorization`, `run.solve`, `run.memory` | s, and B |
+//! | `run.min_J`, `run.mass_balance` | smallest J of all steps; see `summary.json` |
+//! | `at(s, t)`, `highest(s, a, b)`, `lowest(s, a, b)` | of a signal such as `run.drag`; a and b are times \[s\] |
+//! | `middle(s, a, b)`, `amplitude(s, a, b)` | (max ± min)/2 |
+//! | `average(s, a, b)`, `total(s, a, b)` | mean value in time; sum over the steps |
+//! | `frequency(s, a, b)` | of the periodic signal \[Hz\] |
+//! | `line(s, a, b, f, g)`, `line_frequency(s, a, b, f, g)` | highest line of the spectrum between the frequencies f and g |
+//! | `zigzag(s, a, b)` | largest \|s(tₙ₊₁) − 2 s(tₙ) + s(tₙ₋₁)\|/4: the amplitude of an oscillation from step to step |
+//! | `onset(s, level, a, b)` | first time at which the zigzag exceeds a level; b where it never does |
+//! | `distance(s, r, a, b)` | largest difference of two signals at the times of the first |
+//!
+//! Signals are the functionals and the columns `min_J`, `newton_steps` and `jacobians` of `history.csv`.
+
+use super::measures;
+use crate::output::Status;
+use crate::problem::expression::Names;
+use crate::problem::results::{Results, Signal};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// Results of runs by name.
+#[derive(Default)]
+pub struct Known {
+    runs: BTreeMap<String, Of>,
+    /// Runs of the study without results.
+    absent: Vec<String>,
+    /// What `it` is.
+    it: Option<f64>,
+    /// Names that were asked for and have no number.
+    missing: RefCell<Vec<String>>,
+}
+
+/// Results of one run.
+struct Of {
+    numbers: BTreeMap<String, f64>,
+    signals: BTreeMap<String, Signal>,
+}
+
+impl Known {
+    /// Adds a run.
+    pub fn insert(&mut self, name: &str, results: &Results) {
+        self.runs.insert(name.into(), Of::new(results));
+    }
+
+    /// Names a run that has no results.
+    pub fn insert_absent(&mut self, name: &str) {
+        self.absent.push(name.into());
+    }
+
+    /// A signal such as `run.drag`.
+    pub fn signal(&self, name: &str) -> Option<&Signal> {
+        let (run, signal) = name.split_once('.')?;
+        self.runs.get(run)?.signals.get(signal)
+    }
+
+    /// The number of an expression, `None` where a result that it names is missing; `it` is a number of the statement.
+    ///
+    /// # Errors
+    /// What is wrong with the expression.
+    pub fn evaluate(&mut self, expression: &str, it: Option<f64>) -> Result<Option<f64>, String> {
+        self.it = it;
+        self.missing.borrow_mut().clear();
+        let value = crate::problem::expression::evaluate(expression, self).map_err(|e| e.to_string())?;
+        Ok(Some(value).filter(|_| self.missing.borrow().is_empty()))
+    }
+
+    /// What was missing for the last number.
+    pub fn missing(&self) -> Vec<String> {
+        self.missing.borrow().clone()
+    }
+
+    fn lacks(&self, what: &str) -> f64 {
+        self.missing.borrow_mut().push(what.into());
+        f64::NAN
+    }
+
+    fn is_absent(&self, name: &str) -> bool {
+        name.split_once('.').is_some_and(|(run, _)| self.absent.iter().any(|absent| absent == run))
+    }
+}
+
+impl Names for Known {
+    fn value(&self, name: &str) -> Option<Result<f64, String>> {
+        if name == "it" {
+            return self.it.map(Ok);
+        }
+        let (run, of) = name.split_once('.')?;
+        if self.is_absent(name) {
+            return Some(Ok(self.lacks(name)));
+        }
+        let Some(known) = self.runs.get(run) else {
+            let runs: Vec<&str> = self.runs.keys().chain(&self.absent).map(String::as_str).collect();
+            return Some(Err(format!("unknown run `{run}`; there are {}", runs.join(", "))));
+        };
+        Some(match known.numbers.get(of) {
+            Some(number) if number.is_nan() => Ok(self.lacks(name)),
+            Some(number) => Ok(*number),
+            None => {
+                let names: Vec<&str> = known.numbers.keys().map(String::as_str).collect();
+                Err(format!("unknown result `{of}`; the run has {}", names.join(", ")))
+            }
+        })
+    }
+
+    fn is_signal(&self, name: &str) -> bool {
+        self.is_absent(name) || self.signal(name).is_some()
+    }
+
+    fn has_function(&self, name: &str) -> bool {
+        measures::of(name).is_some()
+    }
+
+    fn call(&self, function: &str, of: &[&str], numbers: &[f64]) -> Result<f64, String> {
+        let measure = measures::of(function).ok_or("unknown function")?;
+        if of.len() != measure.signals || numbers.len() != measure.numbers {
+            return Err(format!("`{function}` takes {}", measure.usage));
+        }
+        if let Some(absent) = of.iter().find(|name| self.is_absent(name)) {
+            return Ok(self.lacks(absent));
+        }
+        let signals: Vec<&Signal> = of.iter().filter_map(|name| self.signal(name)).collect();
+        match (measure.compute)(&signals, numbers).filter(|value| value.is_finite()) {
+            Some(value) => Ok(value),
+            None => Ok(self.lacks(&format!("{function}({}, …)", of.join(", ")))),
+        }
+    }
+}
+
+impl Of {
+    fn new(results: &Results) -> Of {
+        let summary = &results.summary;
+        let mut signals: BTreeMap<String, Signal> =
+            results.signals().into_iter().map(|signal| (signal.name.clone(), signal)).collect();
+        let times = results.history.column("time").unwrap_or_default();
+        for name in ["min_J", "newton_steps", "jacobians"] {
+            let Some(values) = results.history.column(name) else { continue };
+            let (name, times) = (name.to_string(), times.clone());
+            signals.insert(name.clone(), Signal { name, unit: String::new(), times, values });
+        }
+        let flag = |is: bool| f64::from(u8::from(is));
+        let min_j = signals.get("min_J").map(|s| s.values.iter().copied().fold(f64::NAN, f64::min));
+        let mut numbers: BTreeMap<String, f64> = [
+            ("end_time", times.last().copied().unwrap_or(f64::NAN)),
+            ("completed", flag(summary.status == Status::Completed)),
+            ("broke_down", flag(summary.status == Status::Breakdown)),
+            ("unknowns", summary.unknowns.total as f64),
+            ("cells", summary.cells as f64),
+            ("steps", summary.steps as f64),
+            ("newton_steps", summary.newton_steps as f64),
+            ("jacobians", summary.jacobians as f64),
+            ("factorizations", summary.factorizations as f64),
+            ("seconds", summary.wall_seconds),
+            ("assembly", summary.phases.assembly),
+            ("factorization", summary.phases.factorization),
+            ("solve", summary.phases.solve),
+            ("memory", summary.peak_memory_bytes.map_or(f64::NAN, |bytes| bytes as f64)),
+            ("mass_balance", summary.mass_balance.unwrap_or(f64::NAN)),
+            ("min_J", min_j.unwrap_or(f64::NAN)),
+        ]
+        .map(|(name, value)| (name.to_string(), value))
+        .into();
+        for (name, computed) in results.computed() {
+            for (quantity, value) in computed.numbers.named() {
+                let name = if quantity == "value" { name.clone() } else { format!("{name}.{quantity}") };
+                numbers.insert(name, value.unwrap_or(f64::NAN));
+            }
+        }
+        Of { numbers, signals }
+    }
+}

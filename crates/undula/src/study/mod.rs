@@ -1,0 +1,26 @@
+//! Studies: many runs, and what their results say.
+//!
+//! A [`Study`] is a file: runs with their settings, tables and figures of their results, published numbers, and
+//! statements. A statement has a number and a condition, both expressions over results; no verdict is text.
+//!
+//! | step | file |
+//! | --- | --- |
+//! | read a study | `file` |
+//! | make its cases and compute them, or take up what an earlier call left | `engine` |
+//! | names of results in expressions | `known` |
+//! | tables, figures, statements with their numbers | `report` |
+//! | orders and extrapolated values of a case | `converge` |
+
+mod chapter;
+pub mod converge;
+mod engine;
+mod file;
+mod known;
+mod measures;
+mod report;
+
+pub use chapter::chapter;
+pub use engine::{Computed, Event, Job, Settings, Watch};
+pub use file::{Cell, CurveEntry, FigureEntry, RunEntry, Statement, Study, StudyError, TableEntry};
+pub use known::Known;
+pub use report::{Curve, Figure, Report, RunRow, Shown, Table, Verdict, Weighed};
