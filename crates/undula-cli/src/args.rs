@@ -149,17 +149,9 @@ pub struct PlotArgs {
     pub output: Option<PathBuf>,
 }
 
-/// `undula study`.
-#[derive(Debug, Args)]
-pub struct StudyArgs {
-    /// The study, a TOML file
-    pub file: PathBuf,
-    /// Directory of the page and of the runs [default: out/NAME of the study]; an earlier study there goes on
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Take the settings of `[quick]`, and leave out runs that are `full-only`
-    #[arg(long)]
-    pub quick: bool,
+/// How the runs of a study are computed.
+#[derive(Copy, Clone, Debug, Args)]
+pub struct Common {
     /// Replace runs that were computed with other settings
     #[arg(long)]
     pub force: bool,
@@ -169,6 +161,32 @@ pub struct StudyArgs {
     /// Print errors only
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// `undula study`.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// The study, a TOML file; with --converge a built-in case or a case file
+    pub file: String,
+    /// Refine mesh and step of a case; show orders and extrapolated values of its functionals, with uncertainties
+    #[arg(long, conflicts_with = "quick")]
+    pub converge: bool,
+    /// Number of meshes, and of steps; three at least
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "converge",
+        value_parser = clap::value_parser!(u8).range(3..=6))]
+    pub levels: u8,
+    /// Set a value of the case, such as time.step=0.01; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "converge")]
+    pub set: Vec<String>,
+    /// Directory of the page and of the runs [default: out/NAME of the study]; an earlier study there goes on
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Take the settings of `[quick]`, and leave out runs that are `full-only`
+    #[arg(long)]
+    pub quick: bool,
+    /// How runs are computed
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `undula reproduce`.
@@ -185,15 +203,9 @@ pub struct ReproduceArgs {
     /// Coarser or shorter runs, in minutes
     #[arg(long)]
     pub quick: bool,
-    /// Replace runs that were computed with other settings
-    #[arg(long)]
-    pub force: bool,
-    /// Number of threads [default: all cores]; runs are computed side by side
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
-    pub threads: Option<u16>,
-    /// Print errors only
-    #[arg(short, long)]
-    pub quiet: bool,
+    /// How runs are computed
+    #[command(flatten)]
+    pub common: Common,
 }
 
 /// `undula bench`.

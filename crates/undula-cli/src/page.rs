@@ -98,7 +98,9 @@ fn study(page: &mut Html, directory: &Path, report: &Report) -> anyhow::Result<(
     let section = if report.section.is_empty() { String::new() } else { format!(" ({})", report.section) };
     page.heading(2, Some(&report.name), &format!("{}{section}", report.title));
     if report.quick {
-        page.paragraph("A quick study: coarser or shorter runs than those of the full study, as the table of runs says.");
+        page.paragraph(
+            "A quick study: coarser or shorter runs than those of the full study, as the table of runs says.",
+        );
     }
     report.about.iter().for_each(|text| page.paragraph(text));
     let folder = directory.join(&report.name);
@@ -149,7 +151,7 @@ fn csv(page: &mut Html, folder: &Path, study: &str, name: &str, text: &str) -> a
 }
 
 fn statements(page: &mut Html, statements: &[Weighed]) {
-    let head = ["statement", "where", "published", "computed", "condition", ""];
+    let head = ["statement", "where", "published", "computed", ""];
     let rows: Vec<Vec<String>> = statements
         .iter()
         .map(|weighed| {
@@ -162,10 +164,11 @@ fn statements(page: &mut Html, statements: &[Weighed]) {
             if !missing.is_empty() {
                 let _ = write!(text, "<br><small>missing: {}</small>", html::escape(&missing.join(", ")));
             }
-            let condition = match statement.number.is_empty() {
-                true => html::code(&statement.holds),
-                false => format!("{}<br>it = {}", html::code(&statement.holds), html::code(&statement.number)),
-            };
+            let _ = write!(text, "<details><summary>condition</summary>{}", html::code(&statement.holds));
+            if !statement.number.is_empty() {
+                let _ = write!(text, "<br>it = {}", html::code(&statement.number));
+            }
+            text += "</details>";
             let shown = |x: Option<f64>| x.map_or(String::new(), |x| format!("{}{unit}", significant(x, 4)));
             let class = match verdict {
                 Verdict::Reproduced => "yes",
@@ -177,7 +180,6 @@ fn statements(page: &mut Html, statements: &[Weighed]) {
                 html::escape(&statement.section),
                 shown(statement.published),
                 shown(*number),
-                condition,
                 format!("<span class=\"{class}\">{verdict}</span>"),
             ]
         })
@@ -190,6 +192,7 @@ fn cells(table: &Table) -> Vec<Vec<String>> {
         Shown::Text(text) => html::escape(text),
         Shown::Published(x) => format!("<span class=\"published\">{}</span>", html::escape(&x.to_string())),
         Shown::Computed(Some(x)) => significant(*x, 4),
+        Shown::Exact(x) => significant(*x, 7),
         Shown::Computed(None) => "–".into(),
     };
     table.rows.iter().map(|row| row.iter().map(cell).collect()).collect()
@@ -200,7 +203,7 @@ fn table_csv(table: &Table) -> String {
     for row in &table.rows {
         text += &line(row.iter().map(|cell| match cell {
             Shown::Text(text) => text.clone(),
-            Shown::Published(x) | Shown::Computed(Some(x)) => x.to_string(),
+            Shown::Published(x) | Shown::Exact(x) | Shown::Computed(Some(x)) => x.to_string(),
             Shown::Computed(None) => String::new(),
         }));
     }
@@ -240,7 +243,8 @@ fn value([last, mean, amplitude, frequency]: [Option<f64>; 4]) -> String {
 }
 
 fn runs(page: &mut Html, report: &Report) {
-    let mut head: Vec<String> = ["run", "case", "settings", "unknowns", "end", "t [s]", "seconds"].map(String::from).into();
+    let mut head: Vec<String> =
+        ["run", "case", "settings", "unknowns", "end", "t [s]", "seconds"].map(String::from).into();
     for (n, name) in report.functionals.iter().enumerate() {
         let unit = report.runs.iter().find_map(|run| run.units.get(n).filter(|unit| !unit.is_empty()));
         head.push(unit.map_or_else(|| name.clone(), |unit| format!("{name} [{unit}]")));
@@ -267,7 +271,9 @@ fn runs(page: &mut Html, report: &Report) {
 
 fn runs_csv(report: &Report) -> String {
     let mut head: Vec<String> =
-        ["run", "case", "settings", "unknowns", "status", "time", "seconds", "commit"].map(String::from).into();
+        ["run", "case", "settings", "unknowns", "status", "time", "seconds", "commit"]
+            .map(String::from)
+            .into();
     for name in &report.functionals {
         head.extend(["last", "mean", "amplitude", "frequency"].map(|quantity| format!("{name}.{quantity}")));
     }

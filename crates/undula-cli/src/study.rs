@@ -1,6 +1,8 @@
 //! `undula study`: many runs, their tables, figures and statements on one page; `undula reproduce`: those of the book.
 
-use crate::args::{INTERRUPTED, ReproduceArgs, StudyArgs, bad_input, say, show, threads};
+use crate::args::{CaseArgs, Common, INTERRUPTED, ReproduceArgs, StudyArgs, bad_input, say, show, threads};
+use crate::check;
+use crate::digits::significant;
 use crate::page::{self, Heading};
 use crate::run::{failed, interrupt_flag};
 use anyhow::Context;
@@ -10,30 +12,75 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use undula::output::Status;
-use undula::study::{Event, Job, Report, Settings, Study, Verdict, Watch, chapter};
+use undula::study::converge::{self, Converged, Direction};
+use undula::study::{Event, Job, Report, Settings, Shown, Study, Table, Verdict, Watch, chapter};
 
 /// A file that says that a directory is one of studies.
 const MARK: &str = "study.txt";
 
 /// Computes a study of the user.
 pub fn run(args: &StudyArgs) -> anyhow::Result<ExitCode> {
-    let text = match std::fs::read_to_string(&args.file) {
-        Ok(text) => text,
-        Err(error) => return bad_input(format_args!("{}: {error}; expected a study, a TOML file", args.file.display())),
+    let file = args.file.clone();
+    let study = if args.converge {
+        let case = CaseArgs { case: file.clone(), set: args.set.clone() };
+        match check::load(&case)? {
+            Ok(case) => converge::study(&case, &file, &args.set, usize::from(args.levels)),
+            Err(code) => return Ok(code),
+        }
+    } else {
+        let text = match std::fs::read_to_string(&file) {
+            Ok(text) => text,
+            Err(error) => {
+                return bad_input(format_args!(
+                    "{file}: {error}; expected a study, a TOML file{}",
+                    hint(&file)
+                ));
+            }
+        };
+        match Study::from_toml(&text, &file) {
+            Ok(study) => study,
+            Err(error) => return bad_input(format_args!("{error}{}", hint_of_case(&text, &file))),
+        }
     };
-    let file = args.file.display().to_string();
-    let study = match Study::from_toml(&text, &file) {
-        Ok(study) => study,
-        Err(error) => return bad_input(error),
+    // The case of a convergence study is named as on the command line.
+    let base = if args.converge {
+        PathBuf::new()
+    } else {
+        Path::new(&file).parent().map(Path::to_path_buf).unwrap_or_default()
     };
-    let base = args.file.parent().map(Path::to_path_buf).unwrap_or_default();
     let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let title = if study.title.is_empty() { study.name.clone() } else { study.title.clone() };
-    let command = format!("undula study {file}{}", if args.quick { " --quick" } else { "" });
+    let mut command = format!("undula study {file}");
+    if args.converge {
+        command += &format!(" --converge --levels {}", args.levels);
+        args.set.iter().for_each(|set| command += &format!(" --set {set}"));
+    }
+    if args.quick {
+        command += " --quick";
+    }
     let all = [Source { study, file, base }];
     let heading = Heading { title: &title, about: &[], command: &command };
-    Call { quick: args.quick, force: args.force, quiet: args.quiet, threads: threads(args.threads) }
+    let Common { force, quiet, threads: asked } = args.common;
+    Call { quick: args.quick, force, quiet, threads: threads(asked), converge: args.converge }
         .compute(&all, &directory, &heading)
+}
+
+/// Where somebody names a built-in case instead of a study.
+fn hint(file: &str) -> String {
+    match undula::problem::builtin::builtin_case(file) {
+        Some(_) => format!(
+            "; `{file}` is a built-in case: run it with `undula run {file}`, refine it with --converge"
+        ),
+        None => String::new(),
+    }
+}
+
+/// Where somebody names a case file instead of a study.
+fn hint_of_case(text: &str, file: &str) -> String {
+    match undula::problem::case::Case::from_toml(text, file, &[]) {
+        Ok(_) => format!("\n{file} is a case: run it with `undula run {file}`, refine it with --converge"),
+        Err(_) => String::new(),
+    }
 }
 
 /// Computes studies of the book.
@@ -48,10 +95,15 @@ pub fn reproduce(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
     }
     let names: Vec<&str> = chapter().iter().map(|(name, _)| *name).collect();
     if let Some(unknown) = args.studies.iter().find(|asked| !names.contains(&asked.as_str())) {
-        return bad_input(format_args!("no study of the book is called `{unknown}`; there are {}", names.join(", ")));
+        return bad_input(format_args!(
+            "no study of the book is called `{unknown}`; there are {}",
+            names.join(", ")
+        ));
     }
     if args.list {
-        let lines = all.iter().map(|source| format!("{:14} {} ({})\n", source.study.name, source.study.title, source.study.section));
+        let lines = all.iter().map(|source| {
+            format!("{:14} {} ({})\n", source.study.name, source.study.title, source.study.section)
+        });
         show(&lines.collect::<String>());
         return Ok(ExitCode::SUCCESS);
     }
@@ -71,7 +123,8 @@ pub fn reproduce(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         ],
         command: &command,
     };
-    Call { quick: args.quick, force: args.force, quiet: args.quiet, threads: threads(args.threads) }
+    let Common { force, quiet, threads: asked } = args.common;
+    Call { quick: args.quick, force, quiet, threads: threads(asked), converge: false }
         .compute(&all, &directory, &heading)
 }
 
@@ -89,6 +142,7 @@ struct Call {
     force: bool,
     quiet: bool,
     threads: usize,
+    converge: bool,
 }
 
 impl Call {
@@ -109,12 +163,22 @@ impl Call {
             if !self.quiet {
                 say(format_args!("{}: {} runs", source.study.name, jobs.len()));
             }
-            let computed = match source.study.compute(jobs, &self.settings(directory, &source.study), &watch) {
+            let computed = match source.study.compute(jobs, &self.settings(directory, &source.study), &watch)
+            {
                 Ok(computed) => computed,
                 Err(error) => return failed(error),
             };
             match source.study.report(&computed, self.quick, &source.file) {
-                Ok(report) => reports.push(report),
+                Ok(mut report) => {
+                    if self.converge {
+                        let found = converge::converged(&computed);
+                        if !self.quiet {
+                            found.iter().for_each(|found| show(&format!("{}\n", words(found))));
+                        }
+                        report.tables.push(converge_table(&found));
+                    }
+                    reports.push(report);
+                }
                 Err(error) => return bad_input(error),
             }
             page::write(directory, heading, &reports)?;
@@ -140,13 +204,21 @@ impl Call {
     }
 
     /// Makes the directory; an exit code where it cannot be used.
-    fn prepare(&self, all: &[Source], jobs: &[Vec<Job>], directory: &Path) -> anyhow::Result<Option<ExitCode>> {
+    fn prepare(
+        &self,
+        all: &[Source],
+        jobs: &[Vec<Job>],
+        directory: &Path,
+    ) -> anyhow::Result<Option<ExitCode>> {
         let mark = directory.join(MARK);
         let strange = directory.is_file()
-            || (!mark.is_file() && std::fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some()));
+            || (!mark.is_file()
+                && std::fs::read_dir(directory).is_ok_and(|mut entries| entries.next().is_some()));
         if strange {
             let directory = directory.display();
-            return Ok(Some(bad_input(format_args!("{directory}: is no directory of a study; name another with -o"))?));
+            return Ok(Some(bad_input(format_args!(
+                "{directory}: is no directory of a study; name another with -o"
+            ))?));
         }
         for (source, jobs) in all.iter().zip(jobs) {
             let changed = self.settings(directory, &source.study).changed(jobs);
@@ -158,7 +230,8 @@ impl Call {
                 ))?));
             }
         }
-        std::fs::create_dir_all(directory).with_context(|| format!("cannot create {}", directory.display()))?;
+        std::fs::create_dir_all(directory)
+            .with_context(|| format!("cannot create {}", directory.display()))?;
         std::fs::write(&mark, "A directory of undula study or undula reproduce: they go on in it.\n")
             .with_context(|| format!("cannot write {}", mark.display()))?;
         Ok(None)
@@ -184,6 +257,50 @@ impl Call {
     }
 }
 
+fn refined(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Mesh => "mesh",
+        Direction::Step => "step",
+    }
+}
+
+/// What refinement says about one number, in a line.
+fn words(found: &Converged) -> String {
+    let Converged { functional, quantity, unit, direction, results, order, extrapolated, uncertainty } =
+        found;
+    let order = order.map_or("none".into(), |p| significant(p, 3));
+    let value = extrapolated
+        .map_or_else(|| format!("{} (finest)", significant(results[2], 7)), |x| significant(x, 7));
+    let by = refined(*direction);
+    format!(
+        "{functional} {quantity}, {by} refined: {value} ± {} {unit}, order {order}",
+        significant(*uncertainty, 2)
+    )
+}
+
+fn converge_table(found: &[Converged]) -> Table {
+    let head =
+        ["functional", "", "unit", "refined", "coarse", "medium", "fine", "order", "extrapolated", "±"];
+    let row = |found: &Converged| {
+        let mut row: Vec<Shown> = [&found.functional, found.quantity, &found.unit, refined(found.direction)]
+            .map(|text| Shown::Text(text.to_string()))
+            .into();
+        row.extend(found.results.map(|x| Shown::Exact(x)));
+        row.push(Shown::Computed(found.order));
+        row.push(found.extrapolated.map_or(Shown::Computed(None), Shown::Exact));
+        row.push(Shown::Computed(Some(found.uncertainty)));
+        row
+    };
+    Table {
+        title: "Convergence".into(),
+        head: head.map(String::from).into(),
+        rows: found.iter().map(row).collect(),
+        note: "The order is that of the last three results; extrapolated after Richardson, uncertainty by the grid \
+               convergence index. Without an order between ½ and 8 there is no extrapolated value."
+            .into(),
+    }
+}
+
 /// One line for each run.
 struct Lines {
     quiet: bool,
@@ -198,10 +315,13 @@ impl Watch for Lines {
         }
         let clock = self.begun.elapsed().as_secs_f64();
         match event {
-            Event::Begins(job, [ended, of]) => say(format_args!("{clock:7.1} s  {}/{of}  {} …", ended + 1, job.name)),
+            Event::Begins(job, [ended, of]) => {
+                say(format_args!("{clock:7.1} s  {}/{of}  {} …", ended + 1, job.name))
+            }
             Event::Kept(job) => say(format_args!("{clock:7.1} s  {} is there already", job.name)),
             Event::Ended(job, status, seconds) => {
-                let status = if *status == Status::Breakdown { "breakdown".into() } else { status.to_string() };
+                let status =
+                    if *status == Status::Breakdown { "breakdown".into() } else { status.to_string() };
                 say(format_args!("{clock:7.1} s  {} {status} after {seconds:.1} s", job.name));
             }
         }

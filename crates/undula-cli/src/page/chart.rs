@@ -17,16 +17,19 @@ pub fn draw(content: &Content, id: &str) -> String {
     let placed: Vec<(Vec<f64>, Vec<f64>)> = content
         .curves
         .iter()
-        .map(|curve| (curve.x.iter().map(|&x| place(x)).collect(), curve.y.iter().map(|&y| place(y)).collect()))
+        .map(|curve| {
+            (curve.x.iter().map(|&x| place(x)).collect(), curve.y.iter().map(|&y| place(y)).collect())
+        })
         .collect();
     let x = range(placed.iter().flat_map(|(x, _)| x), entry.from.map(place), entry.to.map(place), 0.0);
-    let inside = placed.iter().flat_map(|(xs, ys)| {
-        xs.iter().zip(ys).filter(|(at, _)| (x.0..=x.1).contains(*at)).map(|(_, y)| y)
-    });
+    let inside = placed
+        .iter()
+        .flat_map(|(xs, ys)| xs.iter().zip(ys).filter(|(at, _)| (x.0..=x.1).contains(*at)).map(|(_, y)| y));
     let y = range(inside, entry.low.map(place), entry.high.map(place), 0.05);
     let legend = 22.0 * content.curves.len().div_ceil(3) as f64;
     let top = 34.0 + legend;
-    let mut panel = Panel { left: 0.0, top, width: WIDTH, height: HEIGHT, x, y, logarithmic: entry.logarithmic };
+    let mut panel =
+        Panel { left: 0.0, top, width: WIDTH, height: HEIGHT, x, y, logarithmic: entry.logarithmic };
     panel.left = panel.margin() + 8.0;
     panel.width -= panel.left + 16.0;
     let mut figure = Figure::named(WIDTH, top + HEIGHT + 50.0, id);
@@ -63,7 +66,12 @@ fn marks(figure: &mut Figure, panel: &Panel, x: &[f64], y: &[f64], ink: Rgb) {
 }
 
 /// From the least to the greatest, with some air, where the ends are not given.
-fn range<'a>(values: impl Iterator<Item = &'a f64>, low: Option<f64>, high: Option<f64>, air: f64) -> (f64, f64) {
+fn range<'a>(
+    values: impl Iterator<Item = &'a f64>,
+    low: Option<f64>,
+    high: Option<f64>,
+    air: f64,
+) -> (f64, f64) {
     let finite = values.copied().filter(|x| x.is_finite());
     let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let (least, greatest) = if least <= greatest { (least, greatest) } else { (0.0, 1.0) };

@@ -60,7 +60,8 @@ impl Html {
 
     /// A table of texts.
     pub fn table(&mut self, head: &[&str], rows: &[Vec<String>], class: &str) {
-        let rows: Vec<Vec<String>> = rows.iter().map(|row| row.iter().map(|cell| escape(cell)).collect()).collect();
+        let rows: Vec<Vec<String>> =
+            rows.iter().map(|row| row.iter().map(|cell| escape(cell)).collect()).collect();
         self.raw_table(head, &rows, class);
     }
 

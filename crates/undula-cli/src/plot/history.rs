@@ -169,8 +169,15 @@ fn path(x: &Signal, y: &Signal, window: Option<Window>, point: &str, case: &str)
     let late = window.map_or(f64::NEG_INFINITY, |w| end - PERIODS * w.period());
     let first = x.times.partition_point(|&t| t < late);
     let range = (late, f64::INFINITY);
-    let mut panel =
-        Panel { left: 0.0, top: 60.0, width: 420.0, height: 420.0, x: span(x, range), y: span(y, range), logarithmic: false };
+    let mut panel = Panel {
+        left: 0.0,
+        top: 60.0,
+        width: 420.0,
+        height: 420.0,
+        x: span(x, range),
+        y: span(y, range),
+        logarithmic: false,
+    };
     panel.left = 12.0 + panel.margin();
     let mut figure = Figure::new(panel.left + panel.width + 24.0, panel.top + panel.height + 54.0);
     panel.grid(&mut figure);

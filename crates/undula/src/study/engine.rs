@@ -116,11 +116,15 @@ impl Study {
                     Some(_) => of.clone(),
                     None => base.join(of).to_string_lossy().into_owned(),
                 };
-                let wrong = |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
+                let wrong =
+                    |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
                 let left_out = quick && (entry.full_only || !is_quick);
                 let case = match left_out {
                     true => None,
-                    false => Some(Case::load(&path, &assignments(&all)).map_err(|e| wrong(e.to_string()))?),
+                    false => {
+                        let all = [self.assignments.clone(), assignments(&all)].concat();
+                        Some(Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?)
+                    }
                 };
                 let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
                 jobs.push(Job { name, of: of.clone(), settings, case });
@@ -134,7 +138,12 @@ impl Study {
     ///
     /// # Errors
     /// The first error of a run. A breakdown is none.
-    pub fn compute(&self, jobs: &[Job], settings: &Settings, watch: &dyn Watch) -> Result<Vec<Computed>, Error> {
+    pub fn compute(
+        &self,
+        jobs: &[Job],
+        settings: &Settings,
+        watch: &dyn Watch,
+    ) -> Result<Vec<Computed>, Error> {
         let at_once = if self.timed { 1 } else { settings.threads.min(jobs.len()).max(1) };
         let threads = if self.timed { 1 } else { (settings.threads / at_once).max(1) };
         let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
@@ -170,7 +179,11 @@ impl Study {
             kept: false,
             directory: settings.directory.join(&job.name),
         };
-        Ok(found.into_iter().zip(jobs).map(|(computed, job)| computed.unwrap_or_else(|| absent(job))).collect())
+        Ok(found
+            .into_iter()
+            .zip(jobs)
+            .map(|(computed, job)| computed.unwrap_or_else(|| absent(job)))
+            .collect())
     }
 }
 
@@ -221,7 +234,8 @@ fn compute(
     progress: [usize; 2],
 ) -> Result<Computed, Error> {
     let directory = settings.directory.join(&job.name);
-    let mut computed = Computed { job: job.clone(), results: None, kept: false, directory: directory.clone() };
+    let mut computed =
+        Computed { job: job.clone(), results: None, kept: false, directory: directory.clone() };
     let Some(case) = &job.case else { return Ok(computed) };
     let (asked, marker) = (asked(case), settings.marker(job));
     let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);

@@ -59,6 +59,9 @@ pub struct Study {
     pub set: Values,
     /// Settings of all runs of a quick study.
     pub quick: Values,
+    /// Settings of all runs as on the command line, `key=value`.
+    #[serde(skip)]
+    pub assignments: Vec<String>,
     /// Runs.
     pub run: Vec<RunEntry>,
     /// Tables.

@@ -90,6 +90,8 @@ pub enum Shown {
     Published(f64),
     /// Computed; `None` where a result is missing.
     Computed(Option<f64>),
+    /// Computed, with more digits.
+    Exact(f64),
 }
 
 /// A figure with its curves.
@@ -243,7 +245,8 @@ impl Reader<'_> {
 
     fn figure(&mut self, figure: &FigureEntry) -> Result<Figure, StudyError> {
         let place = format!("figure {:?}", figure.title);
-        let curves = figure.curves.iter().map(|curve| self.curve(curve, &place)).collect::<Result<Vec<_>, _>>()?;
+        let curves =
+            figure.curves.iter().map(|curve| self.curve(curve, &place)).collect::<Result<Vec<_>, _>>()?;
         Ok(Figure { entry: figure.clone(), curves: curves.into_iter().filter(|c| !c.x.is_empty()).collect() })
     }
 
@@ -306,7 +309,9 @@ impl RunRow {
             None => [None; 4],
         });
         let unit = |name: &String| computed.get(name).map_or_else(String::new, |c| c.unit.clone());
-        let time = results.filter(|results| !results.is_stationary()).and_then(|results| results.history.column("time"));
+        let time = results
+            .filter(|results| !results.is_stationary())
+            .and_then(|results| results.history.column("time"));
         RunRow {
             name: run.job.name.clone(),
             case: run.job.of.clone(),

@@ -1,7 +1,7 @@
 //! From text to tree: a tokenizer and a Pratt parser.
 
-use super::{ExpressionError, Names};
 use super::program::{Binary, Program, Tree, Unary, Variable};
+use super::{ExpressionError, Names};
 use crate::problem::error::did_you_mean;
 
 /// Longest source, so that the depth of the tree is bounded.
@@ -185,7 +185,11 @@ impl<'a> Parser<'a> {
             }
             Token::Name(name) => {
                 self.advance()?;
-                if self.token == Token::Operator("(") { self.call(name, start) } else { self.named(name, start) }
+                if self.token == Token::Operator("(") {
+                    self.call(name, start)
+                } else {
+                    self.named(name, start)
+                }
             }
             Token::Operator("(") => {
                 self.advance()?;
@@ -229,7 +233,12 @@ impl<'a> Parser<'a> {
     }
 
     /// The arguments of a function of [`Names`]: names, then numbers.
-    fn call_of_names(&mut self, names: &dyn Names, name: &str, start: usize) -> Result<Tree, ExpressionError> {
+    fn call_of_names(
+        &mut self,
+        names: &dyn Names,
+        name: &str,
+        start: usize,
+    ) -> Result<Tree, ExpressionError> {
         let (mut of, mut numbers) = (vec![], vec![]);
         loop {
             self.advance()?;
