@@ -154,6 +154,11 @@ impl Call {
                 Err(error) => return bad_input(error),
             }
         }
+        for (source, jobs) in all.iter().zip(&jobs) {
+            if let Err(error) = source.study.check(jobs, &source.file) {
+                return bad_input(error);
+            }
+        }
         if let Some(code) = self.prepare(all, &jobs, directory)? {
             return Ok(code);
         }

@@ -9,6 +9,7 @@ mod jacobian;
 mod keys;
 mod outputs;
 mod pictures;
+mod study;
 
 // Sources of the program, of which some tests call functions.
 #[path = "../../src/args.rs"]
@@ -57,6 +58,7 @@ impl Place {
     }
 
     fn write(&self, name: &str, text: &str) {
+        fs::create_dir_all(self.file(name).parent().unwrap()).unwrap();
         fs::write(self.file(name), text).unwrap();
     }
 

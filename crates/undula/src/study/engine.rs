@@ -22,8 +22,17 @@ pub struct Job {
     pub of: String,
     /// Settings of this run that others of the study do not have, `key = value`.
     pub settings: Vec<(String, String)>,
-    /// The case; `None` if a quick study leaves the run out.
-    pub case: Option<Case>,
+    /// The case.
+    pub case: Case,
+    /// Whether a quick study leaves it out.
+    pub left_out: bool,
+}
+
+impl Job {
+    /// Names of its functionals.
+    pub(super) fn functionals(&self) -> Vec<String> {
+        self.case.functional.iter().map(|(name, _)| name.clone()).collect()
+    }
 }
 
 /// How a study is computed.
@@ -42,7 +51,7 @@ impl Settings {
     pub fn changed(&self, jobs: &[Job]) -> Vec<String> {
         let is_other = |job: &&Job| {
             let before = std::fs::read_to_string(self.marker(job));
-            job.case.as_ref().is_some_and(|case| before.is_ok_and(|before| before != asked(case)))
+            !job.left_out && before.is_ok_and(|before| before != asked(&job.case))
         };
         jobs.iter().filter(is_other).map(|job| job.name.clone()).collect()
     }
@@ -69,6 +78,13 @@ pub struct Computed {
     pub kept: bool,
     /// Its directory.
     pub directory: PathBuf,
+}
+
+impl Computed {
+    /// A run without results in a study in `directory`.
+    fn absent(job: &Job, directory: &Path) -> Computed {
+        Computed { job: job.clone(), results: None, kept: false, directory: directory.join(&job.name) }
+    }
 }
 
 /// What happens to a run.
@@ -119,18 +135,22 @@ impl Study {
                 let wrong =
                     |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
                 let left_out = quick && (entry.full_only || !is_quick);
-                let case = match left_out {
-                    true => None,
-                    false => {
-                        let all = [self.assignments.clone(), assignments(&all)].concat();
-                        Some(Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?)
-                    }
-                };
+                let all = [self.assignments.clone(), assignments(&all)].concat();
+                let case = Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?;
                 let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
-                jobs.push(Job { name, of: of.clone(), settings, case });
+                jobs.push(Job { name, of: of.clone(), settings, case, left_out });
             }
         }
         Ok(jobs)
+    }
+
+    /// Reads all expressions, without results of `jobs`: mistakes in them are found before anything is computed.
+    ///
+    /// # Errors
+    /// As [`Study::report`].
+    pub fn check(&self, jobs: &[Job], file: &str) -> Result<(), StudyError> {
+        let absent: Vec<Computed> = jobs.iter().map(|job| Computed::absent(job, Path::new(""))).collect();
+        self.report(&absent, false, file).map(|_| ())
     }
 
     /// Computes `jobs`, as many at a time as there are threads, or one after the other where their seconds are compared.
@@ -236,7 +256,10 @@ fn compute(
     let directory = settings.directory.join(&job.name);
     let mut computed =
         Computed { job: job.clone(), results: None, kept: false, directory: directory.clone() };
-    let Some(case) = &job.case else { return Ok(computed) };
+    if job.left_out {
+        return Ok(computed);
+    }
+    let case = &job.case;
     let (asked, marker) = (asked(case), settings.marker(job));
     let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);
     let before = Summary::read(directory.join("summary.json")).ok().filter(|_| same);

@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `run.drag` | last value of a functional |
 //! | `run.drag.mean`, `.amplitude`, `.frequency`, `.min`, `.max` | as `undula compare` prints them; those over a period are missing where nothing is periodic |
-//! | `run.end_time`, `run.end_rotation` | time reached, value of a functional there |
+//! | `run.end_time` | time reached \[s\] |
 //! | `run.completed`, `run.broke_down` | 1 or 0 |
 //! | `run.unknowns`, `run.cells`, `run.steps`, `run.newton_steps`, `run.jacobians`, `run.factorizations` | counts |
 //! | `run.seconds`, `run.assembly`, `run.factorization`, `run.solve`, `run.memory` | s, and B |
@@ -22,17 +22,47 @@
 
 use super::measures;
 use crate::output::Status;
+use crate::problem::error::did_you_mean;
 use crate::problem::expression::Names;
 use crate::problem::results::{Results, Signal};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
+/// Results of every run that are no functionals.
+const NUMBERS: [&str; 16] = [
+    "end_time",
+    "completed",
+    "broke_down",
+    "unknowns",
+    "cells",
+    "steps",
+    "newton_steps",
+    "jacobians",
+    "factorizations",
+    "seconds",
+    "assembly",
+    "factorization",
+    "solve",
+    "memory",
+    "mass_balance",
+    "min_J",
+];
+
+/// Signals of every run that are no functionals.
+const SIGNALS: [&str; 3] = ["min_J", "newton_steps", "jacobians"];
+
+fn unknown(result: &str, names: &[&str]) -> String {
+    let hint = did_you_mean(result, names.iter().copied());
+    let hint = if hint.is_empty() { format!("; there are {}", names.join(", ")) } else { hint };
+    format!("unknown result `{result}`{hint}")
+}
+
 /// Results of runs by name.
 #[derive(Default)]
 pub struct Known {
     runs: BTreeMap<String, Of>,
-    /// Runs of the study without results.
-    absent: Vec<String>,
+    /// Functionals of the runs of the study without results.
+    absent: BTreeMap<String, Vec<String>>,
     /// What `it` is.
     it: Option<f64>,
     /// Names that were asked for and have no number.
@@ -51,9 +81,9 @@ impl Known {
         self.runs.insert(name.into(), Of::new(results));
     }
 
-    /// Names a run that has no results.
-    pub fn insert_absent(&mut self, name: &str) {
-        self.absent.push(name.into());
+    /// Names a run that has no results, with its functionals: names of others are mistakes all the same.
+    pub fn insert_absent(&mut self, name: &str, functionals: Vec<String>) {
+        self.absent.insert(name.into(), functionals);
     }
 
     /// A signal such as `run.drag`.
@@ -83,8 +113,27 @@ impl Known {
         f64::NAN
     }
 
-    fn is_absent(&self, name: &str) -> bool {
-        name.split_once('.').is_some_and(|(run, _)| self.absent.iter().any(|absent| absent == run))
+    /// Whether a run without results would have a signal of this name.
+    fn is_absent_signal(&self, name: &str) -> bool {
+        let Some((run, of)) = name.split_once('.') else { return false };
+        let known = |functionals: &Vec<String>| functionals.iter().any(|f| f == of) || SIGNALS.contains(&of);
+        self.absent.get(run).is_some_and(known)
+    }
+
+    /// A result of a run without results.
+    fn absent(&self, name: &str, of: &str, functionals: &[String]) -> Result<f64, String> {
+        let quantities = ["mean", "amplitude", "frequency", "min", "max"];
+        let is_of = |f: &String| {
+            of.strip_prefix(f.as_str()).is_some_and(|rest| {
+                rest.is_empty() || rest.strip_prefix('.').is_some_and(|q| quantities.contains(&q))
+            })
+        };
+        if NUMBERS.contains(&of) || functionals.iter().any(is_of) {
+            return Ok(self.lacks(name));
+        }
+        let names: Vec<&str> =
+            NUMBERS.iter().copied().chain(functionals.iter().map(String::as_str)).collect();
+        Err(unknown(of, &names))
     }
 }
 
@@ -94,11 +143,11 @@ impl Names for Known {
             return self.it.map(Ok);
         }
         let (run, of) = name.split_once('.')?;
-        if self.is_absent(name) {
-            return Some(Ok(self.lacks(name)));
+        if let Some(functionals) = self.absent.get(run) {
+            return Some(self.absent(name, of, functionals));
         }
         let Some(known) = self.runs.get(run) else {
-            let runs: Vec<&str> = self.runs.keys().chain(&self.absent).map(String::as_str).collect();
+            let runs: Vec<&str> = self.runs.keys().chain(self.absent.keys()).map(String::as_str).collect();
             return Some(Err(format!("unknown run `{run}`; there are {}", runs.join(", "))));
         };
         Some(match known.numbers.get(of) {
@@ -106,13 +155,13 @@ impl Names for Known {
             Some(number) => Ok(*number),
             None => {
                 let names: Vec<&str> = known.numbers.keys().map(String::as_str).collect();
-                Err(format!("unknown result `{of}`; the run has {}", names.join(", ")))
+                Err(unknown(of, &names))
             }
         })
     }
 
     fn is_signal(&self, name: &str) -> bool {
-        self.is_absent(name) || self.signal(name).is_some()
+        self.is_absent_signal(name) || self.signal(name).is_some()
     }
 
     fn has_function(&self, name: &str) -> bool {
@@ -124,7 +173,7 @@ impl Names for Known {
         if of.len() != measure.signals || numbers.len() != measure.numbers {
             return Err(format!("`{function}` takes {}", measure.usage));
         }
-        if let Some(absent) = of.iter().find(|name| self.is_absent(name)) {
+        if let Some(absent) = of.iter().find(|name| self.is_absent_signal(name)) {
             return Ok(self.lacks(absent));
         }
         let signals: Vec<&Signal> = of.iter().filter_map(|name| self.signal(name)).collect();
@@ -141,33 +190,33 @@ impl Of {
         let mut signals: BTreeMap<String, Signal> =
             results.signals().into_iter().map(|signal| (signal.name.clone(), signal)).collect();
         let times = results.history.column("time").unwrap_or_default();
-        for name in ["min_J", "newton_steps", "jacobians"] {
+        for name in SIGNALS {
             let Some(values) = results.history.column(name) else { continue };
             let (name, times) = (name.to_string(), times.clone());
             signals.insert(name.clone(), Signal { name, unit: String::new(), times, values });
         }
         let flag = |is: bool| f64::from(u8::from(is));
         let min_j = signals.get("min_J").map(|s| s.values.iter().copied().fold(f64::NAN, f64::min));
-        let mut numbers: BTreeMap<String, f64> = [
-            ("end_time", times.last().copied().unwrap_or(f64::NAN)),
-            ("completed", flag(summary.status == Status::Completed)),
-            ("broke_down", flag(summary.status == Status::Breakdown)),
-            ("unknowns", summary.unknowns.total as f64),
-            ("cells", summary.cells as f64),
-            ("steps", summary.steps as f64),
-            ("newton_steps", summary.newton_steps as f64),
-            ("jacobians", summary.jacobians as f64),
-            ("factorizations", summary.factorizations as f64),
-            ("seconds", summary.wall_seconds),
-            ("assembly", summary.phases.assembly),
-            ("factorization", summary.phases.factorization),
-            ("solve", summary.phases.solve),
-            ("memory", summary.peak_memory_bytes.map_or(f64::NAN, |bytes| bytes as f64)),
-            ("mass_balance", summary.mass_balance.unwrap_or(f64::NAN)),
-            ("min_J", min_j.unwrap_or(f64::NAN)),
-        ]
-        .map(|(name, value)| (name.to_string(), value))
-        .into();
+        let values = [
+            times.last().copied().unwrap_or(f64::NAN),
+            flag(summary.status == Status::Completed),
+            flag(summary.status == Status::Breakdown),
+            summary.unknowns.total as f64,
+            summary.cells as f64,
+            summary.steps as f64,
+            summary.newton_steps as f64,
+            summary.jacobians as f64,
+            summary.factorizations as f64,
+            summary.wall_seconds,
+            summary.phases.assembly,
+            summary.phases.factorization,
+            summary.phases.solve,
+            summary.peak_memory_bytes.map_or(f64::NAN, |bytes| bytes as f64),
+            summary.mass_balance.unwrap_or(f64::NAN),
+            min_j.unwrap_or(f64::NAN),
+        ];
+        let mut numbers: BTreeMap<String, f64> =
+            NUMBERS.iter().map(ToString::to_string).zip(values).collect();
         for (name, computed) in results.computed() {
             for (quantity, value) in computed.numbers.named() {
                 let name = if quantity == "value" { name.clone() } else { format!("{name}.{quantity}") };

@@ -159,7 +159,7 @@ impl Study {
         for run in computed {
             match &run.results {
                 Some(results) => known.insert(&run.job.name, results),
-                None => known.insert_absent(&run.job.name),
+                None => known.insert_absent(&run.job.name, run.job.functionals()),
             }
         }
         let mut reader = Reader { known, file };

@@ -42,3 +42,4 @@ mod solid_cases;
 mod stability;
 mod stabilization;
 mod statistics;
+mod studies;

@@ -1,0 +1,159 @@
+//! `undula study` and `undula reproduce`.
+
+use super::*;
+
+/// Two stiffnesses of the beam of csm1.
+const STUDY: &str = r#"
+name = "stiff"
+title = "A stiffer beam & a softer one"
+case = "csm1"
+functionals = ["uy_A"]
+[set]
+"mesh.refine" = 0
+[[run]]
+name = "mu"
+over = [{ key = "solid.mu", values = [0.5e6, 1e6] }]
+[[run]]
+name = "fine"
+set = { "mesh.refine" = 1 }
+full-only = true
+[[table]]
+title = "Sinking"
+head = ["mu", "published [mm]", "computed [mm]"]
+rows = [[0.5, -66.1, "=1e3*mu_0.uy_A"], ["a, b", "", "=1e3*mu_1.uy_A"]]
+[[figure]]
+title = "Sinking over stiffness"
+x = "mu [MPa]"
+y = "uy_A [mm]"
+curves = [{ name = "computed", points = [[0.5, "=1e3*mu_0.uy_A"], [1, "=1e3*mu_1.uy_A"]] }]
+[[statement]]
+text = "A stiffer beam sinks less."
+number = "mu_1.uy_A/mu_0.uy_A"
+holds = "it < 0.75 and mu_0.uy_A < 0"
+[[statement]]
+text = "A finer mesh sinks by 66.1 mm."
+number = "1e3*fine.uy_A"
+published = -66.1
+unit = "mm"
+holds = "abs(it/-66.1 - 1) < 0.01"
+"#;
+
+fn verdicts(place: &Place, directory: &str) -> Vec<String> {
+    let results = place.json(&format!("{directory}/results.json"));
+    let statements = results[0]["statements"].as_array().unwrap();
+    statements.iter().map(|s| s["verdict"].as_str().unwrap().to_string()).collect()
+}
+
+#[test]
+fn a_study_has_a_page_tables_and_verdicts() {
+    let place = Place::new("study");
+    place.write("stiff.toml", STUDY);
+    let said =
+        place.run("study stiff.toml", &[]).expect(0, &["2 statements: 2 reproduced", "out/stiff/index.html"]);
+    assert!(said.err.contains("mu_1"), "{}", said.err);
+    assert_eq!(verdicts(&place, "out/stiff"), ["reproduced", "reproduced"]);
+    let page = place.read("out/stiff/index.html");
+    for part in
+        ["A stiffer beam &amp; a softer one", "<svg", "stiff/table-1.csv", "solid.mu = 500000", "-66."]
+    {
+        assert!(page.contains(part), "no {part} in the page");
+    }
+    // Nothing is fetched from elsewhere.
+    assert!(!page.contains("src=\"http") && !page.contains("<script") && !page.contains("<link"));
+    let table = place.read("out/stiff/stiff/table-1.csv");
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines[0], "mu,published [mm],computed [mm]");
+    assert!(lines[1].starts_with("0.5,-66.1,-6") && lines[2].starts_with("\"a, b\",,-"), "{table}");
+    assert!(place.read("out/stiff/stiff/runs.csv").lines().count() == 4);
+
+    // The same command keeps what is there; a result that changes turns the verdict round.
+    place.run("study stiff.toml", &[]).expect(0, &["mu_0 is there already", "2 reproduced"]);
+    let history = place.read("out/stiff/stiff/runs/mu_1/history.csv");
+    let (head, row) = history.trim_end().split_once('\n').unwrap();
+    let at = head.split(',').position(|name| name == "uy_A").unwrap();
+    let cells: Vec<&str> =
+        row.split(',').enumerate().map(|(n, cell)| if n == at { "-0.1" } else { cell }).collect();
+    place.write("out/stiff/stiff/runs/mu_1/history.csv", &format!("{head}\n{}\n", cells.join(",")));
+    place
+        .run("study stiff.toml", &[])
+        .expect(0, &["1 reproduced, 1 not", "not reproduced: A stiffer beam sinks less."]);
+    assert_eq!(verdicts(&place, "out/stiff"), ["not reproduced", "reproduced"]);
+}
+
+#[test]
+fn a_quick_study_leaves_runs_out_and_says_so() {
+    let place = Place::new("study-quick");
+    place.write("stiff.toml", STUDY);
+    place
+        .run("study stiff.toml --quick -o q", &[])
+        .expect(0, &["1 reproduced, 0 not reproduced, 1 undecided"]);
+    assert_eq!(verdicts(&place, "q"), ["reproduced", "undecided"]);
+    assert!(place.read("q/index.html").contains("missing: fine.uy_A"));
+}
+
+#[test]
+fn mistakes_in_a_study_are_found_before_anything_is_computed() {
+    let place = Place::new("study-mistakes");
+    let wrong = |from: &str, to: &str, words: &[&str]| {
+        assert!(STUDY.contains(from));
+        place.write("wrong.toml", &STUDY.replace(from, to));
+        place.run("study wrong.toml -o w", &[]).expect(2, words);
+        assert!(!place.file("w").exists());
+    };
+    wrong("functionals =", "functional =", &["wrong.toml", "unknown field `functional`", "line 5"]);
+    wrong("\"solid.mu\"", "\"solid.nu\"", &["run mu_0", "solid.nu"]);
+    wrong(
+        "mu_1.uy_A/mu_0.uy_A",
+        "mu_2.uy_A/mu_0.uy_A",
+        &["A stiffer beam sinks less", "unknown run `mu_2`", "mu_1"],
+    );
+    wrong("mu_1.uy_A/mu_0.uy_A", "mu_1.uy_B", &["unknown result `uy_B`", "did you mean `uy_A`"]);
+    wrong("it < 0.75 and", "it < 0.75 und", &["expected an operator"]);
+    wrong("name = \"fine\"", "name = \"mu\"", &["two runs have the name \"mu\""]);
+    wrong("name = \"fine\"", "name = \"a-b\"", &["run.name = \"a-b\""]);
+    wrong(
+        "=1e3*mu_1.uy_A\"]]\n[[figure]]",
+        "=highest(mu_1.uy_A)\"]]\n[[figure]]",
+        &["`highest` takes a signal"],
+    );
+    place.run("study fsi3", &[]).expect(2, &["built-in case", "--converge"]);
+    place.run("reproduce nonsense", &[]).expect(2, &["nonsense", "mesh-motion"]);
+}
+
+#[test]
+fn runs_are_replaced_with_force_only() {
+    let place = Place::new("study-force");
+    place.write("stiff.toml", STUDY);
+    place.run("study stiff.toml --quick -o s", &[]).expect(0, &[]);
+    place.write("stiff.toml", &STUDY.replace("[0.5e6, 1e6]", "[0.5e6, 2e6]"));
+    place.run("study stiff.toml --quick -o s", &[]).expect(2, &["mu_1", "--force"]);
+    place.run("study stiff.toml --quick -o s --force", &[]).expect(0, &["mu_0 is there already"]);
+    // A directory of something else is left alone.
+    place.write("other/file", "mine");
+    place
+        .run("study stiff.toml --quick -o other --force", &[])
+        .expect(2, &["other", "no directory of a study"]);
+}
+
+#[test]
+fn refinement_gives_orders_and_extrapolated_values() {
+    let place = Place::new("study-converge");
+    let said = place.run("study csm1 --converge -q", &["mesh.refine=0"]).expect(0, &[]);
+    assert!(said.out.is_empty() && said.err.is_empty(), "{said:?}");
+    let said = place
+        .run("study csm1 --converge", &["mesh.refine=0"])
+        .expect(0, &["order 2.", "mesh_2 is there already"]);
+    // Hron and Turek 2006: u_y = −66.10 mm; converged −66.103 mm.
+    let line = said.out.lines().find(|line| line.starts_with("uy_A value")).unwrap();
+    let value: f64 = line.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    let uncertainty: f64 = line.split("± ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+    assert!((value + 66.103e-3).abs() < uncertainty && uncertainty < 1e-4, "{line}");
+}
+
+#[test]
+fn the_studies_of_the_book_are_sound() {
+    let place = Place::new("study-book");
+    let said = place.run("reproduce --list", &[]).expect(0, &["5.3.5", "5.1.1"]);
+    assert!(said.out.lines().count() >= 4, "{}", said.out);
+    assert!(!place.file("out").exists());
+}
