@@ -5,5 +5,5 @@ pub fn chapter() -> &'static [(&'static str, &'static str)] {
     macro_rules! studies {
         ($($name:literal),*) => { &[$(($name, include_str!(concat!("../../studies/", $name, ".toml")))),*] };
     }
-    studies!["dynamics", "stability", "damping", "mesh-motion"]
+    studies!["dynamics", "stability", "damping", "linearization", "mesh-motion"]
 }

@@ -2,7 +2,7 @@
 
 use super::file::{RunEntry, Study, StudyError, Values};
 use crate::error::Error;
-use crate::output::{Status, Summary, write_atomic};
+use crate::output::{Status, Summary, hash, write_atomic};
 use crate::problem::builtin::builtin_case;
 use crate::problem::case::Case;
 use crate::problem::results::Results;
@@ -22,13 +22,29 @@ pub struct Job {
     pub of: String,
     /// Settings of this run that others of the study do not have, `key = value`.
     pub settings: Vec<(String, String)>,
-    /// The case.
+    /// The case; that of a run that goes on from another is at rest.
     pub case: Case,
+    /// Path or name of the case, and its settings.
+    source: (String, Vec<String>),
+    /// Run from whose last state it goes on.
+    from: String,
     /// Whether a quick study leaves it out.
     pub left_out: bool,
 }
 
 impl Job {
+    /// The case, from the state that another run of the study in `directory` has reached.
+    fn case_in(&self, directory: &Path) -> Result<Case, Error> {
+        if self.from.is_empty() {
+            return Ok(self.case.clone());
+        }
+        let from = directory.join(&self.from);
+        let from = std::path::absolute(&from).unwrap_or(from);
+        let assignment = format!("initial.from={}", toml::Value::String(from.to_string_lossy().into_owned()));
+        let (path, settings) = &self.source;
+        Ok(Case::load(path, &[settings.clone(), vec![assignment]].concat())?)
+    }
+
     /// Names of its functionals.
     pub(super) fn functionals(&self) -> Vec<String> {
         self.case.functional.iter().map(|(name, _)| name.clone()).collect()
@@ -51,20 +67,24 @@ impl Settings {
     pub fn changed(&self, jobs: &[Job]) -> Vec<String> {
         let is_other = |job: &&Job| {
             let before = std::fs::read_to_string(self.marker(job));
-            !job.left_out && before.is_ok_and(|before| before != asked(&job.case))
+            !job.left_out && before.is_ok_and(|before| before != self.asked(job, jobs))
         };
         jobs.iter().filter(is_other).map(|job| job.name.clone()).collect()
+    }
+
+    /// All that makes a run another one.
+    fn asked(&self, job: &Job, jobs: &[Job]) -> String {
+        let mesh = mesh_hash(&job.case).unwrap_or_default();
+        let before = jobs.iter().find(|other| other.name == job.from).map(|other| self.asked(other, &[]));
+        let before =
+            before.map_or(String::new(), |text| format!("# goes on from {}\n", hash(text.as_bytes())));
+        format!("# mesh {mesh}\n{before}{}", job.case.to_toml())
     }
 
     /// The file with the case as it was asked for.
     fn marker(&self, job: &Job) -> PathBuf {
         self.directory.join(format!("{}.asked.toml", job.name))
     }
-}
-
-/// All that makes a run another one.
-fn asked(case: &Case) -> String {
-    format!("# mesh {}\n{}", mesh_hash(case).unwrap_or_default(), case.to_toml())
 }
 
 /// A run with its results.
@@ -137,8 +157,9 @@ impl Study {
                 let left_out = quick && (entry.full_only || !is_quick);
                 let all = [self.assignments.clone(), assignments(&all)].concat();
                 let case = Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?;
+                let (source, from) = ((path, all), entry.from.clone());
                 let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
-                jobs.push(Job { name, of: of.clone(), settings, case, left_out });
+                jobs.push(Job { name, of: of.clone(), settings, case, left_out, source, from });
             }
         }
         Ok(jobs)
@@ -164,31 +185,34 @@ impl Study {
         settings: &Settings,
         watch: &dyn Watch,
     ) -> Result<Vec<Computed>, Error> {
-        let at_once = if self.timed { 1 } else { settings.threads.min(jobs.len()).max(1) };
-        let threads = if self.timed { 1 } else { (settings.threads / at_once).max(1) };
-        let (next, ended) = (AtomicUsize::new(0), AtomicUsize::new(0));
         let found: Mutex<Vec<Option<Computed>>> = Mutex::new(vec![None; jobs.len()]);
         let failure: Mutex<Option<Error>> = Mutex::new(None);
+        let ended = AtomicUsize::new(0);
         let stop = watch.stop();
-        let work = || {
-            loop {
-                let n = next.fetch_add(1, Ordering::Relaxed);
-                if n >= jobs.len() || stop.load(Ordering::Relaxed) || lock(&failure).is_some() {
-                    return;
+        for later in [false, true] {
+            let wave: Vec<usize> = (0..jobs.len()).filter(|&n| jobs[n].from.is_empty() != later).collect();
+            let at_once = if self.timed { 1 } else { settings.threads.min(wave.len()).max(1) };
+            let threads = if self.timed { 1 } else { (settings.threads / at_once).max(1) };
+            let next = AtomicUsize::new(0);
+            let work = || {
+                while let Some(&n) = wave.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    if stop.load(Ordering::Relaxed) || lock(&failure).is_some() {
+                        return;
+                    }
+                    let progress = [ended.load(Ordering::Relaxed), jobs.len()];
+                    match compute(n, jobs, settings, threads, watch, progress) {
+                        Ok(computed) => lock(&found)[n] = Some(computed),
+                        Err(error) => *lock(&failure) = Some(error),
+                    }
+                    ended.fetch_add(1, Ordering::Relaxed);
                 }
-                let progress = [ended.load(Ordering::Relaxed), jobs.len()];
-                match compute(&jobs[n], settings, threads, watch, progress) {
-                    Ok(computed) => lock(&found)[n] = Some(computed),
-                    Err(error) => *lock(&failure) = Some(error),
-                }
-                ended.fetch_add(1, Ordering::Relaxed);
-            }
-        };
-        std::thread::scope(|scope| {
-            (0..at_once).for_each(|_| {
-                scope.spawn(work);
+            };
+            std::thread::scope(|scope| {
+                (0..at_once).for_each(|_| {
+                    scope.spawn(work);
+                });
             });
-        });
+        }
         if let Some(error) = lock(&failure).take() {
             return Err(error);
         }
@@ -247,20 +271,20 @@ fn assignments(values: &Values) -> Vec<String> {
 }
 
 fn compute(
-    job: &Job,
+    n: usize,
+    jobs: &[Job],
     settings: &Settings,
     threads: usize,
     watch: &dyn Watch,
     progress: [usize; 2],
 ) -> Result<Computed, Error> {
-    let directory = settings.directory.join(&job.name);
-    let mut computed =
-        Computed { job: job.clone(), results: None, kept: false, directory: directory.clone() };
+    let job = &jobs[n];
+    let mut computed = Computed::absent(job, &settings.directory);
+    let directory = computed.directory.clone();
     if job.left_out {
         return Ok(computed);
     }
-    let case = &job.case;
-    let (asked, marker) = (asked(case), settings.marker(job));
+    let (asked, marker) = (settings.asked(job, jobs), settings.marker(job));
     let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);
     let before = Summary::read(directory.join("summary.json")).ok().filter(|_| same);
     let ended = |status: Status| matches!(status, Status::Completed | Status::Breakdown);
@@ -273,6 +297,7 @@ fn compute(
     std::fs::create_dir_all(&settings.directory)
         .map_err(crate::output::OutputError::io("create", &settings.directory))?;
     write_atomic(&marker, |file| file.write_all(asked.as_bytes()))?;
+    let case = job.case_in(&settings.directory)?;
     let go_on = before.is_some() && case.time.is_some();
     let options = |resume: bool| RunOptions {
         directory: directory.clone(),

@@ -89,6 +89,8 @@ pub struct RunEntry {
     pub set: Values,
     /// Settings besides those, in a quick study.
     pub quick: Values,
+    /// Run of the study from whose last state this one goes on.
+    pub from: String,
     /// Keys with the values that they take.
     pub over: Vec<Axis>,
     /// Whether a quick study leaves it out.
@@ -271,6 +273,13 @@ impl Study {
         }
         if let Some(run) = study.run.iter().find(|run| run.case.is_empty() && study.case.is_empty()) {
             return Err(error(format!("run {}: expected `case`, here or for the whole study", run.name)));
+        }
+        let first = |name: &str| study.run.iter().any(|run| run.name == name && run.from.is_empty());
+        if let Some(run) = study.run.iter().find(|run| !run.from.is_empty() && !first(&run.from)) {
+            return Err(error(format!(
+                "run {}: from = {:?}: expected a run without `over` that itself begins at rest",
+                run.name, run.from
+            )));
         }
         if let Some(run) = study.run.iter().find(|run| run.over.iter().any(|axis| axis.values.is_empty())) {
             return Err(error(format!("run {}: over: expected values", run.name)));
