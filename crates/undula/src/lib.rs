@@ -155,8 +155,6 @@ pub mod error;
 #[doc(hidden)]
 pub mod functional;
 #[doc(hidden)]
-pub mod jacobian;
-#[doc(hidden)]
 pub mod math;
 #[doc(hidden)]
 pub mod mesh;
@@ -174,11 +172,11 @@ pub mod simulation;
 #[doc(hidden)]
 pub mod space;
 #[doc(hidden)]
-pub mod stability;
-#[doc(hidden)]
 pub mod tangent;
 #[doc(hidden)]
 pub mod time;
+#[doc(hidden)]
+pub mod verification;
 
 pub use error::Error;
 pub use functional::fields::{Fields, PointFields};

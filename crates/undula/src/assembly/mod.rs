@@ -14,7 +14,6 @@ pub(crate) mod biharmonic;
 pub(crate) mod chunks;
 mod condense;
 pub(crate) mod contract;
-pub mod differences;
 pub(crate) mod evaluate;
 pub mod extension;
 pub mod facets;

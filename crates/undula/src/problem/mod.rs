@@ -9,7 +9,6 @@
 //! program,
 //! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
 //! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
-//! `manufactured` makes problems whose solution is known.
 
 mod bodies;
 pub mod build;
@@ -30,7 +29,6 @@ pub mod functionals;
 pub(crate) mod key;
 pub mod keys;
 mod lengths;
-pub mod manufactured;
 pub mod memory;
 pub mod overview;
 mod raw;

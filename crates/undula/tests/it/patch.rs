@@ -12,10 +12,10 @@ use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::nonlinear::NewtonError;
 use undula::physics::{Fluid, StepRule};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::space::{BoundaryCondition, PsiOwner, Region, State};
 use undula::time::{Scheme, Stepper};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 
 const K: f64 = 0.1;
 

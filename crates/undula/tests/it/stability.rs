@@ -11,7 +11,7 @@ use undula::mesh::generate::rectangle;
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
-use undula::stability::{condition, conditions, constants, inf_sup, sample_deformation};
+use undula::verification::stability::{condition, conditions, constants, inf_sup, sample_deformation};
 
 const P1DC: PressureKind = PressureKind::Pdc(1);
 

@@ -1,7 +1,7 @@
 //! The Jacobian by differences of residuals, as many columns at a time as meet in no row.
 
-use super::{Assembler, StepView};
 use crate::algebra::{Csr, Pattern};
+use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::space::State;
 

@@ -1,21 +1,22 @@
 //! All Jacobians of a case beside each other at one state: what a person who changes the physics needs.
 //!
 //! ```no_run
-//! use undula::{jacobian, problem::case::Case, simulation::Simulation};
+//! use undula::{problem::case::Case, simulation::Simulation, verification::jacobians};
 //! let mut simulation = Simulation::new(Case::load("fsi3", &[])?, 1)?;
-//! let report = jacobian::compare(&mut simulation, jacobian::At::Random { seed: 1 })?;
+//! let report = jacobians::compare(&mut simulation, jacobians::At::Random { seed: 1 })?;
 //! assert!(report.agrees(), "{report}");
 //! # Ok::<(), undula::error::Error>(())
 //! ```
 
 mod blocks;
+pub mod differences;
 mod state;
 mod table;
 
 pub use blocks::{Block, Entry, Equation, Field, Unknown};
 
+use self::differences::Differences;
 use crate::algebra::{Csr, SolverError};
-use crate::assembly::differences::Differences;
 use crate::assembly::{Assembler, StepView};
 use crate::choice::Choice;
 use crate::physics::StepRule;
