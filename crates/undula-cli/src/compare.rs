@@ -4,9 +4,9 @@ use crate::args::{CompareArgs, bad_input, print, say};
 use anyhow::Context;
 use std::path::Path;
 use std::process::ExitCode;
-use undula::problem::compare::{Comparison, compare, difference};
-use undula::problem::reference::{Beside, Departure, References};
-use undula::problem::results::Results;
+use undula::results::compare::{Comparison, compare, difference};
+use undula::results::computed::Results;
+use undula::results::reference::{Beside, Departure, References};
 
 /// Prints the table.
 pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {

@@ -166,6 +166,8 @@ pub mod physics;
 #[doc(hidden)]
 pub mod problem;
 #[doc(hidden)]
+pub mod results;
+#[doc(hidden)]
 pub mod run;
 #[doc(hidden)]
 pub mod simulation;

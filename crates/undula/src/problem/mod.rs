@@ -7,8 +7,7 @@
 //! `data` evaluates what is given on it.
 //! `functionals` has all that a case says of its functionals. `write` is the way back, `builder` makes cases in a
 //! program,
-//! `builtin` the cases shipped with the program, `reference` their published results, `results` what a run has
-//! left, and `compare` the tables that set results side by side. `lengths` has the numbers that come from the mesh.
+//! `builtin` the cases shipped with the program. `lengths` has the numbers that come from the mesh.
 
 mod bodies;
 pub mod build;
@@ -17,7 +16,6 @@ pub mod builtin;
 pub mod case;
 mod check;
 pub mod choices;
-pub mod compare;
 mod data;
 pub mod element;
 mod enclosed;
@@ -33,9 +31,7 @@ pub mod memory;
 pub mod overview;
 mod raw;
 mod read;
-pub mod reference;
 mod regions;
-pub mod results;
 mod synonyms;
 mod write;
 

@@ -1,7 +1,7 @@
 //! Results of a run beside published ones, or beside those of another run.
 
+use super::computed::{Results, Signal, numbers};
 use super::reference::{Departure, Numbers, Published, References};
-use super::results::{Results, Signal, numbers};
 use std::collections::BTreeMap;
 use std::fmt;
 
