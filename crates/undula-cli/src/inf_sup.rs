@@ -5,8 +5,8 @@ use crate::{check, run};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use undula::case::Case;
 use undula::error::Error;
-use undula::problem::case::Case;
 use undula::simulation::Simulation;
 use undula::verification::stability::{Conditions, Constants, InfSup, conditions, constants};
 

@@ -3,8 +3,8 @@
 use crate::args::{CheckArgs, print, say_notes};
 use crate::{check, run};
 use std::process::ExitCode;
+use undula::case::Case;
 use undula::error::Error;
-use undula::problem::case::Case;
 use undula::run::restore_latest;
 use undula::simulation::Simulation;
 use undula::verification::jacobians::{At, JacobianReport, compare};

@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use undula::case::Case;
 use undula::error::Error;
 use undula::output::{OutputError, Status, Summary};
-use undula::problem::case::Case;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
 

@@ -147,6 +147,10 @@ pub mod assembly;
 #[doc(hidden)]
 pub mod bench;
 #[doc(hidden)]
+pub mod builder;
+#[doc(hidden)]
+pub mod case;
+#[doc(hidden)]
 pub mod choice;
 #[doc(hidden)]
 pub mod element;
@@ -164,11 +168,11 @@ pub mod nonlinear;
 pub mod output;
 pub mod physics;
 #[doc(hidden)]
-pub mod problem;
-#[doc(hidden)]
 pub mod results;
 #[doc(hidden)]
 pub mod run;
+#[doc(hidden)]
+pub mod setup;
 #[doc(hidden)]
 pub mod simulation;
 #[doc(hidden)]
@@ -180,11 +184,11 @@ pub mod time;
 #[doc(hidden)]
 pub mod verification;
 
+pub use builder::{CaseBuilder, Setting};
+pub use case::Case;
 pub use error::Error;
 pub use functional::fields::{Fields, PointFields};
 pub use math::{Scalar, Tensor};
 pub use mesh::{Located, Mesh, MeshError};
 pub use physics::{Deformation, Material, StoredEnergy};
-pub use problem::builder::{CaseBuilder, Setting};
-pub use problem::case::Case;
 pub use simulation::{Row, Simulation};

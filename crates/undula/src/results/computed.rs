@@ -1,10 +1,10 @@
 //! What a run left in its directory, read again.
 
 use super::reference::Numbers;
+use crate::case::Case;
 use crate::functional::statistics::{Series, summarize, value_at};
 use crate::output::history::COLUMNS;
 use crate::output::{FunctionalSummary, History, OutputError, Summary};
-use crate::problem::case::Case;
 use std::collections::BTreeMap;
 use std::path::Path;
 

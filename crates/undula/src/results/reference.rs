@@ -14,8 +14,8 @@
 //! A single entry may be `[reference.drag]`. Stationary cases give `value`; `min` and `max` are those
 //! over the whole time.
 
-use crate::problem::builtin::builtin_case;
-use crate::problem::case::Case;
+use crate::case::Case;
+use crate::case::builtin::builtin_case;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;

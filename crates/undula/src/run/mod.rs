@@ -10,6 +10,7 @@ pub use checkpoint::restore_latest;
 pub use fields::snapshot;
 pub use inflow::{Inflow, inflow};
 
+use crate::case::Case;
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
@@ -17,7 +18,6 @@ use crate::output::{
     Summary, hash, peak_memory, write_vtu,
 };
 use crate::output::{OutputError, text_of};
-use crate::problem::case::Case;
 use crate::simulation::{Row, Simulation};
 use checkpoint::{Found, Metadata, OfRun, Unfit, newest, restore};
 use identity::{changes, mesh_hash};

@@ -7,7 +7,7 @@ use crate::common::builtin;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Mutex;
-use undula::problem::builtin::builtin_cases;
+use undula::case::builtin::builtin_cases;
 use undula::results::reference::References;
 use undula::simulation::Simulation;
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 20] = [
+const LAYERS: [(&str, &str); 22] = [
     ("choice", ""),
     ("math", ""),
     ("algebra", "choice"),
@@ -20,13 +20,18 @@ const LAYERS: [(&str, &str); 20] = [
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
     ("time", "choice math physics tangent algebra nonlinear space assembly"),
-    // `error` gathers the errors of all layers, those of reading a case among them.
-    ("problem", "* error"),
-    ("error", "*"),
+    ("case", "choice math physics tangent algebra element mesh space functional output time"),
+    // The errors of all layers, those of reading a case among them.
+    ("error", "algebra mesh nonlinear output time case"),
+    (
+        "setup",
+        "choice math physics tangent algebra element mesh nonlinear space assembly functional time case error",
+    ),
+    ("builder", "physics mesh case error"),
     ("simulation", "*"),
-    ("results", "functional output problem"),
-    ("verification", "*"),
+    ("results", "functional output case"),
     ("run", "*"),
+    ("verification", "*"),
     ("bench", "*"),
 ];
 

@@ -1,7 +1,7 @@
 //! All linearisations arrive at one solution, each with its order; and the tool that compares their matrices.
 
 use crate::common::{builtin, sets};
-use undula::problem::case::Case;
+use undula::case::Case;
 use undula::simulation::Simulation;
 use undula::verification::jacobians::{At, Equation, Field, JacobianReport, compare};
 

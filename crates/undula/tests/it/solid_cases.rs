@@ -2,8 +2,8 @@
 
 use crate::common::{builtin, wrong_builtin};
 use undula::assembly::points::for_each_point;
+use undula::case::{Case, SolidLaw};
 use undula::math::Tensor;
-use undula::problem::case::{Case, SolidLaw};
 use undula::simulation::{Row, Simulation};
 use undula::space::Region;
 

@@ -1,7 +1,7 @@
 //! All Jacobians of a case beside each other at one state: what a person who changes the physics needs.
 //!
 //! ```no_run
-//! use undula::{problem::case::Case, simulation::Simulation, verification::jacobians};
+//! use undula::{case::Case, simulation::Simulation, verification::jacobians};
 //! let mut simulation = Simulation::new(Case::load("fsi3", &[])?, 1)?;
 //! let report = jacobians::compare(&mut simulation, jacobians::At::Random { seed: 1 })?;
 //! assert!(report.agrees(), "{report}");

@@ -1,8 +1,8 @@
 //! The regions of a mesh: which are computed on, which are left out, and how the sides of these are called.
 
-use super::case::{Case, MeshSource};
-use super::error::{CaseError, quoted, suggestion};
 use super::fit::MeshNames;
+use crate::case::error::{CaseError, quoted, suggestion};
+use crate::case::{Case, MeshSource};
 use crate::error::Error;
 use crate::mesh::{INTERFACE, Mesh, MeshError};
 use std::collections::BTreeMap;
@@ -76,7 +76,7 @@ impl Case {
         };
         let left: Vec<&String> = regions.iter().filter(|name| !known(name)).collect();
         if let [first, ..] = left[..] {
-            let given = super::key::join("mesh.region", first);
+            let given = crate::case::key::join("mesh.region", first);
             let key = if self.mesh.region.contains_key(first) { &given } else { mesh_key(self) };
             error(key, self.unused(&left));
         }
@@ -115,7 +115,7 @@ impl Case {
         for (name, inside) in &self.mesh.region {
             let cells = mesh
                 .assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&super::key::join("mesh.region", name), e))?;
+                .map_err(|e| self.blame(&crate::case::key::join("mesh.region", name), e))?;
             let shared: Vec<&str> =
                 cells.iter().filter_map(|cell| before.insert(*cell, name.as_str())).collect();
             if let Some(other) = shared.first() {

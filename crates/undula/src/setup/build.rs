@@ -1,16 +1,16 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::case::{
-    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
-};
-use super::error::{CaseError, CaseErrors};
-use super::expression::Expression;
 use super::fit::{INTERFACE, MeshNames};
 use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
 use crate::assembly::force::CurrentForce;
 use crate::assembly::{self, Assembler, Physics};
+use crate::case::error::{CaseError, CaseErrors};
+use crate::case::expression::Expression;
+use crate::case::{
+    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
+};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;

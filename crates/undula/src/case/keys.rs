@@ -3,10 +3,11 @@
 //! Reading asks for keys of this table only, unknown-key messages list its keys, `case.toml` takes its comments from it,
 //! and `undula keys` prints it.
 
-use super::case::{CONDITIONS, FUNCTIONALS, GENERATORS, KRYLOV};
 use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
+use super::functionals::FUNCTIONALS;
+use super::schema::{CONDITIONS, GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;

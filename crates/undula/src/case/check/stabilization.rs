@@ -1,10 +1,10 @@
 //! The table `[stabilization]`.
 
+use crate::case::element::{PressureElement, Stability};
+use crate::case::read::{POSITIVE, Section};
+use crate::case::schema::SpaceSpec;
 use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
-use crate::problem::case::SpaceSpec;
-use crate::problem::element::{PressureElement, Stability};
-use crate::problem::read::{POSITIVE, Section};
 
 /// Pairs of equal order get local projections unless another term is asked for, stable ones nothing.
 pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bool) -> Stabilization {

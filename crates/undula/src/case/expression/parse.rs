@@ -2,7 +2,7 @@
 
 use super::ExpressionError;
 use super::program::{Binary, Tree, Unary, Variable};
-use crate::problem::error::did_you_mean;
+use crate::case::error::did_you_mean;
 
 /// Longest source, so that the depth of the tree is bounded.
 const MAX_SOURCE: usize = 4096;

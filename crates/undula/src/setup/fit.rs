@@ -1,8 +1,8 @@
 //! Whether a case fits its mesh: what names the mesh has, and what holds there.
 
-use super::case::{Case, Condition, FunctionalSpec};
-use super::error::{CaseError, CaseErrors, Place, suggestion};
-use super::key;
+use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
+use crate::case::key;
+use crate::case::{Case, Condition, FunctionalSpec};
 use crate::mesh::{Facet, Facets, Mesh, Side};
 use std::collections::HashSet;
 

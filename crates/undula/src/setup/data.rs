@@ -1,8 +1,8 @@
 //! Data that are not finite somewhere: told with key, place and time, before anything is computed where possible.
 
-use super::case::{Case, Condition, TimeSpec};
-use super::error::{CaseError, CaseErrors};
-use super::expression::Expression;
+use crate::case::error::{CaseError, CaseErrors};
+use crate::case::expression::Expression;
+use crate::case::{Case, Condition, TimeSpec};
 use crate::error::Error;
 use crate::math::{rounded, shortest};
 use crate::space::{FsiSpace, Region};

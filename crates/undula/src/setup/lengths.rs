@@ -1,6 +1,6 @@
 //! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
 
-use super::case::{Case, MeshSpec, MotionModel, MotionSpec};
+use crate::case::{Case, MeshSpec, MotionModel, MotionSpec};
 use crate::element::Quadrature;
 use crate::math::{Tensor, rounded};
 use crate::mesh::Mesh;

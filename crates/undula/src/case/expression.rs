@@ -28,10 +28,10 @@ use std::fmt;
 /// only if it is written in the same way, but `1/2` equals `0.5`.
 ///
 /// ```
-/// use undula::problem::expression::Expression;
+/// use undula::case::expression::Expression;
 /// let parabola = Expression::parse("4*y*(0.41-y)/0.41^2 * ramp(t, 2)")?;
 /// assert!((parabola.eval(&[0.0, 0.205, 0.0], 1.0) - 0.5).abs() < 1e-15);
-/// # Ok::<(), undula::problem::expression::ExpressionError>(())
+/// # Ok::<(), undula::case::expression::ExpressionError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct Expression {
@@ -59,7 +59,7 @@ impl Expression {
     /// Says what is wrong and at which byte.
     ///
     /// ```
-    /// # use undula::problem::expression::Expression;
+    /// # use undula::case::expression::Expression;
     /// let error = Expression::parse("1.5*sinn(y)").unwrap_err();
     /// assert_eq!(error.to_string(), "unknown function `sinn`; did you mean `sin`? (at byte 4)");
     /// ```

@@ -1,4 +1,4 @@
-//! Tables of the choices whose values are numbers or truth values in a [`super::case::Case`]. All other tables stand
+//! Tables of the choices whose values are numbers or truth values in a [`super::schema::Case`]. All other tables stand
 //! beside the types of their values.
 
 use crate::choice::{Choice, choice};

@@ -1,9 +1,9 @@
 //! Typed reading of a table: each method takes a key, tells what is wrong with its value, and goes on.
 
-use super::case::OwnMesh;
 use super::error::{CaseError, did_you_mean, quoted};
 use super::expression::Expression;
 use super::raw::{Document, Item, Origin, Table, Value};
+use super::schema::OwnMesh;
 use super::{keys, synonyms};
 use crate::choice::{self, Choice};
 use std::cell::RefCell;

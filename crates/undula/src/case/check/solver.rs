@@ -1,15 +1,15 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
 use crate::algebra::{PRECISIONS, SOLVERS};
-use crate::choice;
-use crate::problem::case::{
+use crate::case::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use crate::case::error::{quoted, suggestion};
+use crate::case::expression::Expression;
+use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::case::schema::{
     AdaptiveSettings, DomainMotion, FunctionalSpec, KRYLOV, KrylovSpec, LinearSolverKind, LinearSpec,
     Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec,
 };
-use crate::problem::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
-use crate::problem::error::{quoted, suggestion};
-use crate::problem::expression::Expression;
-use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::choice;
 use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS};
 use crate::time::schedule::RESOLUTION;
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
@@ -114,7 +114,7 @@ fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>, least: f64) -> Op
         safety: s.number("safety", 0.9, REDUCTION),
     };
     if s.has("min-step") && settings.min_step < least {
-        let text = crate::problem::write::number(least);
+        let text = crate::case::literal::number(least);
         s.wrong(
             "min-step",
             format!("below the rounding of the times of the run: expected at least {text} s"),
@@ -185,7 +185,7 @@ fn check_schedule(
     }
     let (smallest, at) = smallest_step(step, start, end.unwrap_or(start));
     if smallest > 0.0 && smallest < RESOLUTION * at.abs() {
-        let least = crate::problem::write::number(RESOLUTION * at.abs());
+        let least = crate::case::literal::number(RESOLUTION * at.abs());
         let message = format!(
             "below the rounding of t = {at} s: t + step would be t, or have few of its digits; expected at least {least} s"
         );

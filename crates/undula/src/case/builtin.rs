@@ -1,7 +1,7 @@
 //! The cases shipped with the program, and how a case is found by name.
 
-use super::case::Case;
-use super::error::{CaseErrors, LoadError, did_you_mean, quoted};
+use super::error::{CaseError, CaseErrors, LoadError, Place, did_you_mean, quoted};
+use super::schema::Case;
 use std::path::Path;
 
 /// A case shipped with the program.
@@ -81,7 +81,7 @@ fn text_of(path_or_builtin: &str) -> Result<String, LoadError> {
 ///
 /// # Errors
 /// Neither exists, or the file cannot be read.
-pub(super) fn text_and_name(path_or_builtin: &str) -> Result<(String, String), LoadError> {
+pub(crate) fn text_and_name(path_or_builtin: &str) -> Result<(String, String), LoadError> {
     match builtin_case(path_or_builtin) {
         Some(case) => Ok((case.toml.into(), format!("{path_or_builtin}.toml"))),
         None => Ok((text_of(path_or_builtin)?, path_or_builtin.into())),
@@ -94,8 +94,8 @@ fn not_text(name: &str, position: usize) -> CaseErrors {
 
 /// A mistake of the whole file.
 fn mistake(name: &str, message: String) -> CaseErrors {
-    let place = super::error::Place::File { name: name.into(), line: 1, column: 1 };
-    CaseErrors(vec![super::error::CaseError { place, key: String::new(), value: None, message }])
+    let place = Place::File { name: name.into(), line: 1, column: 1 };
+    CaseErrors(vec![CaseError { place, key: String::new(), value: None, message }])
 }
 
 /// Endings of files that programs for meshes and fields write.

@@ -1,9 +1,9 @@
 //! What boundary conditions mean to nodes of the solid: velocity data there must vanish, and where the solid is clamped
 //! though its own conditions leave it free a note says so.
 
-use super::case::{Case, Condition, TimeSpec};
-use super::error::{CaseError, CaseErrors};
-use super::expression::Expression;
+use crate::case::error::{CaseError, CaseErrors};
+use crate::case::expression::Expression;
+use crate::case::{Case, Condition, TimeSpec};
 use crate::space::ends::{EndKind, ends};
 use crate::space::{FsiSpace, PsiOwner, Region};
 
@@ -39,7 +39,7 @@ impl Case {
                     at(&found.point),
                     self.when(found.time)
                 );
-                let key = format!("{}.velocity", super::key::join("boundary", name));
+                let key = format!("{}.velocity", crate::case::key::join("boundary", name));
                 errors.push(CaseError { place: self.place_of(&key), key, value: None, message });
             }
         }

@@ -1,11 +1,14 @@
 //! A case as TOML with all defaults resolved.
 
-use super::case::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
-use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::expression::Expression;
+use super::functionals::{FUNCTIONALS, FunctionalSpec};
+use super::literal::{number, pair, string};
+use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
+use crate::functional::energy::ENERGIES;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
@@ -13,26 +16,6 @@ use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::path::{Component, Path, PathBuf};
-
-/// Shortest decimal that reads back as `x`, always with a point or exponent.
-pub(super) fn number(x: f64) -> String {
-    if x.is_nan() {
-        return "nan".into();
-    }
-    if x.is_infinite() {
-        return if x > 0.0 { "inf".into() } else { "-inf".into() };
-    }
-    let size = x.abs();
-    if size != 0.0 && !(1e-3..1e7).contains(&size) {
-        let text = format!("{x:e}");
-        return if text.contains('.') { text } else { text.replace('e', ".0e") };
-    }
-    format!("{x:?}")
-}
-
-pub(super) fn string(s: &str) -> String {
-    toml::Value::from(s).to_string()
-}
 
 fn expression(e: &Expression) -> String {
     match e.source().parse::<f64>() {
@@ -45,16 +28,12 @@ fn expressions(pair: &[Expression; 2]) -> String {
     format!("[{}, {}]", expression(&pair[0]), expression(&pair[1]))
 }
 
-pub(super) fn pair(x: &[f64; 2]) -> String {
-    format!("[{}, {}]", number(x[0]), number(x[1]))
-}
-
 /// What stands for parts that a program gives.
 const OWN: &str = "own";
 
 /// Lines of TOML.
 #[derive(Default)]
-pub(super) struct Lines {
+struct Lines {
     text: String,
     /// The table of the next line.
     table: String,
@@ -67,7 +46,7 @@ impl Lines {
     }
 
     /// A value with its unit, or else its meaning, as a comment.
-    pub fn key(&mut self, key: &str, value: impl AsRef<str>) {
+    fn key(&mut self, key: &str, value: impl AsRef<str>) {
         let dotted = if self.table.is_empty() { key.into() } else { format!("{}.{key}", self.table) };
         let known = keys::find(&dotted);
         debug_assert!(known.is_some(), "{dotted} is not in the table of keys");
@@ -80,12 +59,12 @@ impl Lines {
         self.text += &format!("{key} = {}\n", string(value));
     }
 
-    pub fn choice<T: PartialEq>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+    fn choice<T: PartialEq>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
         self.word(key, name_of(table, value));
     }
 
     /// The name of a variant, whatever its parameters are.
-    pub fn variant<T>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+    fn variant<T>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
         self.word(key, row_of(table, value).map_or("", |row| row.name));
     }
 }
@@ -326,5 +305,32 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
     out.word("condition", condition.name());
     if let Condition::Velocity(velocity) = condition {
         out.key("velocity", expressions(velocity));
+    }
+}
+
+impl FunctionalSpec {
+    /// The lines of its table.
+    fn write(&self, out: &mut Lines) {
+        out.variant("kind", &FUNCTIONALS, self);
+        match self {
+            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+                out.key("on", format!("[{}]", on.iter().map(|n| string(n)).collect::<Vec<_>>().join(", ")));
+                out.choice("component", &COMPONENTS, component);
+                out.choice("method", &METHODS, surface_integral);
+                if let Some(scales) = coefficient {
+                    out.key("coefficient", pair(scales));
+                }
+            }
+            FunctionalSpec::Displacement { point, component } => {
+                out.key("point", pair(point));
+                out.choice("component", &COMPONENTS, component);
+            }
+            FunctionalSpec::PressureDifference { a, b } => {
+                out.key("a", pair(a));
+                out.key("b", pair(b));
+            }
+            FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
+            FunctionalSpec::Rotation => {}
+        }
     }
 }

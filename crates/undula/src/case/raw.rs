@@ -63,7 +63,7 @@ impl Value {
         match self {
             Value::String(s) => format!("{s:?}"),
             Value::Integer(i) => i.to_string(),
-            Value::Float(x) => super::write::number(*x),
+            Value::Float(x) => super::literal::number(*x),
             Value::Array(items) => {
                 format!("[{}]", items.iter().map(|i| i.value.text()).collect::<Vec<_>>().join(", "))
             }

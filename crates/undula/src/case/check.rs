@@ -1,18 +1,19 @@
 //! From TOML to [`Case`]: every key read, every default resolved, all mistakes told at once.
 //!
 //! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
-//! `condition`, time and solvers in `solver`. What needs the mesh is in [`super::fit`].
+//! `condition`, time and solvers in `solver`. What needs the mesh is in [`crate::setup::fit`].
 
 mod body;
 mod condition;
+mod functional;
 mod solver;
 mod stabilization;
 
 use super::builtin::{builtin_case, builtin_cases};
-use super::case::{Case, OwnMesh, Record, Scheme, TimeSpec};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
+use super::schema::{Case, OwnMesh, Record, Scheme, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +35,7 @@ impl Case {
     }
 
     /// The same on the `mesh` that the program gives, if it does.
-    pub(super) fn from_toml_on(
+    pub(crate) fn from_toml_on(
         text: &str,
         file_name: &str,
         overrides: &[String],
@@ -140,7 +141,7 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
 }
 
 /// Settings of output that only matter where there are steps in time.
-fn note_steps(checker: &Checker<'_>, output: &super::case::OutputSpec) {
+fn note_steps(checker: &Checker<'_>, output: &super::schema::OutputSpec) {
     let minutes = output.checkpoint_minutes;
     for (key, given) in [
         ("fields-every", output.fields_every > 0),
@@ -160,7 +161,7 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
     let message =
         "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
     for (name, condition) in &case.boundary {
-        if let super::case::Condition::Velocity(v) = condition
+        if let super::schema::Condition::Velocity(v) = condition
             && v.iter().any(super::expression::Expression::depends_on_time)
         {
             root.section("boundary").section(name).wrong("velocity", message);

@@ -1,6 +1,6 @@
 //! How much memory a case needs, before its mesh is made: a run that cannot fit is refused at once.
 
-use super::case::{Case, Linearization, MeshSource, Precision, VelocityElement};
+use crate::case::{Case, Linearization, MeshSource, Precision, VelocityElement};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::mesh::{Mesh, generate};

@@ -1,8 +1,8 @@
 //! Cases made in a program: settings, a mesh and a material, checked like a case file.
 
-use super::builtin::text_and_name;
-use super::case::{Case, OwnMesh, SolidLaw, SolidSpec};
-use super::write::{number, string};
+use crate::case::builtin::text_and_name;
+use crate::case::literal::{number, string};
+use crate::case::{Case, OwnMesh, SolidLaw, SolidSpec};
 use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::physics::{OwnLaw, StoredEnergy};

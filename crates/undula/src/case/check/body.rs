@@ -1,22 +1,22 @@
 //! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
 
 use super::resolve;
+use crate::case::choices::BODY_FORCE_AT;
+use crate::case::element::{PRESSURES, Stability, VELOCITIES};
+use crate::case::error::quoted;
+use crate::case::expression::Expression;
+use crate::case::literal::number;
+use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::case::schema::{
+    FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
+    SolidSpec, SpaceSpec, VelocityElement,
+};
+use crate::case::synonyms::meant;
 use crate::choice;
 use crate::element::Shape;
 use crate::mesh::gmsh;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::material::LAWS;
-use crate::problem::case::{
-    FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
-    SolidSpec, SpaceSpec, VelocityElement,
-};
-use crate::problem::choices::BODY_FORCE_AT;
-use crate::problem::element::{PRESSURES, Stability, VELOCITIES};
-use crate::problem::error::quoted;
-use crate::problem::expression::Expression;
-use crate::problem::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
-use crate::problem::synonyms::meant;
-use crate::problem::write::number;
 use crate::space::WALLS;
 use std::collections::BTreeMap;
 

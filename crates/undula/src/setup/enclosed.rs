@@ -1,7 +1,7 @@
 //! Parts of the fluid that nothing opens, and whether the velocity data on their boundary are in balance.
 
 use super::bodies::{extent, short};
-use super::case::Case;
+use crate::case::Case;
 use crate::error::Error;
 use crate::space::{Constraints, Enclosed, FsiSpace, State, enclosed};
 

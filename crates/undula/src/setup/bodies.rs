@@ -5,8 +5,8 @@
 //! solid. At rest v = 0 in the solid, so that no solid gives way to a fluid; a solid gives way to itself where its
 //! surface is free, at the interface, too.
 
-use super::case::{Case, Condition};
 use super::fit::{Component, INTERFACE, MeshNames};
+use crate::case::{Case, Condition};
 
 /// Mistakes by the key that they belong to.
 pub(super) fn check(case: &Case, names: &MeshNames) -> Vec<(&'static str, String)> {

@@ -1,11 +1,12 @@
 //! The tables `[boundary.*]` and `[functional.*]`.
 
 use super::is_name;
+use crate::case::choices::BACKFLOW;
+use crate::case::error::quoted;
+use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
+use crate::case::read::Section;
+use crate::case::schema::{CONDITIONS, Condition, SolidLaw};
 use crate::output::history::COLUMNS;
-use crate::problem::case::{CONDITIONS, Condition, FUNCTIONALS, FunctionalSpec, SolidLaw};
-use crate::problem::choices::BACKFLOW;
-use crate::problem::error::quoted;
-use crate::problem::read::Section;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Conditions by name, and the names of outlets with the directional term.
