@@ -11,6 +11,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use undula::case::Case;
 use undula::error::Error;
+use undula::output::directory::{HISTORY, SUMMARY};
 use undula::output::{OutputError, Status, Summary};
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
@@ -188,7 +189,7 @@ fn finish(
     if !quiet {
         show_results(summary, directory);
     }
-    for file in ["summary.json", "history.csv"].map(|name| directory.join(name)) {
+    for file in [SUMMARY, HISTORY].map(|name| directory.join(name)) {
         anyhow::ensure!(file.exists(), "{}: was removed as soon as the run had ended", file.display());
     }
     Ok(code)

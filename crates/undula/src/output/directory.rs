@@ -9,8 +9,17 @@ use std::path::{Path, PathBuf};
 const SUBDIRECTORIES: [(&str, &[&str]); 3] =
     [("fields", &["vtu", "tmp"]), ("checkpoints", &["npz", "tmp"]), ("plots", &["png", "svg", "tmp"])];
 
-/// Files of a run besides `summary.json`.
-const FILES: [&str; 4] = ["case.toml", "history.csv", "fields.pvd", "breakdown.txt"];
+/// The case of a run, in its directory.
+pub const CASE: &str = "case.toml";
+
+/// The history of a run.
+pub const HISTORY: &str = "history.csv";
+
+/// The summary of a run.
+pub const SUMMARY: &str = "summary.json";
+
+/// Files of a run besides its summary.
+const FILES: [&str; 4] = [CASE, HISTORY, "fields.pvd", "breakdown.txt"];
 
 /// The directory of one run, locked against other processes while this value lives.
 ///
@@ -66,7 +75,7 @@ impl RunDirectory {
     pub fn open_for_resume(path: impl AsRef<Path>, extended: bool) -> Result<Self, OutputError> {
         let path = Self::open(path)?.path().to_path_buf();
         let completed = || {
-            let summary = Summary::read(path.join("summary.json"));
+            let summary = Summary::read(path.join(SUMMARY));
             !extended && summary.is_ok_and(|s| s.status == Status::Completed)
         };
         if completed() {
@@ -88,7 +97,7 @@ impl RunDirectory {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, OutputError> {
         let directory = RunDirectory { path: path.as_ref().to_path_buf(), lock: None, identity: None };
         if !directory.case().is_file() {
-            return Err(OutputError::NoRun { path: directory.path.clone(), missing: "case.toml".into() });
+            return Err(OutputError::NoRun { path: directory.path.clone(), missing: CASE.into() });
         }
         Ok(directory)
     }
@@ -100,17 +109,17 @@ impl RunDirectory {
 
     /// `case.toml`.
     pub fn case(&self) -> PathBuf {
-        self.path.join("case.toml")
+        self.path.join(CASE)
     }
 
     /// `history.csv`.
     pub fn history(&self) -> PathBuf {
-        self.path.join("history.csv")
+        self.path.join(HISTORY)
     }
 
     /// `summary.json`.
     pub fn summary(&self) -> PathBuf {
-        self.path.join("summary.json")
+        self.path.join(SUMMARY)
     }
 
     /// `breakdown.txt`.
@@ -292,7 +301,7 @@ fn first_entry(path: &Path) -> Result<Option<String>, OutputError> {
 
 /// Whether the run in the non-empty directory `path` may be replaced.
 fn may_replace(path: &Path, entry: &str, force: bool) -> Result<(), OutputError> {
-    let Ok(summary) = Summary::read(path.join("summary.json")) else {
+    let Ok(summary) = Summary::read(path.join(SUMMARY)) else {
         return Err(OutputError::Foreign { path: path.to_path_buf(), entry: entry.into() });
     };
     let path = path.to_path_buf();

@@ -3,6 +3,7 @@
 use super::reference::Numbers;
 use crate::case::Case;
 use crate::functional::statistics::{Series, summarize, value_at};
+use crate::output::directory::{CASE, HISTORY, SUMMARY};
 use crate::output::history::COLUMNS;
 use crate::output::{FunctionalSummary, History, OutputError, Summary};
 use std::collections::BTreeMap;
@@ -17,7 +18,7 @@ pub struct Results {
     pub summary: Summary,
     /// `history.csv`; empty without it.
     pub history: History,
-    /// `case.toml`; `None` if it is missing or of another version of the program.
+    /// `case.toml`, see [`case_of`].
     pub case: Option<Case>,
 }
 
@@ -49,12 +50,10 @@ impl Results {
     /// # Errors
     /// [`OutputError`] if the summary or the history cannot be read.
     pub fn read(directory: &Path) -> Result<Results, OutputError> {
-        let summary = Summary::read(directory.join("summary.json"))?;
-        let history = directory.join("history.csv");
+        let summary = Summary::read(directory.join(SUMMARY))?;
+        let history = directory.join(HISTORY);
         let history = if history.is_file() { History::read(history)? } else { History::default() };
-        let text = std::fs::read_to_string(directory.join("case.toml")).ok();
-        let case = text.and_then(|text| Case::from_toml(&text, "case.toml", &[]).ok());
-        Ok(Results { name: directory.display().to_string(), summary, history, case })
+        Ok(Results { name: directory.display().to_string(), summary, history, case: case_of(directory) })
     }
 
     /// The signal that `output.leading` names.
@@ -93,6 +92,12 @@ impl Results {
         }
         numbers(&signals, self.leading())
     }
+}
+
+/// The case of the run in `directory`; `None` if it is missing or of another version of the program.
+pub fn case_of(directory: &Path) -> Option<Case> {
+    let text = std::fs::read_to_string(directory.join(CASE)).ok()?;
+    Case::from_toml(&text, CASE, &[]).ok()
 }
 
 fn of_summary(f: &FunctionalSummary) -> Computed {
