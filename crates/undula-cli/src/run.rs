@@ -111,8 +111,7 @@ impl Observer for Display {
 
     fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
         let names = simulation.names();
-        let shown = simulation.leading().or(if names.is_empty() { None } else { Some(0) });
-        let leading = shown.map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
+        let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
         let info = StepInfo {
             step: row.step,
             time: row.time,
