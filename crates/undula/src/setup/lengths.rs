@@ -1,8 +1,7 @@
 //! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
 
 use crate::case::{Case, MeshSpec, MotionModel, MotionSpec};
-use crate::element::Quadrature;
-use crate::math::{Tensor, rounded};
+use crate::math::rounded;
 use crate::mesh::Mesh;
 use crate::space::FsiSpace;
 use crate::time::Scales;
@@ -60,14 +59,7 @@ impl Case {
 
     /// The scales of the equations on `space`; `stiffness` is the largest E_e.
     pub(super) fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
-        let rule = Quadrature::cell(space.mesh.shape, 2);
-        let mut area = 0.0;
-        for cell in 0..space.mesh.n_cells() {
-            for (xi, w) in rule.points.iter().zip(&rule.weights) {
-                area += w * Tensor(space.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
-            }
-        }
-        let size = (area / space.nodes.len() as f64).sqrt();
+        let size = space.node_distance();
         // The operator of fourth order has the unit 1/m² besides.
         let fourth = self.motion.model == MotionModel::Biharmonic;
         let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
@@ -76,7 +68,7 @@ impl Case {
         let modulus =
             solid.map_or(0.0, |s| if s.lambda.is_finite() { s.lambda + 2.0 * s.mu } else { 3.0 * s.mu });
         let viscosity = fluid.map_or(0.0, |f| f.kinematic_viscosity);
-        Scales { mass: density * size * size, size, stiffness, viscosity, wave: modulus / density }
+        Scales::new(space, density, viscosity, modulus, stiffness)
     }
 }
 

@@ -158,14 +158,10 @@ impl Manufactured {
     }
 
     fn scales(&self) -> Scales {
-        let (space, mut area) = (&self.space, 0.0);
-        let zero = State::zero(space.n_v(), space.n_u(), space.n_p());
-        for_each_point(space, &zero, 2, |point| area += point.weight);
-        let size = (area / space.nodes.len() as f64).sqrt();
         let density = self.physics.fluid.map(|f| f.rho).or(self.physics.solid.map(|s| s.rho));
         let (density, viscosity) = (density.unwrap_or(1.0), self.physics.fluid.map_or(0.0, |f| f.nu));
-        let wave = if self.physics.solid.is_some() { 1.0 / density } else { 0.0 };
-        Scales { mass: density * size * size, size, stiffness: 1.0, viscosity, wave }
+        let modulus = if self.physics.solid.is_some() { 1.0 } else { 0.0 };
+        Scales::new(&self.space, density, viscosity, modulus, 1.0)
     }
 
     /// The right-hand side as a stepper takes it.
