@@ -5,8 +5,9 @@
 //! solid. At rest v = 0 in the solid, so that no solid gives way to a fluid; a solid gives way to itself where its
 //! surface is free, at the interface, too.
 
-use super::fit::{Component, INTERFACE, MeshNames};
+use super::fit::{Component, MeshNames};
 use crate::case::{Case, Condition};
+use crate::mesh::INTERFACE;
 
 /// Mistakes by the key that they belong to.
 pub(super) fn check(case: &Case, names: &MeshNames) -> Vec<(&'static str, String)> {

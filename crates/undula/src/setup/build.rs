@@ -1,6 +1,6 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::fit::{INTERFACE, MeshNames};
+use super::fit::MeshNames;
 use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
@@ -15,7 +15,7 @@ use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
-use crate::mesh::{Curve, FacetDistance, Mesh, MeshError, generate, gmsh};
+use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};

@@ -3,11 +3,8 @@
 use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
 use crate::case::key;
 use crate::case::{Case, Condition, FunctionalSpec};
-use crate::mesh::{Facet, Facets, Mesh, Side};
+use crate::mesh::{Facet, Facets, INTERFACE, Mesh, Side};
 use std::collections::HashSet;
-
-/// Name of the boundary between fluid and solid.
-pub use crate::mesh::INTERFACE;
 
 /// The names of a complete mesh, before any region is left out.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -6,6 +6,7 @@ use crate::case::error::quoted;
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::read::Section;
 use crate::case::schema::{CONDITIONS, Condition, SolidLaw};
+use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,7 +15,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
     let (mut boundary, mut directional) = (BTreeMap::new(), BTreeSet::new());
     for name in all.keys() {
         let mut s = all.section(&name);
-        if name == "interface" {
+        if name == INTERFACE {
             all.wrong(
                 &name,
                 "nothing can be imposed on the interface between fluid and solid; remove this table",
