@@ -1,5 +1,6 @@
 //! J at the nodes of all cells: quadrature points alone would not see a cell that folds at a corner.
 
+use super::batch::Corners;
 use super::kernel::Kernel;
 use super::scatter::Shared;
 use super::simd::{Task, Width};
@@ -7,14 +8,6 @@ use crate::element::{BasisTable, Quadrature, lagrange};
 use crate::math::{Lanes, Tensor, Vector};
 use crate::space::FsiSpace;
 use crate::tangent::ByHand;
-
-/// Geometry at the nodes of one region, fixed for the run.
-pub(super) struct Corners<const D: usize, const L: usize> {
-    /// Reference gradients of the basis at the nodes, `[node][basis][D]`.
-    grad: Vec<f64>,
-    /// ∂ξ_d/∂x_j at the nodes \[1/m\], `[batch][node]`.
-    inverse: Vec<Tensor<Lanes<L>, D>>,
-}
 
 impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where

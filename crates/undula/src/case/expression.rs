@@ -18,6 +18,7 @@
 mod derivative;
 mod parse;
 mod program;
+mod tree;
 
 use program::Program;
 use std::fmt;

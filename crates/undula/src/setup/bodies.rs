@@ -5,7 +5,7 @@
 //! solid. At rest v = 0 in the solid, so that no solid gives way to a fluid; a solid gives way to itself where its
 //! surface is free, at the interface, too.
 
-use super::fit::{Component, MeshNames};
+use super::names::{Component, MeshNames};
 use crate::case::{Case, Condition};
 use crate::mesh::INTERFACE;
 

@@ -1,6 +1,6 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::fit::MeshNames;
+use super::names::MeshNames;
 use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};

@@ -1,6 +1,6 @@
 //! The regions of a mesh: which are computed on, which are left out, and how the sides of these are called.
 
-use super::fit::MeshNames;
+use super::names::MeshNames;
 use crate::case::error::{CaseError, quoted, suggestion};
 use crate::case::{Case, MeshSource};
 use crate::error::Error;

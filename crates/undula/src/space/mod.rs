@@ -1,5 +1,6 @@
 //! Discrete spaces of velocity, deformation and pressure: X_h = V_h × W_h × L_h of (5.26).
 
+pub mod boundary;
 pub mod conditions;
 pub mod dofs;
 pub mod enclosed;
@@ -9,7 +10,8 @@ pub mod pressure;
 mod sliding;
 pub mod state;
 
-pub use conditions::{BoundaryCondition, Constraints, VelocityData, WALLS, Walls};
+pub use boundary::{BoundaryCondition, VelocityData, WALLS, Walls};
+pub use conditions::Constraints;
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};

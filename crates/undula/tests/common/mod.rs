@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use undula::case::Case;
-use undula::setup::fit::MeshNames;
+use undula::setup::names::MeshNames;
 
 pub fn sets(overrides: &[&str]) -> Vec<String> {
     overrides.iter().map(|s| s.to_string()).collect()

@@ -11,7 +11,7 @@ use undula::tangent::{Difference, Linearization, Tangent};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const RULES: [StepRule; 2] = [
-    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT, quadrature: &[] },
+    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::rule::SECANT, quadrature: &[] },
     StepRule::STATIONARY,
 ];
 

@@ -5,7 +5,7 @@ use undula::case::builtin::builtin_cases;
 use undula::case::expression::Expression;
 use undula::case::*;
 use undula::mesh::generate::{rectangle, schaefer_turek};
-use undula::setup::fit::MeshNames;
+use undula::setup::names::MeshNames;
 use undula::space::Walls;
 
 #[test]

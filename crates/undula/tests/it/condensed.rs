@@ -7,7 +7,7 @@ use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOption
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
-use undula::physics::step::{MIDPOINT, SECANT};
+use undula::physics::rule::{MIDPOINT, SECANT};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};

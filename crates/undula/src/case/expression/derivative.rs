@@ -1,6 +1,6 @@
 //! Partial derivatives of expressions, along with the value.
 
-use super::program::{Binary, Unary};
+use super::tree::{Binary, Unary};
 
 /// A value with its partial derivatives with respect to x, y, z.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! From text to tree: a tokenizer and a Pratt parser.
 
 use super::ExpressionError;
-use super::program::{Binary, Tree, Unary, Variable};
+use super::tree::{Binary, Tree, Unary, Variable};
 use crate::case::error::did_you_mean;
 
 /// Longest source, so that the depth of the tree is bounded.
