@@ -1,10 +1,11 @@
 //! One step without division: boundary data, start value, Newton.
 
-use super::cause::{self, Cause};
-use super::report::{Ended, StepFailure, StepReport, keep};
+use super::cause::{self, Cause, Ended};
+use super::report::{StepFailure, StepReport, keep};
+use super::scales::BlockNorms;
 use super::scheme::{Formula, Past, multistep};
 use super::stepper::Stepper;
-use super::system::{BlockNorms, StepSystem};
+use super::system::StepSystem;
 use crate::assembly::{End, StepView};
 use crate::nonlinear::newton::GROWTH;
 use crate::nonlinear::{Newton, NewtonError, NewtonReport};

@@ -3,32 +3,11 @@
 //! Each part has a pressure of its own, and is of first order by itself. Their mean, weighted by length, is
 //! of second order at the middle of the step; so are the means of forces.
 
+use super::kept::Parts;
 use super::report::{StepFailure, StepReport};
 use super::scheme::FRACTIONAL;
 use super::stepper::Stepper;
 use crate::assembly::{Assembler, End, StepView};
-use crate::physics::StepRule;
-use crate::space::State;
-
-/// The parts of a step.
-pub struct Parts {
-    /// Length of the step \[s\].
-    pub length: f64,
-    /// Ends of the parts \[s\], the beginning first.
-    times: [f64; 4],
-    rules: [StepRule; 3],
-    /// The solutions then, with the pressures of the parts.
-    states: [State; 4],
-    /// The solution before the step, for extrapolation.
-    old: State,
-}
-
-impl Parts {
-    fn new(like: &State) -> Parts {
-        let states = [like.clone(), like.clone(), like.clone(), like.clone()];
-        Parts { length: 0.0, times: [0.0; 4], rules: [StepRule::STATIONARY; 3], states, old: like.clone() }
-    }
-}
 
 impl<const D: usize> Stepper<D> {
     /// A step of three parts to the time `end` \[s\]; on failure everything is as before.

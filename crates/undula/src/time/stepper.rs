@@ -2,13 +2,12 @@
 //! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
 
 use super::cause::{DataFault, DataKind};
+use super::kept::{Before, JacobianPoint, Parts};
 use super::linear::Linear;
-use super::parts::Parts;
 use super::report::Attempt;
-use super::restart::{Before, JacobianPoint};
+use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use super::system::Scales;
 use crate::assembly::{Assembler, End};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
