@@ -2,11 +2,11 @@
 
 use super::batch::{Batches, Corners};
 use super::chunks::{Copies, Writes, for_each, for_each_piece};
-use super::contract::{Piece, Tangents, Test, Trial, pieces};
 use super::interior::Interior;
 use super::scatter::{DROP, PerThread};
 use super::simd::Width;
 use super::tensor::TensorScratch;
+use super::test_functions::{Piece, Tangents, Test, Trial, pieces};
 use crate::algebra::SolverError;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, StepRule};

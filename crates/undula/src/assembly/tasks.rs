@@ -1,12 +1,12 @@
 //! What is done with one batch: residual, explicit part, contraction of its tangents ([`super::tangents`]). Each
 //! is compiled for the vector width of its numbers, see [`super::simd`].
 
-use super::contract::{Piece, Tangents, Test, Trial};
 use super::evaluate::{pull_back, scatter};
 use super::kernel::{Kernel, Scratch, StepView};
 use super::scatter::Shared;
 use super::simd::{Task, Width};
 use super::tangents::{Directions, TangentTasks};
+use super::test_functions::{Piece, Tangents, Test, Trial};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::Tested;
 use crate::tangent::{ByHand, Linearization, Tangent};

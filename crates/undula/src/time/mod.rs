@@ -1,22 +1,22 @@
 //! Steps in time.
 
 pub mod adaptive;
-mod attempt;
 pub mod cause;
 mod condensed;
 mod extension;
 pub mod factors;
-mod halves;
+pub mod fractional_step;
 pub mod kept;
 mod krylov;
 pub mod linear;
-pub mod parts;
 mod preconditioned;
 pub mod report;
 pub mod restart;
+mod retry;
 pub mod scales;
 pub mod schedule;
 pub mod scheme;
+mod single_step;
 mod stationary;
 pub mod stepper;
 pub mod system;

@@ -1,4 +1,4 @@
-//! The solution at one time, and all that carries it on: steps in `halves.rs` and `attempt.rs`, stationary
+//! The solution at one time, and all that carries it on: steps in `retry.rs` and `single_step.rs`, stationary
 //! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
 
 use super::cause::{DataFault, DataKind};

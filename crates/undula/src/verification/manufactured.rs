@@ -5,7 +5,7 @@
 
 use crate::algebra::FaerLu;
 use crate::assembly::facets::{FacetPoint, facet_points};
-use crate::assembly::points::for_each_point;
+use crate::assembly::sampling::for_each_point;
 use crate::assembly::{Assembler, Options, Physics};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, Settings};

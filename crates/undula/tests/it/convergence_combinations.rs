@@ -7,7 +7,7 @@ use crate::manufactured::*;
 use std::sync::Arc;
 use undula::assembly::Physics;
 use undula::assembly::force::CurrentForce;
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::math::Tensor;
 use undula::physics::{Extension, Fluid, Material, PressureTerm, Solid, Stabilization, TransportTerm};
 use undula::space::PressureKind::{self, Continuous, Pdc};

@@ -5,7 +5,7 @@
 #![allow(non_snake_case)]
 
 use crate::manufactured::*;
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::assembly::{End, Options, Physics};
 use undula::element::Shape;
 use undula::math::Tensor;

@@ -5,7 +5,7 @@ use crate::common::builtin;
 use faer::{Mat, Side, prelude::Solve};
 use std::sync::Arc;
 use undula::algebra::{Csr, Kind, Pattern, Unknown};
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::simulation::Simulation;

@@ -10,7 +10,7 @@
 
 use super::lanczos::largest;
 use crate::algebra::{Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown};
-use crate::assembly::points::{PointValues, for_each_point};
+use crate::assembly::sampling::{PointValues, for_each_point};
 use crate::math::Vector;
 use crate::physics::Kinematics;
 use crate::space::{Constraints, FsiSpace, PressureKind, PsiOwner, Region, State};

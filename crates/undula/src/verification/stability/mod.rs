@@ -71,7 +71,7 @@ fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f
     let mut state = State::zero(space.n_v(), space.n_v(), space.n_p());
     state.u[..u.len()].copy_from_slice(u);
     let mut min = f64::INFINITY;
-    crate::assembly::points::for_each_point(space, &state, quadrature, |point| {
+    crate::assembly::sampling::for_each_point(space, &state, quadrature, |point| {
         if !point.pressure.is_empty() {
             min = min.min(Kinematics::of(&point.fields.grad_u).J);
         }
