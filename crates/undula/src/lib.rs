@@ -113,6 +113,8 @@
 //!
 //! | step | module |
 //! | --- | --- |
+//! | read and check a case | `src/case` |
+//! | make its mesh, spaces, equations and solvers | `src/setup` |
 //! | discretise a weak form in time | [`physics::step`], with the rules of `src/time` |
 //! | differentiate the weak form | `src/tangent` by dual numbers, [`physics::theorem_5_2`] by hand |
 //! | assemble residual and Jacobian | `src/assembly` |
@@ -120,6 +122,8 @@
 //! | solve the linear systems | `src/algebra` |
 //! | run a case step by step, without files | [`Simulation`] |
 //! | run a case with its output files | `src/run` |
+//! | set its results beside others | `src/results` |
+//! | check the program: manufactured solutions, Jacobians, inf-sup constants | `src/verification` |
 //! | measure the time of a step | `src/bench` |
 //!
 //! # Symbols

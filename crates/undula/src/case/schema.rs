@@ -129,7 +129,7 @@ pub enum MeshSource {
     },
     /// A Gmsh file with named physical groups.
     File(PathBuf),
-    /// A mesh of the program, see [`super::builder::CaseBuilder::mesh`].
+    /// A mesh of the program, see [`crate::CaseBuilder::mesh`].
     Own(OwnMesh),
 }
 
@@ -189,7 +189,7 @@ pub struct SolidSpec {
     pub region: String,
     /// Constitutive law.
     pub law: SolidLaw,
-    /// A stored energy of the program in place of `law`, see [`super::builder::CaseBuilder::material`]; `mu` and
+    /// A stored energy of the program in place of `law`, see [`crate::CaseBuilder::material`]; `mu` and
     /// `lambda` are then those at rest.
     pub own: Option<OwnLaw>,
     /// ρ_s \[kg/m³\].
