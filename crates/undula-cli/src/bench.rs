@@ -5,9 +5,9 @@ use crate::{check, run};
 use anyhow::Context;
 use std::process::ExitCode;
 use undula::bench::{Options, Report, measure, write_matrices};
+use undula::case::Case;
 use undula::error::Error;
 use undula::output::write_atomic;
-use undula::problem::case::Case;
 use undula::simulation::Simulation;
 
 /// Measures, and writes the report.

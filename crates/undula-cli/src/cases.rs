@@ -2,8 +2,8 @@
 
 use crate::args::print;
 use std::process::ExitCode;
-use undula::problem::builtin::builtin_cases;
-use undula::problem::case::Case;
+use undula::case::Case;
+use undula::case::builtin::builtin_cases;
 
 /// Prints name and title of every built-in case.
 pub fn run() -> anyhow::Result<ExitCode> {

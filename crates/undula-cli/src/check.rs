@@ -5,11 +5,11 @@ use crate::digits::fixed;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use undula::case::error::LoadError;
+use undula::case::{Case, Condition, FluidSpec, GENERATORS, MeshSource, SolidSpec};
 use undula::choice::row_of;
 use undula::output::{OutputError, RunDirectory};
-use undula::problem::case::{Case, Condition, FluidSpec, GENERATORS, MeshSource, SolidSpec};
-use undula::problem::error::LoadError;
-use undula::problem::overview::Overview;
+use undula::setup::overview::Overview;
 
 /// Loads the case and prints its summary, or all its mistakes.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {

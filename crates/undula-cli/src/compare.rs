@@ -4,9 +4,10 @@ use crate::args::{CompareArgs, bad_input, print, say};
 use anyhow::Context;
 use std::path::Path;
 use std::process::ExitCode;
-use undula::problem::compare::{Comparison, compare, difference};
-use undula::problem::reference::{Beside, Departure, References};
-use undula::problem::results::Results;
+use undula::output::directory::SUMMARY;
+use undula::results::compare::{Comparison, compare, difference};
+use undula::results::computed::Results;
+use undula::results::reference::{Beside, Departure, References};
 
 /// Prints the table.
 pub fn run(args: &CompareArgs) -> anyhow::Result<ExitCode> {
@@ -88,9 +89,9 @@ fn in_words(name: &str, keys: &[Departure]) -> String {
 
 /// The run in `dir`, or what is wrong with it.
 fn read(dir: &Path) -> anyhow::Result<Result<Results, String>> {
-    if !dir.join("summary.json").exists() {
+    if !dir.join(SUMMARY).exists() {
         let shown = dir.display();
-        return Ok(Err(format!("{shown} is not the output of a finished run: it has no summary.json")));
+        return Ok(Err(format!("{shown} is not the output of a finished run: it has no {SUMMARY}")));
     }
     Ok(Results::read(dir).map_err(|e| e.to_string()))
 }

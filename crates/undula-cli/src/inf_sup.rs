@@ -5,10 +5,10 @@ use crate::{check, run};
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use undula::case::Case;
 use undula::error::Error;
-use undula::problem::case::Case;
 use undula::simulation::Simulation;
-use undula::stability::{Conditions, Constants, InfSup, conditions, constants};
+use undula::verification::stability::{Conditions, Constants, InfSup, conditions, constants};
 
 /// Below this a constant is zero: it is the root of a rounding error.
 const ZERO: f64 = 1e-4;

@@ -3,11 +3,11 @@
 use crate::args::{CheckArgs, print, say_notes};
 use crate::{check, run};
 use std::process::ExitCode;
+use undula::case::Case;
 use undula::error::Error;
-use undula::jacobian::{At, JacobianReport, compare};
-use undula::problem::case::Case;
 use undula::run::restore_latest;
 use undula::simulation::Simulation;
+use undula::verification::jacobians::{At, JacobianReport, compare};
 
 /// Compares them at a random state, or at that of a run; exit code 1 if they do not agree.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {

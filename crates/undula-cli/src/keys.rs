@@ -2,7 +2,7 @@
 
 use crate::args::{KeysArgs, bad_input, print};
 use std::process::ExitCode;
-use undula::problem::keys::{Found, nearest, search};
+use undula::case::keys::{Found, nearest, search};
 
 /// Columns of the output in characters, as long as the texts in the other columns leave room.
 const WIDTH: usize = 120;

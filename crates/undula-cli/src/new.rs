@@ -6,9 +6,9 @@ use std::fs::File;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use undula::problem::builtin::{BuiltinCase, builtin_case, builtin_cases};
-use undula::problem::error::did_you_mean;
-use undula::problem::name_of_file;
+use undula::case::builtin::{BuiltinCase, builtin_case, builtin_cases};
+use undula::case::error::did_you_mean;
+use undula::case::name_of_file;
 
 /// Writes the TOML of the built-in case; an existing file is kept unless `--force` is given.
 pub fn run(args: &NewArgs) -> anyhow::Result<ExitCode> {

@@ -11,7 +11,7 @@ use anyhow::Context;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use undula::output::{Collection, History, OutputError, RunDirectory, Summary, read_vtu};
-use undula::problem::results::Results;
+use undula::results::computed::Results;
 
 /// Draws the pictures and lists them.
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {

@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use undula::case::Case;
 use undula::error::Error;
+use undula::output::directory::{HISTORY, SUMMARY};
 use undula::output::{OutputError, Status, Summary};
-use undula::problem::case::Case;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
 
@@ -110,8 +111,7 @@ impl Observer for Display {
 
     fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
         let names = simulation.names();
-        let shown = simulation.leading().or(if names.is_empty() { None } else { Some(0) });
-        let leading = shown.map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
+        let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
         let info = StepInfo {
             step: row.step,
             time: row.time,
@@ -188,7 +188,7 @@ fn finish(
     if !quiet {
         show_results(summary, directory);
     }
-    for file in ["summary.json", "history.csv"].map(|name| directory.join(name)) {
+    for file in [SUMMARY, HISTORY].map(|name| directory.join(name)) {
         anyhow::ensure!(file.exists(), "{}: was removed as soon as the run had ended", file.display());
     }
     Ok(code)

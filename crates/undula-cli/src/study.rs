@@ -67,7 +67,7 @@ pub fn run(args: &StudyArgs) -> anyhow::Result<ExitCode> {
 
 /// Where somebody names a built-in case instead of a study.
 fn hint(file: &str) -> String {
-    match undula::problem::builtin::builtin_case(file) {
+    match undula::case::builtin::builtin_case(file) {
         Some(_) => format!(
             "; `{file}` is a built-in case: run it with `undula run {file}`, refine it with --converge"
         ),
@@ -77,7 +77,7 @@ fn hint(file: &str) -> String {
 
 /// Where somebody names a case file instead of a study.
 fn hint_of_case(text: &str, file: &str) -> String {
-    match undula::problem::case::Case::from_toml(text, file, &[]) {
+    match undula::case::Case::from_toml(text, file, &[]) {
         Ok(_) => format!("\n{file} is a case: run it with `undula run {file}`, refine it with --converge"),
         Err(_) => String::new(),
     }

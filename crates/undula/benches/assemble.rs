@@ -7,8 +7,8 @@ use std::sync::Arc;
 use std::time::Instant;
 use undula::algebra::Csr;
 use undula::assembly::{Assembler, Options, StepView, available};
+use undula::case::Case;
 use undula::physics::StepRule;
-use undula::problem::case::Case;
 use undula::space::{BoundaryCondition, FsiSpace, State};
 use undula::tangent::Tangent;
 

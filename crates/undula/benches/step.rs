@@ -3,7 +3,7 @@
 //! `cargo bench --bench step [-- REFINE...]`. A plain program: no harness.
 
 use undula::bench::{Options, measure};
-use undula::problem::case::Case;
+use undula::case::Case;
 use undula::simulation::Simulation;
 
 fn main() {

@@ -1,10 +1,10 @@
 //! Everything that can go wrong, gathered.
 
 use crate::algebra::SolverError;
+use crate::case::error::{CaseErrors, LoadError};
 use crate::mesh::MeshError;
 use crate::nonlinear::NewtonError;
 use crate::output::OutputError;
-use crate::problem::error::{CaseErrors, LoadError};
 use crate::time::StepFailure;
 
 /// Why a computation could not be set up or went wrong.

@@ -113,6 +113,8 @@
 //!
 //! | step | module |
 //! | --- | --- |
+//! | read and check a case | `src/case` |
+//! | make its mesh, spaces, equations and solvers | `src/setup` |
 //! | discretise a weak form in time | [`physics::step`], with the rules of `src/time` |
 //! | differentiate the weak form | `src/tangent` by dual numbers, [`physics::theorem_5_2`] by hand |
 //! | assemble residual and Jacobian | `src/assembly` |
@@ -120,6 +122,8 @@
 //! | solve the linear systems | `src/algebra` |
 //! | run a case step by step, without files | [`Simulation`] |
 //! | run a case with its output files | `src/run` |
+//! | set its results beside others | `src/results` |
+//! | check the program: manufactured solutions, Jacobians, inf-sup constants | `src/verification` |
 //! | measure the time of a step | `src/bench` |
 //!
 //! # Symbols
@@ -147,6 +151,10 @@ pub mod assembly;
 #[doc(hidden)]
 pub mod bench;
 #[doc(hidden)]
+pub mod builder;
+#[doc(hidden)]
+pub mod case;
+#[doc(hidden)]
 pub mod choice;
 #[doc(hidden)]
 pub mod element;
@@ -154,8 +162,6 @@ pub mod element;
 pub mod error;
 #[doc(hidden)]
 pub mod functional;
-#[doc(hidden)]
-pub mod jacobian;
 #[doc(hidden)]
 pub mod math;
 #[doc(hidden)]
@@ -166,27 +172,29 @@ pub mod nonlinear;
 pub mod output;
 pub mod physics;
 #[doc(hidden)]
-pub mod problem;
+pub mod results;
 #[doc(hidden)]
 pub mod run;
+#[doc(hidden)]
+pub mod setup;
 #[doc(hidden)]
 pub mod simulation;
 #[doc(hidden)]
 pub mod space;
-#[doc(hidden)]
-pub mod stability;
 #[doc(hidden)]
 pub mod study;
 #[doc(hidden)]
 pub mod tangent;
 #[doc(hidden)]
 pub mod time;
+#[doc(hidden)]
+pub mod verification;
 
+pub use builder::{CaseBuilder, Setting};
+pub use case::Case;
 pub use error::Error;
 pub use functional::fields::{Fields, PointFields};
 pub use math::{Scalar, Tensor};
 pub use mesh::{Located, Mesh, MeshError};
 pub use physics::{Deformation, Material, StoredEnergy};
-pub use problem::builder::{CaseBuilder, Setting};
-pub use problem::case::Case;
 pub use simulation::{Row, Simulation};

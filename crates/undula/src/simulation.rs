@@ -5,6 +5,7 @@ mod row;
 pub use row::Row;
 
 use crate::assembly::StepView;
+use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
 use crate::functional::balance::Balance;
@@ -12,8 +13,7 @@ use crate::functional::fields::{Fields, OwnFunctional};
 use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
-use crate::problem::build::Functionals;
-use crate::problem::case::{Case, TimeSpec};
+use crate::setup::build::Functionals;
 use crate::space::State;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;

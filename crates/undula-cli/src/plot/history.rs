@@ -4,7 +4,7 @@ use super::colors::{GREY, GRID, INK, LINES};
 use super::figure::{Anchor, Figure, Panel, labelled, readable};
 use std::path::{Path, PathBuf};
 use undula::functional::statistics::{Statistics, Window, summarize};
-use undula::problem::results::{Results, Signal as Computed};
+use undula::results::computed::{Results, Signal as Computed};
 
 /// Periods in the zoom.
 const PERIODS: f64 = 5.0;

@@ -4,7 +4,7 @@ use crate::args::{CaseArgs, Cli, Command};
 use crate::{cases, check, compare, new};
 use clap::{CommandFactory, Parser};
 use std::process::ExitCode;
-use undula::problem::case::Case;
+use undula::case::Case;
 
 fn parse(line: &str) -> Result<Command, String> {
     match Cli::try_parse_from(line.split_whitespace()) {

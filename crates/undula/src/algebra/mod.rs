@@ -26,8 +26,8 @@ pub use gmres::{Gmres, GmresReport};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};
-pub use scaling::{Scaling, Sizes};
-pub use solver::{Cost, FactorReport, Kind, LinearSolver, SolveReport, SolverError, Unknown};
+pub use scaling::Scaling;
+pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
 
 /// Direct solvers.

@@ -1,6 +1,6 @@
 //! Equilibration: rows in Pa, m/s and penalties brought to one size.
 
-use super::{Csr, Kind, SolverError, Unknown};
+use super::{Csr, Kind, Sizes, SolverError, Unknown};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -10,34 +10,6 @@ const PIECES: usize = 8;
 /// Consecutive unknowns of one kind at most, for sums over parts of rows; where there are more, entries are taken one
 /// by one.
 const FEW: usize = 4;
-
-/// Typical sizes of unknowns, in one system of units: what is as large as what.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sizes {
-    /// Of a velocity \[m/s\].
-    pub velocity: f64,
-    /// Of a deformation \[m\].
-    pub deformation: f64,
-    /// Of a pressure \[Pa\].
-    pub pressure: f64,
-}
-
-impl Default for Sizes {
-    /// All numbers alike, whatever their units.
-    fn default() -> Self {
-        Self { velocity: 1.0, deformation: 1.0, pressure: 1.0 }
-    }
-}
-
-impl Sizes {
-    fn of(&self, kind: Kind) -> f64 {
-        match kind {
-            Kind::Velocity => self.velocity,
-            Kind::Deformation => self.deformation,
-            Kind::Pressure => self.pressure,
-        }
-    }
-}
 
 /// Row and column scales `R` and `C` such that the sum `Σ |R A| s` of every row, s the [sizes](Sizes) of the unknowns,
 /// and the largest entry of every column of `R A C` are one. `A x = b` is `(R A C) (C⁻¹ x) = R b`.

@@ -1,6 +1,6 @@
 //! What a linear solver is, what it may know, and how it fails.
 
-use super::{Csr, Pattern, Sizes};
+use super::{Csr, Pattern};
 use std::{fmt, sync::Arc};
 
 /// Field that an unknown belongs to.
@@ -25,6 +25,34 @@ pub struct Unknown {
     pub kind: Kind,
     /// Position in the reference domain, m; the third coordinate is 0 in two dimensions.
     pub at: [f64; 3],
+}
+
+/// Typical sizes of unknowns, in one system of units: what is as large as what.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sizes {
+    /// Of a velocity \[m/s\].
+    pub velocity: f64,
+    /// Of a deformation \[m\].
+    pub deformation: f64,
+    /// Of a pressure \[Pa\].
+    pub pressure: f64,
+}
+
+impl Default for Sizes {
+    /// All numbers alike, whatever their units.
+    fn default() -> Self {
+        Self { velocity: 1.0, deformation: 1.0, pressure: 1.0 }
+    }
+}
+
+impl Sizes {
+    pub(super) fn of(&self, kind: Kind) -> f64 {
+        match kind {
+            Kind::Velocity => self.velocity,
+            Kind::Deformation => self.deformation,
+            Kind::Pressure => self.pressure,
+        }
+    }
 }
 
 impl fmt::Display for Unknown {

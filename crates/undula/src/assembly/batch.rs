@@ -1,22 +1,12 @@
 //! Cells of one region, `L` at a time.
 
 use super::chunks::chunks;
+use super::evaluate::Point;
 use super::tensor::TensorBasis;
 use crate::element::{BasisTable, Quadrature};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::space::FsiSpace;
 use std::ops::Range;
-
-/// Geometry and data of one quadrature point in `L` cells, fixed for the run.
-#[derive(Copy, Clone, Debug)]
-pub struct Point<const D: usize, const L: usize> {
-    /// ∂ξ_d/∂x_j \[1/m\].
-    pub inverse: Tensor<Lanes<L>, D>,
-    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\]; zero in padded lanes.
-    pub weight: Lanes<L>,
-    /// Stiffness E_e of the extension.
-    pub stiffness: Lanes<L>,
-}
 
 /// All cells of one region in batches.
 pub struct Batches<const D: usize, const L: usize> {
@@ -46,6 +36,14 @@ pub struct Batches<const D: usize, const L: usize> {
     pub n_points: usize,
     /// Position of the points \[m\], `[batch][point]`.
     pub positions: Vec<Vector<Lanes<L>, D>>,
+}
+
+/// Geometry at the nodes of one region, fixed for the run.
+pub(super) struct Corners<const D: usize, const L: usize> {
+    /// Reference gradients of the basis at the nodes, `[node][basis][D]`.
+    pub(super) grad: Vec<f64>,
+    /// ∂ξ_d/∂x_j at the nodes \[1/m\], `[batch][node]`.
+    pub(super) inverse: Vec<Tensor<Lanes<L>, D>>,
 }
 
 impl<const D: usize, const L: usize> Batches<D, L> {

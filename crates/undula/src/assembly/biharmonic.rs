@@ -14,7 +14,7 @@
 //! are reproduced on parallelograms and straight triangles, affine ones on all cells.
 
 use super::facets::facet_points;
-use super::points::for_each_point;
+use super::sampling::for_each_point;
 use super::scatter::DROP;
 use crate::element::Shape;
 use crate::math::Vector;

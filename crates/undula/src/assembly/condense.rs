@@ -5,12 +5,12 @@
 //! left out: the matrix is then the Jacobian.
 
 use super::chunks::{Copies, Writes};
-use super::contract::{Piece, Test, Trial};
 use super::interior::{BackwardTask, CondenseTask, FacetBlocks, ForwardTask, Interior, Layout, Sweep};
 use super::kernel::{Kernel, StepView};
 use super::scatter::{DROP, Shared};
 use super::simd::Width;
 use super::tangents::{Directions, TangentTasks};
+use super::test_functions::{Piece, Test, Trial};
 use crate::algebra::SolverError;
 use crate::math::Lanes;
 use crate::physics::Couplings;

@@ -1,9 +1,19 @@
 //! E and B: from global vectors to fields at a point, and back by Bᵀ.
 
-use super::batch::Point;
 use super::scatter::{DROP, Shared};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::Tested;
+
+/// Geometry and data of one quadrature point in `L` cells, fixed for the run.
+#[derive(Copy, Clone, Debug)]
+pub struct Point<const D: usize, const L: usize> {
+    /// ∂ξ_d/∂x_j \[1/m\].
+    pub inverse: Tensor<Lanes<L>, D>,
+    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\]; zero in padded lanes.
+    pub weight: Lanes<L>,
+    /// Stiffness E_e of the extension.
+    pub stiffness: Lanes<L>,
+}
 
 /// A vector field at a point, or what stands before a test function: value and reference gradient.
 #[derive(Copy, Clone, Debug)]

@@ -2,11 +2,11 @@
 //!
 //! Where the model is linear its matrix stays for the run, and is factorised once.
 
-use super::contract::{Test, Trial};
 use super::kernel::{Kernel, StepView};
 use super::scatter::DROP;
 use super::simd::Width;
 use super::tangents::{Directions, TangentTasks};
+use super::test_functions::{Test, Trial};
 use crate::algebra::{Csr, Pattern};
 use crate::math::Lanes;
 use crate::space::{Constraints, FsiSpace, PsiOwner};

@@ -14,9 +14,9 @@
 
 use super::batch::Batches;
 use super::chunks::Copies;
-use super::contract::{Piece, Tangents, Test, Trial};
 use super::scatter::Shared;
 use super::simd::{Task, Width};
+use super::test_functions::{Piece, Tangents, Test, Trial};
 use crate::element::Shape;
 use crate::math::{Lanes, Scalar};
 use crate::space::PressureKind;

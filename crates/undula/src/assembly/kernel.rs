@@ -1,19 +1,17 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
-use super::batch::Batches;
+use super::batch::{Batches, Corners};
 use super::chunks::{Copies, Writes, for_each, for_each_piece};
-use super::contract::{Piece, Tangents, Test, Trial, pieces};
-use super::folds::Corners;
 use super::interior::Interior;
-use super::scatter::{DROP, PerThread, Shared};
+use super::scatter::{DROP, PerThread};
 use super::simd::Width;
-use super::tasks::{ExplicitTask, JacobianTask, ResidualTask};
 use super::tensor::TensorScratch;
+use super::test_functions::{Piece, Tangents, Test, Trial, pieces};
 use crate::algebra::SolverError;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::{Fields, StepRule};
 use crate::space::{Constraints, FsiSpace, PsiOwner, Region, State};
-use crate::tangent::{ByHand, Linearization, Tangent};
+use crate::tangent::ByHand;
 
 /// One step as assembly sees it.
 #[derive(Copy, Clone)]
@@ -66,7 +64,7 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) slots: Vec<[u32; L]>,
     pub(super) slots_per_batch: usize,
     /// Copies where chunks write the same entries of the matrix.
-    slot_copies: Copies,
+    pub(super) slot_copies: Copies,
     /// Where the element vectors go in `[v, u, p]`, or copies of it.
     pub(super) write_phi: Vec<[u32; L]>,
     pub(super) write_psi: Vec<[u32; L]>,
@@ -275,64 +273,6 @@ where
         work: impl Fn(usize, &mut [T]) + Sync,
     ) {
         for_each_piece(&self.batches.chunks, array, size, self.threads > 1, &work);
-    }
-
-    /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.
-    pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
-        let mut copies = std::mem::take(&mut self.row_copies);
-        let shared = copies.share(out);
-        let mut min_j = std::mem::take(&mut self.min_j);
-        let slots = Shared::new(&mut min_j);
-        self.for_each_batch(|batch| {
-            self.scratch.with(|scratch| {
-                Lanes::<L>::dispatch(ResidualTask {
-                    kernel: self,
-                    step,
-                    batch,
-                    scratch,
-                    out: &shared,
-                    min_j: &slots,
-                });
-            });
-        });
-        copies.gather(out);
-        self.row_copies = copies;
-        let smallest = min_j.iter().copied().fold(f64::INFINITY, f64::min);
-        self.min_j = min_j;
-        smallest
-    }
-
-    /// Add the explicit part to `out`.
-    pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
-        let mut copies = std::mem::take(&mut self.row_copies);
-        let shared = copies.share(out);
-        self.for_each_batch(|batch| {
-            self.scratch.with(|scratch| {
-                Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
-            });
-        });
-        copies.gather(out);
-        self.row_copies = copies;
-    }
-
-    /// Add the Jacobian to the entries `out` of the matrix.
-    pub fn jacobian(
-        &mut self,
-        step: &StepView<'_>,
-        linearization: Linearization,
-        tangent: Tangent,
-        out: &mut [f64],
-    ) {
-        let mut copies = std::mem::take(&mut self.slot_copies);
-        let shared = copies.share(out);
-        self.for_each_batch(|batch| {
-            self.scratch.with(|scratch| {
-                let out = &shared;
-                JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, out }.run();
-            });
-        });
-        copies.gather(out);
-        self.slot_copies = copies;
     }
 
     /// Smallest J of the last residual with its cell, and all cells where J is not positive.

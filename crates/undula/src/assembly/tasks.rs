@@ -1,15 +1,78 @@
 //! What is done with one batch: residual, explicit part, contraction of its tangents ([`super::tangents`]). Each
 //! is compiled for the vector width of its numbers, see [`super::simd`].
 
-use super::contract::{Piece, Tangents, Test, Trial};
 use super::evaluate::{pull_back, scatter};
 use super::kernel::{Kernel, Scratch, StepView};
 use super::scatter::Shared;
 use super::simd::{Task, Width};
 use super::tangents::{Directions, TangentTasks};
+use super::test_functions::{Piece, Tangents, Test, Trial};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::physics::Tested;
 use crate::tangent::{ByHand, Linearization, Tangent};
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.
+    pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
+        let mut min_j = std::mem::take(&mut self.min_j);
+        let slots = Shared::new(&mut min_j);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ResidualTask {
+                    kernel: self,
+                    step,
+                    batch,
+                    scratch,
+                    out: &shared,
+                    min_j: &slots,
+                });
+            });
+        });
+        copies.gather(out);
+        self.row_copies = copies;
+        let smallest = min_j.iter().copied().fold(f64::INFINITY, f64::min);
+        self.min_j = min_j;
+        smallest
+    }
+
+    /// Add the explicit part to `out`.
+    pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
+            });
+        });
+        copies.gather(out);
+        self.row_copies = copies;
+    }
+
+    /// Add the Jacobian to the entries `out` of the matrix.
+    pub fn jacobian(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut [f64],
+    ) {
+        let mut copies = std::mem::take(&mut self.slot_copies);
+        let shared = copies.share(out);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                let out = &shared;
+                JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, out }.run();
+            });
+        });
+        copies.gather(out);
+        self.slot_copies = copies;
+    }
+}
 
 pub(super) struct ResidualTask<'a, F, const D: usize, const L: usize> {
     pub(super) kernel: &'a Kernel<F, D, L>,

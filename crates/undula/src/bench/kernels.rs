@@ -2,7 +2,6 @@
 
 use super::median;
 use crate::algebra::{Cost, Csr, LinearSolver, MultifrontalLu, Options, Sizes, SolverError, Unknown};
-use crate::assembly::differences::{Differences, deviation};
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
 use crate::physics::StepRule;
@@ -10,6 +9,7 @@ use crate::simulation::Simulation;
 use crate::space::State;
 use crate::tangent::Tangent;
 use crate::time::Stepper;
+use crate::verification::jacobians::differences::{Differences, deviation};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::time::Instant;

@@ -1,7 +1,7 @@
 //! What a step of a case costs, and its parts, beside what the machine can do.
 //!
 //! ```no_run
-//! # use undula::{bench, problem::case::Case, run, simulation::Simulation};
+//! # use undula::{bench, case::Case, run, simulation::Simulation};
 //! let case = Case::load("out/fsi3/case.toml", &[])?;
 //! let mut simulation = Simulation::new(case, 2)?;
 //! run::restore_latest(&mut simulation, "out/fsi3")?;

@@ -2,7 +2,7 @@
 #![allow(non_snake_case)]
 
 use super::{Functional, Snapshot};
-use crate::assembly::points::{PointValues, for_each_point};
+use crate::assembly::sampling::{PointValues, for_each_point};
 use crate::choice::{Choice, choice};
 use crate::physics::Kinematics;
 use crate::space::Region;

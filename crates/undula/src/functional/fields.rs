@@ -2,7 +2,7 @@
 
 use super::{Functional, Snapshot};
 use crate::assembly::facets::fields_at;
-use crate::assembly::points::for_each_point;
+use crate::assembly::sampling::for_each_point;
 use crate::element::{Quadrature, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Located, Locator, MeshError};

@@ -1,7 +1,5 @@
 //! One history as a function of time: its extrema, its period, and whether it repeats itself.
 
-use super::statistics::{Extremum, Window};
-
 /// A signal varies by less than this, relative to its size: steady.
 pub(super) const STEADY: f64 = 1e-6;
 
@@ -13,6 +11,31 @@ pub const SAMPLES: usize = 8;
 
 /// How many periods the last one is compared with at most.
 pub const PAST: usize = 3;
+
+/// The last full period of the leading signal.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Upward crossing of the mean at its start \[s\].
+    pub start: f64,
+    /// Upward crossing of the mean at its end \[s\].
+    pub end: f64,
+}
+
+impl Window {
+    /// T \[s\].
+    pub fn period(&self) -> f64 {
+        self.end - self.start
+    }
+}
+
+/// A largest or smallest value and when it occurs.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Extremum {
+    /// \[s\]
+    pub time: f64,
+    /// In the unit of the signal.
+    pub value: f64,
+}
 
 /// Finite samples at strictly increasing times.
 pub(super) struct Signal {

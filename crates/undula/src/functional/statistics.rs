@@ -12,24 +12,8 @@
 //! have no mean, no amplitude and no frequency. `summary.json`, `undula compare` and the pictures all take their
 //! numbers from [`summarize`].
 
-pub use super::signal::{PAST, SAMPLES};
+pub use super::signal::{Extremum, PAST, SAMPLES, Window};
 use super::signal::{PERIODS, STEADY, Signal};
-
-/// The last full period of the leading signal.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Window {
-    /// Upward crossing of the mean at its start \[s\].
-    pub start: f64,
-    /// Upward crossing of the mean at its end \[s\].
-    pub end: f64,
-}
-
-impl Window {
-    /// T \[s\].
-    pub fn period(&self) -> f64 {
-        self.end - self.start
-    }
-}
 
 /// A history in four numbers, in the unit of the signal except the frequency.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -53,15 +37,6 @@ pub struct Series<'a> {
     pub times: &'a [f64],
     /// A value for every time.
     pub values: &'a [f64],
-}
-
-/// A largest or smallest value and when it occurs.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Extremum {
-    /// \[s\]
-    pub time: f64,
-    /// In the unit of the signal.
-    pub value: f64,
 }
 
 /// A discrete Fourier spectrum.

@@ -6,6 +6,7 @@
 //! [`summary.json`](Summary). Whatever is not appended to is written to a temporary file, synced and
 //! renamed, so that a killed run never leaves a file half written.
 
+pub mod atomic;
 pub mod checkpoint;
 pub mod directory;
 pub mod error;
@@ -15,8 +16,9 @@ pub mod pvd;
 pub mod summary;
 pub mod vtu;
 
+pub use atomic::write_atomic;
 pub use checkpoint::{Array, Checkpoint, Latest};
-pub use directory::{RunDirectory, write_atomic};
+pub use directory::RunDirectory;
 pub use error::OutputError;
 pub(crate) use history::text_of;
 pub use history::{History, HistoryWriter};

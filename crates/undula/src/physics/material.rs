@@ -5,7 +5,7 @@
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
 use super::kinematics::{Kinematics, volume_change};
-use super::stored_energy::{OwnLaw, StoredEnergy};
+use super::stored_energy::{Deformation, OwnLaw, StoredEnergy};
 use crate::choice::{Choice, choice, name_of};
 use crate::math::{Scalar, Tensor};
 
@@ -161,6 +161,13 @@ struct Rubber<T> {
     volume: T,
     /// Derivative of h (J − 1) with respect to J.
     slope: T,
+}
+
+/// The built-in laws by their energies; of a law with a pressure of its own that of the deformation alone.
+impl StoredEnergy for Material {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        Material::energy(self, &at.grad_u)
+    }
 }
 
 impl Material {

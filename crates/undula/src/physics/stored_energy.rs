@@ -1,7 +1,6 @@
 //! Materials of other programs: the stored energy is written, stress and tangent follow by dual numbers.
 
 use super::kinematics::volume_change;
-use super::material::Material;
 use crate::math::{HyperDual, Scalar, Tensor};
 use std::fmt;
 
@@ -74,13 +73,6 @@ impl<T: Scalar, const D: usize> Deformation<T, D> {
         let E = self.E();
         let trace = E.trace();
         trace * 4.0 + (trace * trace - E.ddot(E)) * 2.0
-    }
-}
-
-/// The built-in laws by their energies; of a law with a pressure of its own that of the deformation alone.
-impl StoredEnergy for Material {
-    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
-        Material::energy(self, &at.grad_u)
     }
 }
 

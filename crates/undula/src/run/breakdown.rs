@@ -1,10 +1,10 @@
 //! A breakdown in words: its cause in one sentence, what to try in another, and the residuals for a file.
 
 use super::inflow;
+use crate::case::key;
+use crate::case::{Case, Linearization, MotionModel};
 use crate::math::{rounded, shortest};
 use crate::output::Breakdown;
-use crate::problem::case::{Case, Linearization, MotionModel};
-use crate::problem::key;
 use crate::simulation::Simulation;
 use crate::space::Region;
 use crate::time::{Attempt, Cause, StepFailure};

@@ -1,7 +1,7 @@
 //! What a run is, for a checkpoint: all that must not change when it goes on.
 
+use crate::case::{Case, MeshSource, OutputSpec};
 use crate::output::hash;
-use crate::problem::case::{Case, MeshSource, OutputSpec};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use toml::Value;

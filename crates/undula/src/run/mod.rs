@@ -10,6 +10,7 @@ pub use checkpoint::restore_latest;
 pub use fields::snapshot;
 pub use inflow::{Inflow, inflow};
 
+use crate::case::Case;
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
@@ -17,7 +18,7 @@ use crate::output::{
     Summary, hash, peak_memory, write_vtu,
 };
 use crate::output::{OutputError, text_of};
-use crate::problem::case::Case;
+use crate::results::computed::case_of;
 use crate::simulation::{Row, Simulation};
 use checkpoint::{Found, Metadata, OfRun, Unfit, newest, restore};
 use identity::changes;
@@ -431,11 +432,7 @@ fn read_row(row: &[f64], names: &Arc<[String]>) -> Row {
 
 /// Whether `case` ends later than that of the run in `path`.
 fn ends_later(path: &Path, case: &Case) -> bool {
-    let former = RunDirectory::open(path).ok().and_then(|directory| {
-        let text = std::fs::read_to_string(directory.case()).ok()?;
-        Case::from_toml(&text, "case.toml", &[]).ok()
-    });
-    match (former.and_then(|former| former.time), &case.time) {
+    match (case_of(path).and_then(|former| former.time), &case.time) {
         (Some(former), Some(time)) => time.end > former.end,
         _ => false,
     }

@@ -1,5 +1,6 @@
 //! Discrete spaces of velocity, deformation and pressure: X_h = V_h × W_h × L_h of (5.26).
 
+pub mod boundary;
 pub mod conditions;
 pub mod dofs;
 pub mod enclosed;
@@ -9,14 +10,16 @@ pub mod pressure;
 mod sliding;
 pub mod state;
 
-pub use conditions::{BoundaryCondition, Constraints, VelocityData, WALLS, Walls};
+pub use boundary::{BoundaryCondition, VelocityData, WALLS, Walls};
+pub use conditions::Constraints;
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
 
-use crate::element::Shape;
+use crate::element::{Quadrature, Shape};
+use crate::math::Tensor;
 use crate::mesh::{Facet, Mesh};
 
 /// Which equations hold in a cell.
@@ -170,6 +173,20 @@ impl<const D: usize> FsiSpace<D> {
         nodes.sort_unstable();
         nodes.dedup();
         nodes
+    }
+}
+
+impl FsiSpace<2> {
+    /// Mean distance ĥ of nodes \[m\]: the root of the area that there is for each.
+    pub fn node_distance(&self) -> f64 {
+        let rule = Quadrature::cell(self.mesh.shape, 2);
+        let mut area = 0.0;
+        for cell in 0..self.mesh.n_cells() {
+            for (xi, w) in rule.points.iter().zip(&rule.weights) {
+                area += w * Tensor(self.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
+            }
+        }
+        (area / self.nodes.len() as f64).sqrt()
     }
 }
 

@@ -9,8 +9,8 @@
 
 use super::engine::Computed;
 use super::file::{Axis, RunEntry, Study};
-use crate::problem::case::Case;
-use crate::problem::expression::Expression;
+use crate::case::Case;
+use crate::case::expression::Expression;
 
 /// Refinements of the mesh or of the step.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

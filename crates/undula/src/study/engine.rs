@@ -1,11 +1,11 @@
 //! The runs of a study: their cases, and their computation on all cores.
 
 use super::file::{RunEntry, Study, StudyError, Values};
+use crate::case::Case;
+use crate::case::builtin::builtin_case;
 use crate::error::Error;
 use crate::output::{Status, Summary, hash, write_atomic};
-use crate::problem::builtin::builtin_case;
-use crate::problem::case::Case;
-use crate::problem::results::Results;
+use crate::results::computed::Results;
 use crate::run::{Flow, Observer, RunOptions, mesh_hash, run};
 use crate::simulation::{Row, Simulation};
 use std::io::Write;

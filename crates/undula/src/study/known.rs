@@ -21,10 +21,10 @@
 //! Signals are the functionals and the columns `min_J`, `newton_steps` and `jacobians` of `history.csv`.
 
 use super::measures;
+use crate::case::error::did_you_mean;
+use crate::case::expression::Names;
 use crate::output::Status;
-use crate::problem::error::did_you_mean;
-use crate::problem::expression::Names;
-use crate::problem::results::{Results, Signal};
+use crate::results::computed::{Results, Signal};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 
@@ -99,7 +99,7 @@ impl Known {
     pub fn evaluate(&mut self, expression: &str, it: Option<f64>) -> Result<Option<f64>, String> {
         self.it = it;
         self.missing.borrow_mut().clear();
-        let value = crate::problem::expression::evaluate(expression, self).map_err(|e| e.to_string())?;
+        let value = crate::case::expression::evaluate(expression, self).map_err(|e| e.to_string())?;
         Ok(Some(value).filter(|_| self.missing.borrow().is_empty()))
     }
 

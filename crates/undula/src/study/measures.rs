@@ -1,7 +1,7 @@
 //! Numbers of signals over a stretch of time, for expressions of a study.
 
 use crate::functional::statistics::{leading_window, maximum, minimum, spectrum, statistics, value_at};
-use crate::problem::results::Signal;
+use crate::results::computed::Signal;
 
 /// A function of signals and numbers.
 pub(super) struct Measure {

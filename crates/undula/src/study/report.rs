@@ -303,7 +303,7 @@ impl RunRow {
     fn new(run: &Computed, functionals: &[String]) -> RunRow {
         let results = run.results.as_ref();
         let summary = results.map(|results| &results.summary);
-        let computed = results.map(crate::problem::results::Results::computed).unwrap_or_default();
+        let computed = results.map(crate::results::computed::Results::computed).unwrap_or_default();
         let values = functionals.iter().map(|name| match computed.get(name) {
             Some(c) => [c.numbers.value, c.numbers.mean, c.numbers.amplitude, c.numbers.frequency],
             None => [None; 4],

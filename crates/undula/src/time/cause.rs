@@ -1,8 +1,8 @@
 //! Why a step failed, and where.
 
-use super::report::Ended;
 use super::system::StepSystem;
 use crate::algebra::{Kind, SolverError, Unknown};
+use crate::assembly::Worst;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{Newton, NewtonError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region};
@@ -67,6 +67,13 @@ pub enum DataKind {
     },
     /// The body force of a region \[m/s²\].
     Force(Region),
+}
+
+/// How an iteration ended without a solution.
+pub(super) struct Ended {
+    pub reason: NewtonError,
+    pub worst: Worst,
+    pub cause: Box<Cause>,
 }
 
 /// Why a step failed.

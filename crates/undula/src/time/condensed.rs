@@ -1,8 +1,8 @@
 //! Corrections from the condensed system: (v, p), then u in the solid, then the extension.
 
 use super::extension::Extension;
+use super::factors::{MakeSolver, Purpose, ratio, relation, scale_pressure, scale_rows};
 use super::krylov::{Krylov, KrylovSettings};
-use super::linear::{MakeSolver, Purpose, ratio, relation, scale_pressure, scale_rows};
 use crate::algebra::{Csr, LinearSolver, SolverError};
 use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::physics::StepRule;

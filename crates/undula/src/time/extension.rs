@@ -1,6 +1,6 @@
 //! The extension of an update of the solid into the fluid.
 
-use super::linear::{MakeSolver, Purpose};
+use super::factors::{MakeSolver, Purpose};
 use crate::algebra::{Cost, LinearSolver, SolverError};
 use crate::assembly::extension::ExtensionSystem;
 use crate::assembly::{Assembler, StepView};

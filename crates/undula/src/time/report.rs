@@ -1,7 +1,7 @@
 //! How a step went.
 
-use super::cause::Cause;
-use super::system::BlockNorms;
+use super::cause::{Cause, Ended};
+use super::scales::BlockNorms;
 use crate::algebra::SolverError;
 use crate::assembly::Worst;
 use crate::math::{rounded, shortest};
@@ -117,13 +117,6 @@ impl StepFailure {
     pub(super) fn attempt(&self, load: f64) -> Attempt {
         Attempt { time: self.time, step: self.step, load, reason: self.reason.clone() }
     }
-}
-
-/// How an iteration ended without a solution.
-pub(super) struct Ended {
-    pub reason: NewtonError,
-    pub worst: Worst,
-    pub cause: Box<Cause>,
 }
 
 /// Remember `attempt`; the first ones are forgotten where there are many.

@@ -1,28 +1,13 @@
 //! Where a run stands: what a checkpoint keeps, and what a rejected step goes back to.
 
+use super::kept::{Before, JacobianPoint};
+use super::scales::BlockNorms;
 use super::scheme::Damping;
 use super::stepper::Stepper;
-use super::system::{BlockNorms, StepSystem};
+use super::system::StepSystem;
 use crate::assembly::End;
-use crate::nonlinear::newton::Age;
-use crate::nonlinear::{Counters, NewtonError};
-use crate::physics::StepRule;
+use crate::nonlinear::NewtonError;
 use crate::space::State;
-
-/// Where a Jacobian was taken: with it a resumed run repeats the same bits.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JacobianPoint {
-    /// Weights of the scheme.
-    pub rule: StepRule,
-    /// Time of the body force \[s\].
-    pub time: f64,
-    /// The iterate.
-    pub new: State,
-    /// What the difference is taken from.
-    pub old: State,
-    /// How it has done so far.
-    pub age: Age,
-}
 
 /// Where a run stands in time.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -33,19 +18,6 @@ pub struct Clock {
     pub last_step: f64,
     /// Where Rannacher's scheme stands.
     pub damping: Damping,
-}
-
-/// What a step changes besides solution and clock, as it was before: a step that the user stops must leave no trace
-/// in a checkpoint.
-#[derive(Default)]
-pub(super) struct Before {
-    point: Option<JacobianPoint>,
-    /// The factorisation that `point` belongs to.
-    factorization: Option<usize>,
-    keeps: bool,
-    worsening: f32,
-    detour: u32,
-    counters: Counters,
 }
 
 impl<const D: usize> Stepper<D> {

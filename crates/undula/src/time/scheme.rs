@@ -2,7 +2,7 @@
 
 use crate::choice::{Choice, choice};
 use crate::physics::StepRule;
-use crate::physics::step::{GALERKIN, MIDPOINT};
+use crate::physics::rule::{GALERKIN, MIDPOINT};
 use crate::space::State;
 
 /// How steps are weighed, section 5.1.2.

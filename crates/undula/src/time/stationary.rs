@@ -1,9 +1,10 @@
 //! Stationary solutions, with the load raised in parts if need be.
 
-use super::cause::{self, Cause};
-use super::report::{Ended, StepFailure, StepReport, keep};
+use super::cause::{self, Cause, Ended};
+use super::report::{StepFailure, StepReport, keep};
+use super::scales::BlockNorms;
 use super::stepper::Stepper;
-use super::system::{BlockNorms, StepSystem};
+use super::system::StepSystem;
 use crate::assembly::End;
 use crate::nonlinear::NewtonError;
 use crate::physics::StepRule;

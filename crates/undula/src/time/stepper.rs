@@ -1,14 +1,13 @@
-//! The solution at one time, and all that carries it on: steps in `halves.rs` and `attempt.rs`, stationary
+//! The solution at one time, and all that carries it on: steps in `retry.rs` and `single_step.rs`, stationary
 //! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
 
 use super::cause::{DataFault, DataKind};
+use super::kept::{Before, JacobianPoint, Parts};
 use super::linear::Linear;
-use super::parts::Parts;
 use super::report::Attempt;
-use super::restart::{Before, JacobianPoint};
+use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use super::system::Scales;
 use crate::assembly::{Assembler, End};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;

@@ -1,138 +1,15 @@
 //! The nonlinear system of one step.
 
+use super::kept::JacobianPoint;
 use super::linear::Linear;
-use super::restart::JacobianPoint;
-use crate::algebra::{self, Sizes, SolverError};
+use super::scales::{BlockNorms, Scales};
+use crate::algebra::{self, SolverError};
 use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
 use crate::physics::StepRule;
-use crate::space::{FsiSpace, PsiOwner, State};
+use crate::space::State;
 use crate::tangent::{Linearization, Tangent};
-
-/// Weights that give the residuals of all equations the unit of a velocity.
-///
-/// The equations carry different units, so each has its own: momentum k/(ρ ĥ^D), divergence 1/ĥ^(D−1),
-/// extension 1/(E_e k ĥ^(D−2)), velocity-deformation relation 1/ĥ^D, with the mean distance ĥ of nodes. A stationary
-/// solution takes for k the time in which momentum, or else an elastic wave, gets from node to node. Nothing here
-/// is a number of its own: the iteration is the same in every system of units.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Scales {
-    /// ρ ĥ^D \[kg\].
-    pub mass: f64,
-    /// ĥ \[m\].
-    pub size: f64,
-    /// Largest E_e.
-    pub stiffness: f64,
-    /// ν of the fluid \[m²/s\], 0 without.
-    pub viscosity: f64,
-    /// Square of the speed of elastic waves, as if the solid had the density ρ \[m²/s²\]; 0 without solid.
-    pub wave: f64,
-}
-
-/// A velocity, a deformation and a pressure are rounded to this part of themselves, and some more in sums over cells.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-
-/// The same for stresses of the solid, which come from a deformation gradient of size 1.
-const ROUNDING_OF_STRESS: f64 = 4.0 * f64::EPSILON;
-
-/// Pressures count as much as this share of what would stop a velocity within a step: few columns of a row of
-/// momentum are pressures, but they must not decide on the pivots of velocities.
-const PRESSURE: f64 = 1e-3;
-
-/// Scaled maximum norms of the equations \[m/s\].
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct BlockNorms {
-    /// Momentum.
-    pub momentum: f64,
-    /// Divergence.
-    pub divergence: f64,
-    /// Extension.
-    pub extension: f64,
-    /// Velocity-deformation relation.
-    pub relation: f64,
-}
-
-impl BlockNorms {
-    /// The largest.
-    pub fn max(&self) -> f64 {
-        self.momentum.max(self.divergence).max(self.extension).max(self.relation)
-    }
-}
-
-impl Scales {
-    /// k, or what stands for it in a stationary solution: ĥ²/ν, without a fluid ĥ/c.
-    pub fn step(&self, per_k: f64) -> f64 {
-        if per_k > 0.0 {
-            1.0 / per_k
-        } else if self.viscosity > 0.0 {
-            self.size * self.size / self.viscosity
-        } else {
-            self.size / self.wave.sqrt()
-        }
-    }
-
-    /// Typical sizes of a velocity, a deformation and a pressure beside each other, for a step with 1/k = `per_k`.
-    pub fn sizes<const D: usize>(&self, per_k: f64) -> Sizes {
-        let k = self.step(per_k);
-        let pressure = PRESSURE * self.mass / (self.size.powi(D as i32 - 1) * k);
-        Sizes { velocity: 1.0, deformation: k, pressure }
-    }
-
-    /// Scaled residual \[m/s\] that rounding leaves of a solution like `state`, in a step with 1/k = `per_k`: nothing
-    /// where all is at rest.
-    pub fn rounding<const D: usize>(&self, state: &State, per_k: f64) -> f64 {
-        let (k, h) = (self.step(per_k), self.size);
-        let [v, u, p] = [&state.v, &state.u, &state.p].map(|x| algebra::norm_inf(x));
-        let flow =
-            v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
-        let stress = if u > 0.0 { self.wave * k / h } else { 0.0 };
-        ROUNDING * flow + ROUNDING_OF_STRESS * stress
-    }
-
-    /// Factors `[v, u, p]` of the rows that give their residuals this unit, for a step with 1/k = `per_k`.
-    pub fn weights<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, out: &mut [f64]) {
-        let k = self.step(per_k);
-        let (v, rest) = out.split_at_mut(space.n_v());
-        let (u, p) = rest.split_at_mut(space.n_u());
-        v.fill(k / self.mass);
-        p.fill(1.0 / self.size.powi(D as i32 - 1));
-        for (u, owner) in u.chunks_exact_mut(D).zip(&space.owner) {
-            u.fill(match owner {
-                PsiOwner::Extension => 1.0 / (self.stiffness * k * self.size.powi(D as i32 - 2)),
-                PsiOwner::Relation => 1.0 / self.size.powi(D as i32),
-            });
-        }
-    }
-
-    /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`; `None` if not finite.
-    pub fn norms<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
-        let k = self.step(per_k);
-        let (n_v, n_u) = (space.n_v(), space.n_u());
-        let mut n = BlockNorms {
-            momentum: norm_inf(&r[..n_v])? * k / self.mass,
-            divergence: norm_inf(&r[n_v + n_u..])? / self.size.powi(D as i32 - 1),
-            ..BlockNorms::default()
-        };
-        norm_inf(&r[n_v..n_v + n_u])?;
-        for (r, owner) in r[n_v..n_v + n_u].chunks_exact(D).zip(&space.owner) {
-            let size = r.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-            let max = match owner {
-                PsiOwner::Extension => &mut n.extension,
-                PsiOwner::Relation => &mut n.relation,
-            };
-            *max = max.max(size);
-        }
-        n.extension /= self.stiffness * k * self.size.powi(D as i32 - 2);
-        n.relation /= self.size.powi(D as i32);
-        Some(n)
-    }
-}
-
-/// Largest absolute value; `None` if one is not finite.
-fn norm_inf(r: &[f64]) -> Option<f64> {
-    Some(algebra::norm_inf(r)).filter(|norm| norm.is_finite())
-}
 
 /// Share of the largest residual below which that of the extension is left for a later iteration. It is linear
 /// and solved to the last digits of the factors every time; without it substitution begins at the interface,

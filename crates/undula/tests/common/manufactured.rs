@@ -7,8 +7,10 @@ use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin};
 use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region, VelocityData};
+use undula::verification::manufactured::{
+    Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin,
+};
 
 /// Gauss points per direction in the solver.
 pub const QUADRATURE: usize = 3;

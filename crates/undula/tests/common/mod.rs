@@ -1,8 +1,8 @@
 //! What the tests of case files share.
 #![allow(dead_code)]
 
-use undula::problem::case::Case;
-use undula::problem::fit::MeshNames;
+use undula::case::Case;
+use undula::setup::names::MeshNames;
 
 pub fn sets(overrides: &[&str]) -> Vec<String> {
     overrides.iter().map(|s| s.to_string()).collect()

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use undula::algebra::Csr;
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State, Walls};
 use undula::tangent::{Difference, Linearization, Tangent};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const RULES: [StepRule; 2] = [
-    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::step::SECANT, quadrature: &[] },
+    StepRule { per_k: 20.0, theta: 0.51, inertia: undula::physics::rule::SECANT, quadrature: &[] },
     StepRule::STATIONARY,
 ];
 

@@ -1,8 +1,8 @@
 //! Case files that are refused, and in which words.
 
 use crate::common::{FLUID, builtin, turek_hron, wrong, wrong_builtin};
-use undula::problem::builtin::builtin_cases;
-use undula::problem::case::Case;
+use undula::case::Case;
+use undula::case::builtin::builtin_cases;
 
 #[test]
 fn mistakes_of_a_whole_file_are_told_at_once() {

@@ -1,11 +1,11 @@
 //! Case files: what they mean, and the way back to TOML.
 
 use crate::common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
+use undula::case::builtin::builtin_cases;
+use undula::case::expression::Expression;
+use undula::case::*;
 use undula::mesh::generate::{rectangle, schaefer_turek};
-use undula::problem::builtin::builtin_cases;
-use undula::problem::case::*;
-use undula::problem::expression::Expression;
-use undula::problem::fit::MeshNames;
+use undula::setup::names::MeshNames;
 use undula::space::Walls;
 
 #[test]

@@ -7,8 +7,8 @@ use crate::common::builtin;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::Path;
 use std::sync::Mutex;
-use undula::problem::builtin::builtin_cases;
-use undula::problem::reference::References;
+use undula::case::builtin::builtin_cases;
+use undula::results::reference::References;
 use undula::simulation::Simulation;
 
 /// Cases, what is changed in them, and how far their functionals may be from the published ones at this

@@ -7,14 +7,14 @@ use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOption
 use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
-use undula::physics::step::{MIDPOINT, SECANT};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, number};
+use undula::physics::rule::{MIDPOINT, SECANT};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
 use undula::tangent::Tangent;
 use undula::time::scheme::FRACTIONAL;
 use undula::time::{Linear, Linearization, Purpose};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] };
 

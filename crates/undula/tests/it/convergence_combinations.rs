@@ -7,14 +7,16 @@ use crate::manufactured::*;
 use std::sync::Arc;
 use undula::assembly::Physics;
 use undula::assembly::force::CurrentForce;
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::math::Tensor;
 use undula::physics::{Extension, Fluid, Material, PressureTerm, Solid, Stabilization, TransportTerm};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
 use undula::time::stepper::Source;
 use undula::time::{Scheme, Stepper};
+use undula::verification::manufactured::{
+    Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin,
+};
 
 const WATER: Fluid = Fluid { nu: 0.05, ..FLUID };
 

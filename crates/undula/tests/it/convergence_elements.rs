@@ -5,9 +5,9 @@
 
 use crate::manufactured::*;
 use undula::assembly::Options;
-use undula::problem::manufactured::InTime;
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::time::Scheme;
+use undula::verification::manufactured::InTime;
 
 /// L² errors of v, u and p with `n` cells per direction.
 fn errors(pair: Pair, n: usize) -> [f64; 3] {

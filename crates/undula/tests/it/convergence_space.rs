@@ -9,10 +9,10 @@
 use crate::manufactured::*;
 use undula::assembly::{Physics, StepView};
 use undula::math::Tensor;
-use undula::problem::manufactured::{Errors, InTime, sample};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::Region;
 use undula::time::Scheme;
+use undula::verification::manufactured::{Errors, InTime, sample};
 
 /// Cells per direction.
 const LEVELS: [usize; 3] = [8, 16, 32];

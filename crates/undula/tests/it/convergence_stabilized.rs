@@ -5,15 +5,15 @@
 #![allow(non_snake_case)]
 
 use crate::manufactured::*;
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::assembly::{End, Options, Physics};
 use undula::element::Shape;
 use undula::math::Tensor;
 use undula::physics::{Kinematics, PressureTerm, Projection, Stabilization, TransportTerm};
-use undula::problem::manufactured::{Errors, Exact, InTime, Manufactured, sample};
 use undula::space::PressureKind::Continuous;
 use undula::space::{Region, State};
 use undula::time::Scheme;
+use undula::verification::manufactured::{Errors, Exact, InTime, Manufactured, sample};
 
 /// J σ F⁻ᵀ of the exact solution.
 fn stress(exact: &Exact, x: [f64; 2], t: f64) -> Tensor<f64, 2> {

@@ -8,9 +8,9 @@ use std::sync::Arc;
 use undula::functional::energy::{Energy, Integral};
 use undula::functional::{Functional, Snapshot};
 use undula::physics::StepRule;
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 use undula::space::{PressureKind, Region, State};
 use undula::time::{Adaptive, AdaptiveSettings, DomainMotion, Scheme};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 
 const SHIFTED: Scheme = Scheme::ShiftedCrankNicolson { shift: 1.0 };
 

@@ -3,7 +3,7 @@
 
 use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
-use undula::physics::step::{GALERKIN, MIDPOINT, SECANT};
+use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
     Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested,
     WeakForm,

@@ -8,10 +8,10 @@ use undula::assembly::{End, Physics};
 use undula::math::{Tensor, Vector};
 use undula::mesh::Mesh;
 use undula::physics::{Material, Solid};
-use undula::problem::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sin};
 use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Region};
 use undula::time::Scheme;
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sin};
 
 fn rubber(lambda: f64) -> Solid {
     Solid { rho: 2.1, material: Material::incompressible(1.1, 0.4, lambda) }

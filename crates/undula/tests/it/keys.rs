@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
-use undula::problem::builtin::builtin_cases;
-use undula::problem::case::Case;
-use undula::problem::keys::{KEYS, Key, find};
+use undula::case::Case;
+use undula::case::builtin::builtin_cases;
+use undula::case::keys::{KEYS, Key, find};
 
 /// Cases that together have a value for each key that has a default.
 const CASES: [&[&str]; 9] = [
@@ -191,7 +191,7 @@ fn names_of_values_are_spelled_in_one_file() {
     sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
     // The table of keys names defaults, which another test compares; tests of a module and comments name what
     // they like.
-    files.retain(|file| !file.ends_with("problem/keys.rs"));
+    files.retain(|file| !file.ends_with("case/keys.rs"));
     let texts: Vec<(PathBuf, String)> = files
         .into_iter()
         .map(|file| {

@@ -1,9 +1,9 @@
 //! All linearisations arrive at one solution, each with its order; and the tool that compares their matrices.
 
 use crate::common::{builtin, sets};
-use undula::jacobian::{At, Equation, Field, JacobianReport, compare};
-use undula::problem::case::Case;
+use undula::case::Case;
 use undula::simulation::Simulation;
+use undula::verification::jacobians::{At, Equation, Field, JacobianReport, compare};
 
 /// Every sensible pair of linearisation and way of computing derivatives.
 const WAYS: [&[&str]; 12] = [

@@ -2,7 +2,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use undula::problem::case::Case;
+use undula::case::Case;
 
 const HEADER: [&str; 5] = ["section", "method", "setting", "code", "test"];
 

@@ -1,11 +1,11 @@
 //! Published results: every built-in case has them, and they are set beside computed ones.
 
+use undula::case::Case;
+use undula::case::builtin::builtin_cases;
 use undula::output::{FunctionalSummary, History, Status, Summary};
-use undula::problem::builtin::builtin_cases;
-use undula::problem::case::Case;
-use undula::problem::compare::{compare, difference};
-use undula::problem::reference::{Beside, References};
-use undula::problem::results::Results;
+use undula::results::compare::{compare, difference};
+use undula::results::computed::Results;
+use undula::results::reference::{Beside, References};
 
 #[test]
 fn every_builtin_case_has_published_results() {

@@ -1,10 +1,10 @@
 //! The rotor of section 5.3.5: a free bar turned by the flow until the mesh folds.
 
+use undula::case::Case;
 use undula::element::Quadrature;
 use undula::error::Error;
 use undula::math::Tensor;
 use undula::mesh::generate::rotor as rotor_mesh;
-use undula::problem::case::Case;
 use undula::simulation::Simulation;
 
 fn rotor(overrides: &[&str]) -> Simulation {

@@ -5,13 +5,13 @@ use crate::common::builtin;
 use faer::{Mat, Side, prelude::Solve};
 use std::sync::Arc;
 use undula::algebra::{Csr, Kind, Pattern, Unknown};
-use undula::assembly::points::for_each_point;
+use undula::assembly::sampling::for_each_point;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
-use undula::stability::{condition, conditions, constants, inf_sup, sample_deformation};
+use undula::verification::stability::{condition, conditions, constants, inf_sup, sample_deformation};
 
 const P1DC: PressureKind = PressureKind::Pdc(1);
 

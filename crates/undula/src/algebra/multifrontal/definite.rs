@@ -4,9 +4,10 @@
 //! operations in the same order, whatever the number of threads.
 
 use super::arch::dispatch;
-use super::factors::{BLOCK, Lower, Sizes};
+use super::factors::Lower;
 use super::kernels::{dots, flush};
 use super::real::Real;
+use super::sizes::{BLOCK, Sizes};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;

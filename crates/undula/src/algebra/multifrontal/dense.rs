@@ -4,10 +4,11 @@
 //! computed by the same operations in the same order, however it is cut.
 
 use super::arch::dispatch;
-use super::factors::{BLOCK, Lower, Sizes, Upper};
+use super::factors::{Lower, Upper};
 use super::kernels::{flush, gemv_sub, gemv_transposed_sub, substitute_lower, substitute_upper};
 use super::prefetch::prefetch;
 use super::real::Real;
+use super::sizes::{BLOCK, Sizes};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;

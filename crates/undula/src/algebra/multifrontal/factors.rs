@@ -12,74 +12,13 @@
 //! A front with delayed pivots has other sizes than the analysis has foreseen, and memory of its own.
 
 use super::buffer::Buffer;
-use super::front::{Front, SLACK, padded};
+use super::front::Front;
 use super::real::Real;
+use super::sizes::{BLOCK, SLACK, Sizes, padded};
 use super::symbolic::Shape;
-
-/// Pivots applied at a time: as many columns of the factors are read side by side.
-pub(super) const BLOCK: usize = 8;
 
 /// Numbers of a front from which on its blocks are asked for one by one.
 const AHEAD: usize = 1 << 15;
-
-/// What determines the places of all numbers.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sizes {
-    /// Pivots tried.
-    pub k: usize,
-    /// Pivots eliminated.
-    pub e: usize,
-    /// Rows behind the pivots tried.
-    pub r: usize,
-}
-
-impl Sizes {
-    /// Of a front in which no pivot is delayed.
-    pub fn whole(k: usize, r: usize) -> Self {
-        Self { k, e: k, r }
-    }
-
-    /// Numbers of L.
-    pub fn lower(self) -> usize {
-        let j = self.e / BLOCK * BLOCK;
-        let width = self.e - j;
-        self.lower_at(j) + width * (BLOCK + self.below(j + width))
-    }
-
-    /// Numbers of U.
-    pub fn upper(self) -> usize {
-        self.triangle() + self.above(self.e)
-    }
-
-    /// Where the block of L that starts with pivot `j` begins.
-    fn lower_at(self, j: usize) -> usize {
-        let b = j / BLOCK;
-        // Σ BLOCK (BLOCK + P − BLOCK (i + 1)) over the blocks i before.
-        j * (BLOCK + padded(self.k + self.r)) - BLOCK * BLOCK * b * (b + 1) / 2
-    }
-
-    /// Leading dimension of the rows below the first `j` pivots.
-    fn below(self, j: usize) -> usize {
-        padded(self.k + self.r - j)
-    }
-
-    /// Where the triangle of U begins.
-    fn triangle(self) -> usize {
-        self.e * padded(self.r) + (self.k - self.e) * padded(self.e)
-    }
-
-    /// Numbers of the triangle of U in the first `j` pivots.
-    fn above(self, j: usize) -> usize {
-        let b = j / BLOCK;
-        let width = j - b * BLOCK;
-        BLOCK * BLOCK * b * (b + 1) / 2 + width * (b + 1) * BLOCK
-    }
-}
-
-/// Numbers of a front in the memory of L and in that of U.
-pub(super) fn stored(sizes: Sizes, definite: bool) -> (usize, usize) {
-    if definite { (0, sizes.lower()) } else { (sizes.lower(), sizes.upper()) }
-}
 
 /// The factors of all fronts.
 #[derive(Debug, Default)]
@@ -190,6 +129,32 @@ impl<'a, T: Real> Upper<'a, T> {
     /// All numbers, to be asked for ahead.
     pub fn all(self) -> &'a [T] {
         &self.data[..self.sizes.upper()]
+    }
+}
+
+impl<T: Real> Front<T> {
+    /// Packs the factors, where sizes are those `foreseen` into `lower` and `upper`; with `definite` L alone, into
+    /// `upper`.
+    #[inline(always)]
+    pub fn put_away(&mut self, foreseen: Sizes, definite: bool, lower: &mut [T], upper: &mut [T]) {
+        let sizes = self.sizes();
+        if sizes == foreseen {
+            self.spill.resize(0);
+            if definite {
+                pack_lower(self, true, upper);
+            } else {
+                pack_lower(self, false, lower);
+                pack_upper(self, upper);
+            }
+            return;
+        }
+        let mut spill = std::mem::take(&mut self.spill);
+        spill.resize(sizes.lower() + sizes.upper() + SLACK);
+        let (lower, upper) = spill.split_at_mut(sizes.lower());
+        upper[sizes.upper()..].fill(T::ZERO);
+        pack_lower(self, false, lower);
+        pack_upper(self, upper);
+        self.spill = spill;
     }
 }
 

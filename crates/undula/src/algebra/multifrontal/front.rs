@@ -14,10 +14,10 @@
 //! as it happens once per run, but not kept.
 
 use super::buffer::Buffer;
-use super::factors::{Sizes, pack_lower, pack_upper};
 use super::kernels::{flush, flushed, gemm_sub, gemv_sub, max_abs};
 use super::large;
 use super::real::Real;
+use super::sizes::{SLACK, Sizes, padded};
 use faer::{MatMut, MatRef};
 use pulp::{Simd, WithSimd};
 
@@ -32,14 +32,6 @@ const PANEL: usize = 16;
 
 /// Columns between updates of all columns behind, in fronts of more than twice as many.
 const BLOCK: usize = 64;
-
-/// Numbers behind matrices and vectors that may be read, so that all vectors are whole.
-pub(super) const SLACK: usize = 16;
-
-/// Rounded up to whole vectors.
-pub(super) fn padded(n: usize) -> usize {
-    n.next_multiple_of(8)
-}
 
 /// Numbers of one front; the memory stays from factorisation to factorisation.
 #[derive(Debug, Default)]
@@ -125,30 +117,6 @@ impl<T: Real> Front<T> {
             from.clear();
             from.extend(0..k as u32);
         }
-    }
-
-    /// Packs the factors, where sizes are those `foreseen` into `lower` and `upper`; with `definite` L alone, into
-    /// `upper`.
-    #[inline(always)]
-    pub fn put_away(&mut self, foreseen: Sizes, definite: bool, lower: &mut [T], upper: &mut [T]) {
-        let sizes = self.sizes();
-        if sizes == foreseen {
-            self.spill.resize(0);
-            if definite {
-                pack_lower(self, true, upper);
-            } else {
-                pack_lower(self, false, lower);
-                pack_upper(self, upper);
-            }
-            return;
-        }
-        let mut spill = std::mem::take(&mut self.spill);
-        spill.resize(sizes.lower() + sizes.upper() + SLACK);
-        let (lower, upper) = spill.split_at_mut(sizes.lower());
-        upper[sizes.upper()..].fill(T::ZERO);
-        pack_lower(self, false, lower);
-        pack_upper(self, upper);
-        self.spill = spill;
     }
 
     /// Eliminates what can be eliminated; with `definite`, everything.

@@ -19,6 +19,7 @@ mod numeric;
 mod ordering;
 mod prefetch;
 mod real;
+mod sizes;
 mod solve;
 mod symbolic;
 mod tree;

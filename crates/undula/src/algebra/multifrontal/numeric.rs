@@ -3,10 +3,10 @@
 use super::super::{Csr, Scaling};
 use super::arch::dispatch;
 use super::buffer::Buffer;
-use super::factors::{Sizes, stored};
-use super::front::{Front, SLACK, Scratch, padded};
+use super::front::{Front, Scratch};
 use super::kernels::flushed;
 use super::real::Real;
+use super::sizes::{SLACK, Sizes, padded, stored};
 use super::symbolic::{Entry, Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};

@@ -8,10 +8,11 @@ use super::arch::dispatch;
 use super::definite;
 use super::dense;
 use super::factors::Factors;
-use super::front::{Front, SLACK, padded};
+use super::front::Front;
 use super::kernels::flush;
 use super::prefetch::prefetch;
 use super::real::Real;
+use super::sizes::{SLACK, padded};
 use super::symbolic::{Run, Shape, Symbolic};
 use pulp::{Arch, Simd, WithSimd};
 

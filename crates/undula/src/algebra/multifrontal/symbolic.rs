@@ -1,9 +1,9 @@
 //! What every factorisation of a pattern has in common: fronts, their rows, where entries go.
 
 use super::super::{Kind, Pattern, SolverError, Unknown};
-use super::factors::{Sizes, stored};
 use super::graph::{Graph, Members, lump};
 use super::ordering::fronts;
+use super::sizes::{Sizes, stored};
 use super::tree::{Group, NONE, Price, flops};
 
 /// Time of a front against its operations; see [`Price`].

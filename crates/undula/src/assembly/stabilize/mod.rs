@@ -9,10 +9,10 @@ pub mod tables;
 mod tasks;
 
 use super::chunks::{Copies, Writes, for_each};
-use super::contract::Trial;
 use super::kernel::StepView;
 use super::scatter::{DROP, PerThread};
 use super::simd::Width;
+use super::test_functions::Trial;
 use crate::algebra::SolverError;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};

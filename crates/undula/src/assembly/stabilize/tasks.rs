@@ -2,11 +2,11 @@
 #![allow(non_snake_case)]
 
 use super::{Coupling, Stabilizer};
-use crate::assembly::contract::Trial;
 use crate::assembly::evaluate::{gather, gather_scalar, scatter};
 use crate::assembly::kernel::StepView;
 use crate::assembly::scatter::Shared;
 use crate::assembly::simd::Task;
+use crate::assembly::test_functions::Trial;
 use crate::math::{Dual, Lanes, Scalar, Tensor, Vector};
 use crate::physics::stabilization::{CellState, FineFields, FineTested, Parameters};
 

@@ -84,9 +84,9 @@ impl<const D: usize, const L: usize> TensorScratch<D, L> {
 #[cfg(test)]
 mod tests {
     use super::super::batch::interleave;
-    use super::super::contract::{Piece, Tangents, Test, Trial};
     use super::super::evaluate::{interpolate, test};
     use super::super::simd::{self, Width};
+    use super::super::test_functions::{Piece, Tangents, Test, Trial};
     use super::vectors::{InterpolateTask, TestTask};
     use super::*;
     use crate::element::{BasisTable, Quadrature};

@@ -3,6 +3,7 @@
 
 use super::blocks::{Blocks, Path, Point, even};
 use super::{CENTRE, HEIGHT, RADIUS};
+use crate::mesh::INTERFACE;
 
 /// One block of the ring, between its points `i` and `i + 1` counter-clockwise.
 pub(super) struct Sector {
@@ -40,7 +41,7 @@ impl Blocks {
         for (i, sector) in sectors.iter().enumerate() {
             let before = &sectors[(i + sectors.len() - 1) % sectors.len()];
             if sector.region != before.region {
-                self.name(inner[i], outer[i], "interface");
+                self.name(inner[i], outer[i], INTERFACE);
             }
         }
         for (i, sector) in sectors.iter().enumerate() {
@@ -119,7 +120,7 @@ impl Rows<'_> {
                 if row == 0 || row == m {
                     blocks.name(a, b, "walls");
                 } else if (self.region)(column, row) != (self.region)(column, row - 1) {
-                    blocks.name(a, b, "interface");
+                    blocks.name(a, b, INTERFACE);
                 }
             }
         }
@@ -130,7 +131,7 @@ impl Rows<'_> {
                 if column == n {
                     blocks.name(a, b, "outflow");
                 } else if (self.region)(column, row) != (self.region)(column - 1, row) {
-                    blocks.name(a, b, "interface");
+                    blocks.name(a, b, INTERFACE);
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The square with a free bar in its middle (Richter 2017, section 5.3.5).
 
 use super::blocks::{Blocks, Path, even};
-use crate::mesh::Mesh;
+use crate::mesh::{INTERFACE, Mesh};
 
 /// Lines of the blocks \[m\] in both directions, and cells between them at level 0.
 const X: [f64; 4] = [-1.0, -0.5, 0.5, 1.0];
@@ -16,7 +16,7 @@ const CELLS: [[usize; 3]; 2] = [[2, 4, 2], [4, 1, 4]];
 /// cell; they are laid before refinement.
 pub fn rotor(refine: usize, grading: usize) -> Mesh<2> {
     let mut blocks = Blocks::new(&["fluid", "solid"]);
-    for name in ["inflow-top", "inflow-bottom", "outflow", "walls", "interface"] {
+    for name in ["inflow-top", "inflow-bottom", "outflow", "walls", INTERFACE] {
         blocks.boundary(name);
     }
     let points = Y.map(|y| X.map(|x| blocks.point(x, y)));
@@ -34,8 +34,8 @@ pub fn rotor(refine: usize, grading: usize) -> Mesh<2> {
         }
     }
     for at in [1, 2] {
-        blocks.name(points[at][1], points[at][2], "interface");
-        blocks.name(points[1][at], points[2][at], "interface");
+        blocks.name(points[at][1], points[at][2], INTERFACE);
+        blocks.name(points[1][at], points[2][at], INTERFACE);
     }
     for j in 0..3 {
         for i in 0..3 {

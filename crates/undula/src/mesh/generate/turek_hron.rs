@@ -3,7 +3,7 @@
 use super::blocks::{Blocks, Path, Point, even, growing, mixed, parts};
 use super::channel::{Rows, Sector};
 use super::{CENTRE, HEIGHT, RADIUS, cylinder};
-use crate::mesh::Mesh;
+use crate::mesh::{INTERFACE, Mesh};
 
 /// Length of the channel \[m\].
 const LENGTH: f64 = 2.5;
@@ -25,7 +25,7 @@ const RING: f64 = 0.11;
 pub fn turek_hron(refine: usize, grading: usize) -> Mesh<2> {
     let mut blocks = Blocks::new(&["fluid", "solid"]);
     // Names in the order of the stream.
-    for name in ["inflow", "outflow", "walls", "cylinder", "clamp", "interface"] {
+    for name in ["inflow", "outflow", "walls", "cylinder", "clamp", INTERFACE] {
         blocks.boundary(name);
     }
     let right = ring(&mut blocks);

@@ -1,0 +1,240 @@
+//! From TOML to [`Case`]: every key read, every default resolved, all mistakes told at once.
+//!
+//! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
+//! `condition`, time and solvers in `solver`. What needs the mesh is in [`crate::setup::fit`].
+
+mod body;
+mod condition;
+mod functional;
+mod solver;
+mod stabilization;
+
+use super::builtin::{builtin_case, builtin_cases};
+use super::error::{CaseErrors, suggestion};
+use super::raw::{Document, Origin, Value};
+use super::read::{Checker, Section};
+use super::schema::{Case, OwnMesh, Record, Scheme, TimeSpec};
+use crate::physics::{PressureTerm, Stabilization, TransportTerm};
+use std::path::{Path, PathBuf};
+
+impl Case {
+    /// The case that the TOML `text` means after `overrides` (`key=value`, as after `--set`; the value
+    /// `none` removes a key). `file_name` is shown in messages; a mesh file is looked for beside it.
+    ///
+    /// # Errors
+    /// All mistakes, each with its place.
+    ///
+    /// ```
+    /// use undula::Case;
+    /// let text = "[mesh]\ngenerator = \"turek-hron\"\n[fluid]\ndensity = -1\nkinematic-viscosity = 1e-3\n";
+    /// let errors = Case::from_toml(text, "own.toml", &[]).unwrap_err();
+    /// assert_eq!(errors.to_string(), "own.toml:4:11: fluid.density = -1: expected a number above 0");
+    /// ```
+    pub fn from_toml(text: &str, file_name: &str, overrides: &[String]) -> Result<Self, CaseErrors> {
+        Self::from_toml_on(text, file_name, overrides, None)
+    }
+
+    /// The same on the `mesh` that the program gives, if it does.
+    pub(crate) fn from_toml_on(
+        text: &str,
+        file_name: &str,
+        overrides: &[String],
+        mesh: Option<&OwnMesh>,
+    ) -> Result<Self, CaseErrors> {
+        let document = Document::parse(text, file_name, overrides).map_err(CaseErrors)?;
+        let checker = Checker::new(&document, mesh);
+        let case = read(&checker);
+        let places =
+            checker.origins.borrow().iter().map(|(key, o)| (key.clone(), document.place(o))).collect();
+        let notes = checker.notes.take();
+        let errors = checker.into_errors();
+        match case {
+            Some(mut case) if errors.is_empty() => {
+                let relative_mesh = relative_mesh(&document);
+                case.record = Record { file_name: file_name.into(), places, notes, relative_mesh };
+                Ok(case)
+            }
+            _ => Err(CaseErrors(errors)),
+        }
+    }
+}
+
+/// The case; meaningless if the checker found mistakes.
+fn read(checker: &Checker<'_>) -> Option<Case> {
+    let mut root = checker.root();
+    let name = name(&mut root);
+    let title = root.string("title").unwrap_or_default();
+    let reference = reference(&mut root);
+    let mesh = body::mesh(root.section("mesh"), &root);
+    let space = body::space(root.section("space"), mesh.as_ref());
+    let fluid = body::fluid(root.section("fluid"));
+    if fluid.is_some() {
+        body::refuse_pair(&root.section("space"), &space);
+    }
+    let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
+    let solid = body::solid(root.section("solid"));
+    if let Some(solid) = &solid {
+        body::refuse_unstable_solid(&root.section("solid"), solid, &space);
+    }
+    if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
+        checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
+    }
+    if let (Some(f), Some(s)) = (&fluid, &solid)
+        && f.region == s.region
+    {
+        root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
+    }
+    let motion = root.section("motion");
+    let (boundary, directional) = condition::boundary(root.section("boundary"));
+    let (time, at_time) = solver::time(root.section("time"));
+    if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
+        refuse_current(&root.section("fluid"), time.as_ref(), &how);
+    }
+    let motion = body::motion(motion, time.is_some(), space.velocity);
+    let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
+    let linear = solver::linear(root.section("linear"));
+    let (functional, names) =
+        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
+    let output = solver::output(root.section("output"), &names, &functional);
+    if time.is_none() {
+        note_steps(checker, &output);
+    }
+    let case = Case {
+        name,
+        title,
+        reference,
+        mesh: mesh?,
+        space,
+        stabilization: how,
+        fluid,
+        solid,
+        motion,
+        boundary,
+        directional,
+        time,
+        at_time: at_time.unwrap_or(0.0),
+        newton,
+        linear,
+        functional,
+        output,
+        record: Record::default(),
+    };
+    if case.time.is_none() && at_time.is_none() {
+        refuse_time(&case, &mut root);
+    }
+    root.finish();
+    Some(case)
+}
+
+/// Methods that take the body force at other places than those where the flow is.
+fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabilization) {
+    if time.is_some_and(|time| time.scheme == Scheme::Galerkin) {
+        fluid.wrong(
+            "body-force-at",
+            "cg1 takes forces at the middle of a step; expected `reference`, or another scheme",
+        );
+    }
+    if how.pressure == PressureTerm::Pspg || how.transport == TransportTerm::Supg {
+        let message = "the residuals of pspg and supg take forces on the reference domain; expected `reference`, or lps";
+        fluid.wrong("body-force-at", message);
+    }
+}
+
+/// Settings of output that only matter where there are steps in time.
+fn note_steps(checker: &Checker<'_>, output: &super::schema::OutputSpec) {
+    let minutes = output.checkpoint_minutes;
+    for (key, given) in [
+        ("fields-every", output.fields_every > 0),
+        ("fields-interval", output.fields_interval.is_some()),
+        ("checkpoint-every", output.checkpoint_every > 0),
+        ("checkpoint-minutes", minutes != 0.0 && minutes != solver::CHECKPOINT_MINUTES),
+    ] {
+        if given {
+            let note = format!("output.{key} has no effect: the case is stationary");
+            checker.notes.borrow_mut().push(note);
+        }
+    }
+}
+
+/// A stationary case takes its data at one time; that time must be known if it matters.
+fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
+    let message =
+        "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
+    for (name, condition) in &case.boundary {
+        if let super::schema::Condition::Velocity(v) = condition
+            && v.iter().any(super::expression::Expression::depends_on_time)
+        {
+            root.section("boundary").section(name).wrong("velocity", message);
+        }
+    }
+    let fluid = case.fluid.as_ref().map(|f| ("fluid", &f.body_force));
+    let solid = case.solid.as_ref().map(|s| ("solid", &s.body_force));
+    for (body, force) in fluid.into_iter().chain(solid) {
+        if force.iter().any(super::expression::Expression::depends_on_time) {
+            root.section(body).wrong("body-force", message);
+        }
+    }
+}
+
+/// `name`, else the file name without its folder and ending.
+fn name(root: &mut Section<'_, '_>) -> String {
+    let fallback = name_of_file(Path::new(&root.checker.document.file_name));
+    match root.string("name") {
+        Some(name) if name.trim_matches('.').is_empty() || !name.chars().all(in_name) => {
+            root.wrong(
+                "name",
+                "expected letters, digits, `-`, `_` and `.` only (it names the output directory)",
+            );
+            fallback
+        }
+        Some(name) => name,
+        None => fallback,
+    }
+}
+
+/// Whether the document names its mesh file by a relative path.
+fn relative_mesh(document: &Document) -> bool {
+    let mesh = document.root.get("mesh").map(|item| &item.value);
+    let file = match mesh {
+        Some(Value::Table(table)) => table.get("file").map(|item| &item.value),
+        _ => None,
+    };
+    matches!(file, Some(Value::String(path)) if Path::new(path).is_relative())
+}
+
+/// The name that a case in this file has unless it gives one: without folder and ending, in letters, digits, `-`, `_` and
+/// `.` only.
+pub fn name_of_file(file: &Path) -> String {
+    let stem = file.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(|c| if in_name(c) { c } else { '_' }).collect();
+    if name.trim_matches('.').is_empty() { "case".into() } else { name }
+}
+
+fn in_name(c: char) -> bool {
+    c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.')
+}
+
+/// `reference`, the built-in case whose published results are asked for.
+fn reference(root: &mut Section<'_, '_>) -> Option<String> {
+    let name = root.string("reference")?;
+    if builtin_case(&name).is_none() {
+        let message =
+            format!("no published results{}", suggestion(&name, builtin_cases().iter().map(|c| c.name)));
+        root.wrong("reference", message);
+    }
+    Some(name)
+}
+
+/// A path of the case: beside the case file, or in the working directory if it comes from `--set`.
+fn resolve(section: &Section<'_, '_>, key: &str, path: &str) -> PathBuf {
+    let origins = section.checker.origins.borrow();
+    let from_file = matches!(origins.get(&section.dotted(key)), Some(Origin::File(_)));
+    let folder = Path::new(&section.checker.document.file_name).parent().filter(|_| from_file);
+    let path = folder.map_or(PathBuf::from(path), |folder| folder.join(path));
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+/// Names of regions and boundaries as they occur in meshes.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}

@@ -1,0 +1,395 @@
+//! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
+
+use super::resolve;
+use crate::case::choices::BODY_FORCE_AT;
+use crate::case::element::{PRESSURES, Stability, VELOCITIES};
+use crate::case::error::quoted;
+use crate::case::expression::Expression;
+use crate::case::literal::number;
+use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::case::schema::{
+    FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
+    SolidSpec, SpaceSpec, VelocityElement,
+};
+use crate::case::synonyms::meant;
+use crate::choice;
+use crate::element::Shape;
+use crate::mesh::gmsh;
+use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
+use crate::physics::material::LAWS;
+use crate::space::WALLS;
+use std::collections::BTreeMap;
+
+const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
+
+const KEPT: Range = Range {
+    text: "a number above -1 and below 0.5; 0.5 means that the volume is kept: take law = \"incompressible-neo-hookean\" \
+           or \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
+    ..POISSON
+};
+
+const FINITE: Range = Range {
+    text: "a finite number; where the volume is kept, take law = \"incompressible-neo-hookean\" or \
+           \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
+    ..ANY
+};
+
+const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
+
+pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<MeshSpec> {
+    let generator = s.choice("generator", &GENERATORS, &[]);
+    let file = s.string("file");
+    let scale = s.number("scale", 1.0, POSITIVE);
+    let refine = s.integer("refine", 0, 0..=10) as u32;
+    let grading = s.integer("grading", 0, 0..=30) as u32;
+    let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
+    let region = regions(s.section("region"));
+    let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
+    let own = root.checker.mesh;
+    if own.is_some() {
+        refuse_source(&s);
+    } else if !s.is_present() {
+        root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
+    } else if s.has("generator") && s.has("file") {
+        s.wrong("file", "give either `generator` or `file`");
+    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
+        let generators = quoted(choice::names(&GENERATORS));
+        s.missing("generator", &format!("give `generator` ({generators}) or `file`"));
+    }
+    let is_box = matches!(generator, Some(MeshSource::Box { .. }));
+    for key in ["lower", "upper", "cells", "region"] {
+        if s.has(key) && !is_box && (generator.is_some() || file.is_some()) {
+            s.wrong(key, "only for generator = \"box\"");
+        } else if is_box && !s.has(key) && key != "region" {
+            s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
+        }
+    }
+    if s.has("scale") && file.is_none() {
+        s.wrong("scale", "only for `file`: the generators make meshes in metres");
+    }
+    if let (Some(a), Some(b)) = (lower, upper)
+        && (a[0] >= b[0] || a[1] >= b[1])
+    {
+        s.wrong("upper", format!("expected a corner right of and above `lower` = [{}, {}]", a[0], a[1]));
+    }
+    let source = match (generator, file) {
+        (Some(MeshSource::Box { .. }), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
+        (Some(generator), _) => generator,
+        (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
+        // A mistake was told; what follows is checked nevertheless.
+        (None, None) => MeshSource::TurekHron,
+    };
+    let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
+    s.finish();
+    Some(MeshSpec { source, scale, refine, grading, region, leave_out })
+}
+
+/// Keys that say where the mesh comes from, if the program gives it.
+fn refuse_source(s: &Section<'_, '_>) {
+    for key in ["generator", "file", "grading", "lower", "upper", "cells", "region"] {
+        if s.has(key) {
+            s.wrong(key, "the program gives the mesh");
+        }
+    }
+}
+
+/// What names of regions and boundaries must be: those of a Gmsh file may have spaces and dots.
+const NAME: &str = "expected a name that is not empty, in one line";
+
+fn names_something(name: &str) -> bool {
+    !name.trim().is_empty() && !name.chars().any(char::is_control)
+}
+
+fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {
+    let mut regions = BTreeMap::new();
+    for key in s.keys() {
+        if let Some(expression) = s.expression(&key) {
+            if expression.depends_on_time() {
+                s.wrong(&key, "a region cannot depend on t");
+            }
+            if !names_something(&key) {
+                s.wrong(&key, NAME);
+            }
+            regions.insert(key, expression);
+        }
+    }
+    regions
+}
+
+/// The velocity unless one is asked for: Q2, on the triangles of a file P2.
+fn default_velocity(mesh: Option<&MeshSpec>, pressure: Option<PressureElement>) -> VelocityElement {
+    let triangles = match mesh.map(|mesh| &mesh.source) {
+        Some(MeshSource::File(path)) => match gmsh::shape(path) {
+            Ok(shape) => shape == Shape::Triangle,
+            // What is wrong with the file is told when the mesh is made, and should be the only thing that is told.
+            Err(_) => matches!(pressure, Some(PressureElement::P(_))),
+        },
+        Some(MeshSource::Own(mesh)) => mesh.0.shape == Shape::Triangle,
+        _ => false,
+    };
+    if triangles { VelocityElement::P(2) } else { VelocityElement::Q(2) }
+}
+
+pub(super) fn space(mut s: Section<'_, '_>, mesh: Option<&MeshSpec>) -> SpaceSpec {
+    let velocity = s.choice("velocity", &VELOCITIES, &[]);
+    let pressure = s.choice("pressure", &PRESSURES, &[]);
+    let velocity = velocity.unwrap_or_else(|| default_velocity(mesh, pressure));
+    let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
+    s.finish();
+    SpaceSpec { velocity, pressure: pressure.unwrap_or(velocity.pressure()), quadrature }
+}
+
+/// Refuse pairs of velocity and pressure for which the flow has no unique solution.
+pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
+    let SpaceSpec { velocity, pressure, .. } = *space;
+    // What pairs of equal order need is checked with `[stabilization]`.
+    if let Stability::Refused(reason) = velocity.stability(pressure) {
+        s.wrong("pressure", reason);
+    }
+}
+
+fn region(s: &mut Section<'_, '_>, default: &str) -> String {
+    let region = s.string("region").unwrap_or_else(|| default.into());
+    if !names_something(&region) {
+        s.wrong("region", NAME);
+    }
+    region
+}
+
+pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
+    if !s.is_present() {
+        return None;
+    }
+    let spec = FluidSpec {
+        region: region(&mut s, "fluid"),
+        density: s.required_number("density", POSITIVE, "the density [kg/m³]"),
+        kinematic_viscosity: s.required_number(
+            "kinematic-viscosity",
+            POSITIVE,
+            "the kinematic viscosity [m²/s]",
+        ),
+        body_force: s.expressions("body-force").unwrap_or_default(),
+        force_at_current: s.choice("body-force-at", &BODY_FORCE_AT, &[]).unwrap_or(false),
+    };
+    explain_viscosity(&mut s);
+    if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
+        let note = "fluid.body-force-at has no effect: fluid.body-force is the same everywhere";
+        s.checker.notes.borrow_mut().push(note.into());
+    }
+    s.finish();
+    Some(spec)
+}
+
+/// ν = μ/ρ for those who know μ.
+fn explain_viscosity(s: &mut Section<'_, '_>) {
+    let density = s.look_at_number("density").filter(|rho| *rho > 0.0);
+    for key in s.keys() {
+        if meant("fluid", &key) != Some("kinematic-viscosity") || key.to_lowercase().starts_with("nu") {
+            continue;
+        }
+        let value = s.look_at_number(&key).zip(density).map(|(mu, rho)| format!(" = {}", number(mu / rho)));
+        let nu = format!("kinematic-viscosity{} [m²/s], which is mu/density", value.unwrap_or_default());
+        let message = if s.has("kinematic-viscosity") {
+            "`kinematic-viscosity` is given; remove this".into()
+        } else if matches!(&*key.to_lowercase(), "viscosity" | "kinematic") {
+            format!(
+                "`kinematic-viscosity` [m²/s] is needed; if this is the dynamic viscosity mu [Pa s], write {nu}"
+            )
+        } else {
+            format!("the kinematic viscosity is needed: write {nu}")
+        };
+        s.explain(&key, message);
+    }
+}
+
+pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
+    if !s.is_present() {
+        return None;
+    }
+    let region = region(&mut s, "solid");
+    let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
+    let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
+    let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
+    let body_force = s.expressions("body-force").unwrap_or_default();
+    s.finish();
+    Some(SolidSpec { region, law, own: None, density, mu, lambda, c2, bulk, body_force })
+}
+
+/// The pressure of a solid has no stabilisation.
+pub(super) fn refuse_unstable_solid(s: &Section<'_, '_>, solid: &SolidSpec, space: &SpaceSpec) {
+    if solid.law.is_incompressible() && space.velocity.stability(space.pressure) != Stability::Stable {
+        let (velocity, pressure) = (space.velocity.name(), space.pressure.name());
+        let message = format!(
+            "{velocity} with {pressure} is not stable, and stabilisation is for the fluid only: take a pair such as \
+             Q2 with P1dc or Q1"
+        );
+        s.wrong("law", message);
+    }
+}
+
+/// Constants of a law \[Pa\].
+struct Moduli {
+    mu: f64,
+    /// Infinite if the law is incompressible and there is no `bulk`.
+    lambda: f64,
+    c2: f64,
+    bulk: Option<f64>,
+}
+
+fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
+    let c1 = s.optional_number("c1", POSITIVE);
+    let c2 = s.optional_number("c2", NOT_NEGATIVE);
+    let bulk = s.optional_number("bulk", POSITIVE);
+    for key in ["c1", "c2"].into_iter().filter(|key| s.has(key) && !law.is_mooney_rivlin()) {
+        s.wrong(key, "only for the laws `mooney-rivlin` and `incompressible-mooney-rivlin`");
+    }
+    let (mu, lambda) = match law.is_incompressible() {
+        true => (shear_modulus(s), f64::INFINITY),
+        false => moduli(s),
+    };
+    let mu = mu.or_else(|| Some(2.0 * (c1? + c2?))).unwrap_or(1.0);
+    let mut moduli = Moduli { mu, lambda, c2: 0.0, bulk: bulk.filter(|_| law.is_incompressible()) };
+    if s.has("bulk") && !law.is_incompressible() {
+        s.wrong("bulk", "only for incompressible laws; the others take `lambda` or `poisson`");
+    } else if let Some(bulk) = bulk {
+        moduli.lambda = bulk - 2.0 / 3.0 * mu;
+        if moduli.lambda <= 0.0 {
+            let least = 2.0 / 3.0 * mu;
+            s.wrong("bulk", format!("expected a number above 2/3 mu = {least} Pa, lambda = bulk - 2/3 mu"));
+        }
+    }
+    if law.is_mooney_rivlin() {
+        moduli.c2 = c2.unwrap_or(0.0);
+        check_split(s, &moduli);
+    }
+    moduli
+}
+
+/// Whether Mooney-Rivlin is polyconvex.
+fn check_split(s: &Section<'_, '_>, &Moduli { mu, lambda, c2, .. }: &Moduli) {
+    if s.has("c1") && !s.has("c2") {
+        s.missing("c2", "`c1` and `c2` [Pa] belong together; or give `mu` = 2 (c1 + c2) and `c2`");
+    } else if !s.has("c2") {
+        let note = "solid.law: without solid.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))";
+        s.checker.notes.borrow_mut().push(note.into());
+    } else if c2 >= 0.5 * mu {
+        s.wrong(
+            "c2",
+            format!("expected a number below mu/2 = {} Pa, for c1 = mu/2 - c2 is above 0", 0.5 * mu),
+        );
+    } else if lambda <= 4.0 * c2 {
+        let most = 0.25 * lambda;
+        s.wrong(
+            "c2",
+            format!(
+                "expected a number below lambda/4 = {most} Pa, or a strong compression would release energy"
+            ),
+        );
+    }
+}
+
+/// μ \[Pa\] of an incompressible law, from `mu` or `young`; `None` if from `c1` and `c2`.
+fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
+    let (mu, lambda) = (s.optional_number("mu", POSITIVE), s.optional_number("lambda", ANY));
+    let (young, poisson) = (s.optional_number("young", POSITIVE), s.optional_number("poisson", HALF));
+    let ways = ["mu", "young", "c1"].into_iter().filter(|key| s.has(key)).collect::<Vec<_>>();
+    match ways[..] {
+        [] if s.means("young") => {}
+        [] => s.missing("mu", "the modulus `mu` [Pa], or `young` [Pa], which is 3 mu"),
+        [_] => {}
+        [_, other, ..] => s.wrong(other, "give one of `mu`, `young`, and `c1` with `c2`"),
+    }
+    if lambda.is_some() || poisson.is_some_and(|poisson| poisson < 0.5) {
+        let key = if lambda.is_some() { "lambda" } else { "poisson" };
+        let note = format!(
+            "solid.{key} says nothing of the volume: the law is incompressible, but for solid.bulk [Pa]"
+        );
+        s.checker.notes.borrow_mut().push(note);
+    }
+    mu.or_else(|| young.map(|young| young / (2.0 * (1.0 + poisson.unwrap_or(0.5)))))
+}
+
+/// μ and λ \[Pa\], given as such or as Young's modulus and Poisson ratio.
+fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
+    let is = |key: &str, x: f64| s.look_at_number(key) == Some(x);
+    let (finite, below) = (
+        if is("lambda", f64::INFINITY) { FINITE } else { ANY },
+        if is("poisson", 0.5) { KEPT } else { POISSON },
+    );
+    let mu = s.optional_number("mu", POSITIVE);
+    let lambda = s.optional_number("lambda", finite);
+    let young = s.optional_number("young", POSITIVE);
+    let poisson = s.optional_number("poisson", below);
+    let given = |key: &str| s.has(key) || s.means(key);
+    let lame = given("mu") || given("lambda");
+    let engineering = given("young") || given("poisson");
+    for key in ["young", "poisson"] {
+        if lame && s.has(key) {
+            s.wrong(key, "give either `mu` and `lambda` or `young` and `poisson`");
+        } else if engineering && !lame && !s.has(key) {
+            s.missing(key, "`young` [Pa] and `poisson` belong together");
+        }
+    }
+    let constants = s.has("c1");
+    if constants && (s.has("mu") || engineering) {
+        s.wrong("c1", "give either `c1` and `c2` or `mu` and `c2`, mu = 2 (c1 + c2)");
+    }
+    for key in ["mu", "lambda"] {
+        if constants && key == "mu" {
+            continue;
+        } else if !engineering && !s.has(key) {
+            s.missing(key, "the moduli `mu` and `lambda` [Pa], or `young` [Pa] and `poisson`");
+        } else if engineering && lame && !s.has(key) {
+            s.missing(key, "`mu` and `lambda` [Pa] belong together");
+        }
+    }
+    if let (Some(young), Some(poisson)) = (young, poisson) {
+        let mu = young / (2.0 * (1.0 + poisson));
+        return (Some(mu), young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
+    }
+    if let (Some(mu), Some(lambda)) = (mu, lambda)
+        && 3.0 * lambda + 2.0 * mu <= 0.0
+    {
+        s.wrong("lambda", format!("expected a number above -2/3 mu = {} Pa", -2.0 / 3.0 * mu));
+    }
+    (mu, lambda.unwrap_or(1.0))
+}
+
+/// `moves`: whether the case has a last step to take J from.
+pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElement) -> MotionSpec {
+    let model = s.choice("model", &MOTIONS, &[]).unwrap_or(MotionModel::PseudoElastic);
+    if model == MotionModel::Biharmonic && velocity.degree() == 1 {
+        let other = if velocity.shape() == Shape::Triangle { "P2" } else { "Q2" };
+        let message = format!(
+            "the mixed form does not converge with elements of degree 1; take `{other}` or higher as space.velocity"
+        );
+        s.wrong("model", message);
+    }
+    let jacobian = s.choice("jacobian", &STIFFENING, &[]);
+    if jacobian == Some(true) && !moves {
+        s.wrong("jacobian", "a stationary case has no last step to take J from; use `implicit`");
+    }
+    let walls = s.choice("walls", &WALLS, &[]);
+    let outer = s.choice("outer", &OUTER, &[]);
+    let spec = MotionSpec {
+        model,
+        poisson: s.number("poisson", 0.0, POISSON),
+        offset: s.optional_number("offset", POSITIVE),
+        exponent: s.number("exponent", 2.0, NOT_NEGATIVE),
+        scale: s.optional_number("scale", POSITIVE),
+        lagged: jacobian.filter(|_| model == MotionModel::JacobianStiffened).unwrap_or(moves),
+        hinged: outer.unwrap_or(false),
+        walls: walls.unwrap_or_default(),
+    };
+    let used = [
+        ("scale", model == MotionModel::StiffenedHarmonic),
+        ("jacobian", model == MotionModel::JacobianStiffened),
+        ("outer", model == MotionModel::Biharmonic),
+    ];
+    for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
+        let note = format!("motion.{key} has no effect with this motion.model");
+        s.checker.notes.borrow_mut().push(note);
+    }
+    s.finish();
+    spec
+}

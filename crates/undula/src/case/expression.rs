@@ -1,0 +1,178 @@
+//! Expressions of x, y, z, t in a case file.
+//!
+//! A source text becomes a short program for a stack machine: `parse` turns text into a tree and
+//! reports mistakes with their byte position, `program` folds constants and flattens the tree. An
+//! evaluation allocates nothing.
+//!
+//! | | |
+//! | --- | --- |
+//! | variables | `x`, `y`, `z` \[m\], `t` \[s\] |
+//! | constant | `pi` |
+//! | operators | `^` (from the right), unary `-` and `+`, `*` `/`, `+` `-`, `<` `<=` `>` `>=` (0 or 1) |
+//! | functions | `sin cos tan asin acos atan atan2 sinh cosh tanh exp ln log10 sqrt abs sign floor ceil min max pow hypot` |
+//! | cases | `step(a)`: 0 for a < 0, else 1; `if(condition, a, b)`; `clamp(a, low, high)` |
+//! | start-up | `ramp(t, T)`: 0 for t < 0, ½(1 − cos(πt/T)) up to T, then 1 |
+//!
+//! All numbers are real numbers: `1/2` is 0.5.
+
+mod derivative;
+mod parse;
+mod program;
+mod tree;
+
+use program::Program;
+use std::fmt;
+
+/// A compiled expression of x, y, z and t.
+///
+/// Two expressions are equal if they compile to the same program, so `0.50 * x` equals `x/2`
+/// only if it is written in the same way, but `1/2` equals `0.5`.
+///
+/// ```
+/// use undula::case::expression::Expression;
+/// let parabola = Expression::parse("4*y*(0.41-y)/0.41^2 * ramp(t, 2)")?;
+/// assert!((parabola.eval(&[0.0, 0.205, 0.0], 1.0) - 0.5).abs() < 1e-15);
+/// # Ok::<(), undula::case::expression::ExpressionError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Expression {
+    source: String,
+    program: Program,
+}
+
+/// Why a text is not an expression.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{message} (at byte {position})")]
+pub struct ExpressionError {
+    /// Byte of the source where the mistake is, counted from 0.
+    pub position: usize,
+    /// What is wrong, and what would be right if that can be guessed.
+    pub message: String,
+}
+
+/// Names that an expression may use besides its own, each a number: results of runs.
+pub trait Names {
+    /// The number that `name` stands for, or why there is none; `None` if it is no name of these.
+    fn value(&self, name: &str) -> Option<Result<f64, String>>;
+    /// Whether `name` may be an argument of a function of these.
+    fn is_signal(&self, name: &str) -> bool;
+    /// Whether there is a function of this name, which takes names, then numbers.
+    fn has_function(&self, name: &str) -> bool;
+    /// Its value.
+    ///
+    /// # Errors
+    /// What is wrong with the arguments.
+    fn call(&self, function: &str, of: &[&str], numbers: &[f64]) -> Result<f64, String>;
+}
+
+/// The value of an expression of `names`; `and` and `or` combine comparisons.
+///
+/// # Errors
+/// As [`Expression::parse`]; x, y, z and t are no names here.
+pub fn evaluate(source: &str, names: &dyn Names) -> Result<f64, ExpressionError> {
+    let program = Program::compile(&parse::parse(source, Some(names))?)?;
+    let variable = ExpressionError { position: 0, message: "x, y, z and t are no names of results".into() };
+    program.as_constant().ok_or(variable)
+}
+
+impl Expression {
+    /// No expression yet, in tables of values that have one; its value is 0.
+    pub(crate) const EMPTY: Expression = Expression { source: String::new(), program: Program::EMPTY };
+
+    /// Compiles `source`.
+    ///
+    /// # Errors
+    /// Says what is wrong and at which byte.
+    ///
+    /// ```
+    /// # use undula::case::expression::Expression;
+    /// let error = Expression::parse("1.5*sinn(y)").unwrap_err();
+    /// assert_eq!(error.to_string(), "unknown function `sinn`; did you mean `sin`? (at byte 4)");
+    /// ```
+    pub fn parse(source: &str) -> Result<Self, ExpressionError> {
+        let tree = parse::parse(source, None)?;
+        let program = Program::compile(&tree)?;
+        Ok(Self { source: source.trim().to_string(), program })
+    }
+
+    /// The same value everywhere and always.
+    pub fn constant(value: f64) -> Self {
+        Self { source: value.to_string(), program: Program::constant(value) }
+    }
+
+    /// Value at the point `x` \[m\] and time `t` \[s\].
+    #[inline]
+    pub fn eval(&self, x: &[f64; 3], t: f64) -> f64 {
+        self.program.run(x, t)
+    }
+
+    /// Value and partial derivatives with respect to x, y, z at the point `x` \[m\] and time `t` \[s\]. Where the
+    /// expression has a kink or a jump the derivative is that of one side.
+    pub fn eval_with_gradient(&self, x: &[f64; 3], t: f64) -> (f64, [f64; 3]) {
+        let slope = self.program.run_with_slope(x, t);
+        (slope.value, slope.partial)
+    }
+
+    /// Whether the value is the same everywhere and always.
+    pub fn is_constant(&self) -> bool {
+        self.constant_value().is_some()
+    }
+
+    /// The value, if it is the same everywhere and always.
+    pub fn constant_value(&self) -> Option<f64> {
+        self.program.as_constant()
+    }
+
+    /// Whether `t` occurs.
+    pub fn depends_on_time(&self) -> bool {
+        self.program.depends_on_time()
+    }
+
+    /// Whether `x`, `y` or `z` occurs.
+    pub fn depends_on_space(&self) -> bool {
+        self.program.depends_on_space()
+    }
+
+    /// The text it was made from.
+    pub fn source(&self) -> &str {
+        &self.source
+    }
+}
+
+impl PartialEq for Expression {
+    fn eq(&self, other: &Self) -> bool {
+        self.program == other.program
+    }
+}
+
+impl Default for Expression {
+    /// The constant 0.
+    fn default() -> Self {
+        Self::constant(0.0)
+    }
+}
+
+impl From<f64> for Expression {
+    fn from(value: f64) -> Self {
+        Self::constant(value)
+    }
+}
+
+impl fmt::Display for Expression {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.source)
+    }
+}
+
+impl serde::Serialize for Expression {
+    /// A plain number as a number, all else as its source.
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.source.parse::<f64>() {
+            Ok(value) => serializer.serialize_f64(value),
+            Err(_) => serializer.serialize_str(&self.source),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,208 @@
+//! From tree to program: constants folded, flattened for a stack machine of fixed size.
+
+use super::ExpressionError;
+use super::derivative::Slope;
+use super::tree::{Binary, Tree, Unary, Variable};
+
+/// Numbers the stack machine holds.
+const STACK: usize = 32;
+
+/// `then` unless the condition is 0; NaN if the condition is.
+#[inline]
+fn select(condition: f64, then: f64, otherwise: f64) -> f64 {
+    match condition {
+        _ if condition.is_nan() => condition,
+        0.0 => otherwise,
+        _ => then,
+    }
+}
+
+/// One instruction of the stack machine.
+#[derive(Copy, Clone, Debug, PartialEq)]
+enum Instruction {
+    Push(f64),
+    Load(Variable),
+    Unary(Unary),
+    Binary(Binary),
+    /// a², which parabolas are made of.
+    Square,
+    /// Pops else, then, condition.
+    Select,
+}
+
+/// Instructions in postfix order; at most [`STACK`] numbers are alive at once.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Program {
+    code: Vec<Instruction>,
+}
+
+impl Program {
+    /// No instructions, which leave 0.
+    pub(super) const EMPTY: Program = Program { code: Vec::new() };
+
+    pub(super) fn constant(value: f64) -> Self {
+        Self { code: vec![Instruction::Push(value)] }
+    }
+
+    pub(super) fn compile(tree: &Tree) -> Result<Self, ExpressionError> {
+        let mut code = Vec::new();
+        let depth = emit(tree, &mut code);
+        if depth > STACK {
+            return Err(ExpressionError {
+                position: 0,
+                message: format!("needs more than {STACK} numbers at once"),
+            });
+        }
+        Ok(Self { code })
+    }
+
+    pub(super) fn as_constant(&self) -> Option<f64> {
+        match *self.code {
+            [Instruction::Push(value)] => Some(value),
+            _ => None,
+        }
+    }
+
+    pub(super) fn depends_on_time(&self) -> bool {
+        self.code.contains(&Instruction::Load(Variable::T))
+    }
+
+    pub(super) fn depends_on_space(&self) -> bool {
+        [Variable::X, Variable::Y, Variable::Z].iter().any(|v| self.code.contains(&Instruction::Load(*v)))
+    }
+
+    #[inline]
+    pub(super) fn run(&self, x: &[f64; 3], t: f64) -> f64 {
+        if let [Instruction::Push(value)] = *self.code {
+            return value;
+        }
+        let mut stack = [0.0; STACK];
+        // Numbers alive; `compile` keeps it within 1..=STACK after every instruction.
+        let mut n = 0;
+        for instruction in &self.code {
+            match *instruction {
+                Instruction::Push(value) => {
+                    stack[n] = value;
+                    n += 1;
+                }
+                Instruction::Load(variable) => {
+                    stack[n] = match variable {
+                        Variable::X => x[0],
+                        Variable::Y => x[1],
+                        Variable::Z => x[2],
+                        Variable::T => t,
+                    };
+                    n += 1;
+                }
+                Instruction::Unary(f) => stack[n - 1] = f.apply(stack[n - 1]),
+                Instruction::Square => stack[n - 1] *= stack[n - 1],
+                Instruction::Binary(f) => {
+                    n -= 1;
+                    stack[n - 1] = f.apply(stack[n - 1], stack[n]);
+                }
+                Instruction::Select => {
+                    n -= 2;
+                    stack[n - 1] = select(stack[n - 1], stack[n], stack[n + 1]);
+                }
+            }
+        }
+        stack[0]
+    }
+
+    /// The same with partial derivatives.
+    pub(super) fn run_with_slope(&self, x: &[f64; 3], t: f64) -> Slope {
+        let mut stack = [Slope::constant(0.0); STACK];
+        let mut n = 0;
+        for instruction in &self.code {
+            match *instruction {
+                Instruction::Push(value) => {
+                    stack[n] = Slope::constant(value);
+                    n += 1;
+                }
+                Instruction::Load(variable) => {
+                    stack[n] = match variable {
+                        Variable::X => Slope::coordinate(x[0], 0),
+                        Variable::Y => Slope::coordinate(x[1], 1),
+                        Variable::Z => Slope::coordinate(x[2], 2),
+                        Variable::T => Slope::constant(t),
+                    };
+                    n += 1;
+                }
+                Instruction::Unary(f) => stack[n - 1] = Slope::unary(f, stack[n - 1]),
+                Instruction::Square => {
+                    stack[n - 1] = Slope::binary(Binary::Mul, stack[n - 1], stack[n - 1]);
+                }
+                Instruction::Binary(f) => {
+                    n -= 1;
+                    stack[n - 1] = Slope::binary(f, stack[n - 1], stack[n]);
+                }
+                Instruction::Select => {
+                    n -= 2;
+                    stack[n - 1] = match stack[n - 1].value {
+                        condition if condition.is_nan() => Slope::constant(condition),
+                        0.0 => stack[n + 1],
+                        _ => stack[n],
+                    };
+                }
+            }
+        }
+        stack[0]
+    }
+}
+
+/// Appends the instructions of `tree`; returns how many numbers they need at once.
+fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
+    let start = code.len();
+    match tree {
+        Tree::Constant(value) => {
+            code.push(Instruction::Push(*value));
+            1
+        }
+        Tree::Variable(variable) => {
+            code.push(Instruction::Load(*variable));
+            1
+        }
+        Tree::Unary(f, a) => {
+            let depth = emit(a, code);
+            if let [Instruction::Push(value)] = code[start..] {
+                code[start] = Instruction::Push(f.apply(value));
+            } else if *f != Unary::Plus {
+                code.push(Instruction::Unary(*f));
+            }
+            depth
+        }
+        Tree::Binary(f, a, b) => {
+            let first = emit(a, code);
+            let middle = code.len();
+            let second = emit(b, code);
+            let (left, right) = (&code[start..middle], &code[middle..]);
+            if let ([Instruction::Push(a)], [Instruction::Push(b)]) = (left, right) {
+                let value = f.apply(*a, *b);
+                code.truncate(start);
+                code.push(Instruction::Push(value));
+            } else if *f == Binary::Pow && *right == [Instruction::Push(2.0)] {
+                code.truncate(middle);
+                code.push(Instruction::Square);
+            } else {
+                code.push(Instruction::Binary(*f));
+            }
+            first.max(1 + second)
+        }
+        Tree::If(condition, a, b) => {
+            let first = emit(condition, code);
+            // The other branch of a constant condition is never looked at: nested ones would take 2^depth times.
+            if let [Instruction::Push(value)] = code[start..] {
+                code.truncate(start);
+                if value.is_nan() {
+                    code.push(Instruction::Push(value));
+                    return 1;
+                }
+                return emit(if value != 0.0 { a } else { b }, code);
+            }
+            let second = emit(a, code);
+            let third = emit(b, code);
+            code.push(Instruction::Select);
+            first.max(1 + second).max(2 + third)
+        }
+    }
+}

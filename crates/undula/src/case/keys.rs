@@ -1,0 +1,376 @@
+//! All keys of a case: unit, default value and meaning.
+//!
+//! Reading asks for keys of this table only, unknown-key messages list its keys, `case.toml` takes its comments from it,
+//! and `undula keys` prints it.
+
+use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::element::{PRESSURES, VELOCITIES};
+use super::error::did_you_mean;
+use super::functionals::FUNCTIONALS;
+use super::schema::{CONDITIONS, GENERATORS, KRYLOV};
+use super::{key, synonyms};
+use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::choice::Table;
+use crate::functional::energy::ENERGIES;
+use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
+use crate::physics::material::LAWS;
+use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::space::WALLS;
+use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
+use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
+
+/// A key of a case.
+pub struct Key {
+    /// Its tables and its name, with dots between them. `NAME` stands for a name that the case chooses.
+    pub key: &'static str,
+    /// SI unit; empty for words and pure numbers.
+    pub unit: &'static str,
+    /// The value that holds without the key, or where it comes from; `none`: nothing; `required`: there is none.
+    pub default: &'static str,
+    /// What it is, in one line.
+    pub about: &'static str,
+    choices: Option<&'static dyn Table>,
+}
+
+const fn number(key: &'static str, unit: &'static str, default: &'static str, about: &'static str) -> Key {
+    Key { key, unit, default, about, choices: None }
+}
+
+const fn text(key: &'static str, default: &'static str, about: &'static str) -> Key {
+    number(key, "", default, about)
+}
+
+const fn word(
+    key: &'static str,
+    choices: &'static dyn Table,
+    default: &'static str,
+    about: &'static str,
+) -> Key {
+    Key { key, unit: "", default, about, choices: Some(choices) }
+}
+
+/// All keys, table by table.
+pub static KEYS: &[Key] = &[
+    text("name", "name of the file", "short name, also of the output directory"),
+    text("title", "empty", "one line for people"),
+    text("reference", "none", "built-in case whose published results belong to this problem"),
+    word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
+    text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
+    number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
+    number("mesh.refine", "", "0", "uniform refinements"),
+    number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
+    number("mesh.lower", "m", "box: required", "lower left corner of the box, as [0, 0]"),
+    number("mesh.upper", "m", "box: required", "upper right corner of the box, as [2, 1]"),
+    number("mesh.cells", "", "box: required", "cells per direction before refinement, as [8, 4]"),
+    text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
+    text("mesh.region.NAME", "none", "box: expression of x and y that is positive inside the region"),
+    word("space.velocity", &VELOCITIES, "Q2, triangles: P2", "element of velocity and displacement"),
+    word("space.pressure", &PRESSURES, "from the velocity", "element of the pressure"),
+    number(
+        "space.quadrature",
+        "",
+        "from the velocity",
+        "Gauss points per direction; exact to the same degree on triangles",
+    ),
+    text("fluid.region", "fluid", "region of the mesh that the fluid fills"),
+    number("fluid.density", "kg/m³", "required", "density"),
+    number(
+        "fluid.kinematic-viscosity",
+        "m²/s",
+        "required",
+        "kinematic viscosity: dynamic viscosity divided by density",
+    ),
+    number("fluid.body-force", "m/s²", "[0, 0]", "body force per mass, two expressions of x, y, t"),
+    word("fluid.body-force-at", &BODY_FORCE_AT, "reference", "position at which the body force is taken"),
+    word(
+        "stabilization.pressure",
+        &PRESSURE_TERMS,
+        "off, equal order: lps",
+        "term in the divergence equation",
+    ),
+    word(
+        "stabilization.transport",
+        &TRANSPORT_TERMS,
+        "off",
+        "term in the momentum equation against oscillations",
+    ),
+    number("stabilization.alpha", "", "0.1", "factor α₀ of the pressure term"),
+    number("stabilization.delta", "", "0.1", "factor δ₀ of the transport term"),
+    word("stabilization.projection", &PROJECTIONS, "cell", "projection of `lps`"),
+    text(
+        "stabilization.directional",
+        "false",
+        "the axes of a cell have parameters of their own (true or false)",
+    ),
+    text("solid.region", "solid", "region of the mesh that the solid fills"),
+    word("solid.law", &LAWS, "st-venant-kirchhoff", "constitutive law"),
+    number("solid.density", "kg/m³", "required", "density"),
+    number("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
+    number("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
+    number("solid.bulk", "Pa", "none", "nearly incompressible laws: bulk modulus, lambda + 2/3 mu"),
+    number("solid.mu", "Pa", "required", "shear modulus; `young` and `poisson` instead of `mu` and `lambda`"),
+    number("solid.lambda", "Pa", "required", "first Lamé parameter; not with incompressible laws"),
+    number("solid.young", "Pa", "from mu, lambda", "Young's modulus; incompressible: 3 mu"),
+    number("solid.poisson", "", "from mu, lambda", "Poisson ratio, above -1 and below 0.5"),
+    number("solid.body-force", "m/s²", "[0, 0]", "body force per mass, two expressions of x, y, t"),
+    word("motion.model", &MOTIONS, "pseudo-elastic", "extension of the displacement into the fluid"),
+    word(
+        "motion.jacobian",
+        &STIFFENING,
+        "lagged, else implicit",
+        "J of `jacobian-stiffened`; a stationary case takes `implicit`",
+    ),
+    word("motion.walls", &WALLS, "fixed", "mesh on the outer boundary of the fluid"),
+    word("motion.outer", &OUTER, "clamped", "second condition of `biharmonic`"),
+    number("motion.poisson", "", "0", "Poisson ratio of the elastic models; below 0 auxetic"),
+    number(
+        "motion.offset",
+        "m",
+        "from the mesh",
+        "d₀ of the stiffening (d₀ + d)^−exponent, d the distance to the interface",
+    ),
+    number("motion.exponent", "", "2", "exponent of the stiffening; 0: none"),
+    number("motion.scale", "m", "from the mesh", "L of the stiffening 2 − erf(5 d/L)"),
+    word("boundary.NAME.condition", &CONDITIONS, "required", "condition on the boundary NAME of the mesh"),
+    number(
+        "boundary.NAME.velocity",
+        "m/s",
+        "velocity: required",
+        "two expressions of x, y, t, as [\"1.5*y\", 0]",
+    ),
+    word("boundary.NAME.backflow", &BACKFLOW, "none", "term against flow that comes in through an outlet"),
+    word(
+        "time.scheme",
+        &SCHEMES,
+        "shifted-crank-nicolson",
+        "time scheme; without [time] the case is stationary",
+    ),
+    number("time.step", "s", "required", "time step, a number or an expression of t"),
+    number("time.start", "s", "0", "first time"),
+    number("time.end", "s", "required", "last time; stationary: the time at which expressions are taken"),
+    number("time.theta", "", "theta: required", "weight of the new time, from 0.5 to 1"),
+    number("time.shift", "1/s", "0.005/step", "θ − ½ by the step, of `shifted-crank-nicolson`"),
+    number("time.max-halvings", "", "5", "halvings of a failed step before the run ends"),
+    number("time.rannacher-steps", "", "2", "steps of backward Euler at the start of every interval"),
+    number("time.rannacher-interval", "s", "200 steps", "interval of `rannacher`"),
+    word(
+        "time.domain-motion",
+        &DOMAIN_MOTIONS,
+        "secant",
+        "time of the factors of the time derivatives; not with `cg1` and `bdf2`",
+    ),
+    number(
+        "time.adaptive.tolerance",
+        "",
+        "1e-3",
+        "local error of a step, relative to the largest v and u so far",
+    ),
+    number("time.adaptive.min-step", "s", "step/1000", "smallest step"),
+    number("time.adaptive.max-step", "s", "10 steps", "largest step"),
+    number("time.adaptive.safety", "", "0.9", "factor of every new step"),
+    word(
+        "newton.linearization",
+        &LINEARIZATIONS,
+        "condensed, else newton",
+        "derivatives in the Jacobian; a stationary deformation takes `newton`",
+    ),
+    word("newton.jacobian", &TANGENTS, "automatic", "computation of the derivatives"),
+    word("newton.difference", &DIFFERENCES, "one-sided", "differences of `finite-difference`"),
+    number("newton.epsilon", "", "1e-6", "perturbation of `finite-difference`, relative to the fields"),
+    number(
+        "newton.rate-max",
+        "",
+        "by cost, newton: 0.2",
+        "a Jacobian is kept while residuals shrink by this factor",
+    ),
+    number("newton.secants", "", "0", "secant pairs that improve corrections of a kept Jacobian"),
+    number("newton.tolerance", "", "1e-8", "residual at the end, relative to the old solution"),
+    number("newton.floor", "m/s", "from rounding", "residual that is small enough in any case"),
+    number("newton.max-steps", "", "30", "iterations before a step counts as failed"),
+    word("newton.start", &STARTS, "extrapolated", "start value of a step"),
+    number("newton.line-search", "", "5", "halvings of a correction"),
+    word("linear.solver", &SOLVERS, "multifrontal", "direct solver"),
+    number("linear.refinement", "", "2", "steps of iterative refinement"),
+    word("linear.precision", &PRECISIONS, "single", "precision of the factors that only make corrections"),
+    word("linear.krylov", &KRYLOV, "none", "iterative solver on top of the factors"),
+    number("linear.krylov-tolerance", "", "0.03", "residual of GMRES, relative to the right-hand side"),
+    number("linear.krylov-size", "", "20", "iterations of GMRES before the factors are renewed"),
+    word("functional.NAME.kind", &FUNCTIONALS, "required", "quantity of the column NAME of history.csv"),
+    text("functional.NAME.on", "force: required", "names of boundaries, also `interface`"),
+    word("functional.NAME.method", &METHODS, "residual", "force: computation"),
+    number("functional.NAME.point", "m", "displacement: required", "material point in the reference domain"),
+    word("functional.NAME.component", &COMPONENTS, "required", "force, displacement: component"),
+    number("functional.NAME.coefficient", "m/s, m", "none", "force: V and L, the factor is 2/(density V² L)"),
+    number("functional.NAME.a", "m", "required", "pressure-difference: first point"),
+    number("functional.NAME.b", "m", "required", "pressure-difference: second point"),
+    word("functional.NAME.term", &ENERGIES, "energy: required", "energy: which one"),
+    number("output.fields-every", "", "0", "fields are written after so many steps; 0: only at the end"),
+    number("output.fields-interval", "s", "none", "fields are written after this time, steps end there"),
+    word("output.mesh", &OUTPUT_MESH, "deformed", "positions of the nodes in field files"),
+    word("output.cells", &OUTPUT_CELLS, "linear", "cells of higher order in field files"),
+    number("output.checkpoint-every", "", "0", "checkpoint after so many steps; 0: not by steps"),
+    number(
+        "output.checkpoint-minutes",
+        "",
+        "10",
+        "checkpoint after so many minutes of wall-clock time; 0: not by time",
+    ),
+    text(
+        "output.leading",
+        "first uy_*, else lift",
+        "functional whose period gives the window of the statistics",
+    ),
+];
+
+/// A part of a key in the table that stands for any name.
+const NAME: &str = "NAME";
+
+impl Key {
+    /// Names of the values with a line about each; empty if any value of a type is accepted.
+    pub fn choices(&self) -> Vec<(&'static str, &'static str)> {
+        self.choices.map_or(vec![], Table::rows)
+    }
+
+    /// The table that it is in, empty for keys in none.
+    pub fn table(&self) -> &'static str {
+        key::parent(self.key).unwrap_or("")
+    }
+
+    /// Whether `dotted` is this key or, if shorter, a table that it is in.
+    fn begins_with(&self, dotted: &[&str]) -> bool {
+        let parts: Vec<&str> = self.key.split('.').collect();
+        dotted.len() <= parts.len()
+            && parts.iter().zip(dotted).all(|(part, other)| *part == NAME || part == other)
+    }
+
+    /// The comment behind the value in a case.
+    pub(super) fn comment(&self) -> &'static str {
+        if self.unit.is_empty() { self.about } else { self.unit }
+    }
+}
+
+/// The key of the table that `dotted` is, such as `boundary.NAME.condition` of `boundary.inflow.condition`.
+pub fn find(dotted: &str) -> Option<&'static Key> {
+    let parts = key::parts(dotted);
+    KEYS.iter().find(|key| key.key.split('.').count() == parts.len() && key.begins_with(&parts))
+}
+
+/// Whether `dotted` is a key or a table of keys.
+pub(super) fn is_known(dotted: &str) -> bool {
+    let parts = key::parts(dotted);
+    KEYS.iter().any(|key| key.begins_with(&parts))
+}
+
+/// Names of keys and tables in the table `path`, in order.
+pub(super) fn names_in(path: &str) -> Vec<&'static str> {
+    let parts = if path.is_empty() { vec![] } else { key::parts(path) };
+    let inside = KEYS.iter().filter(|key| key.begins_with(&parts));
+    let mut names: Vec<&str> = inside.filter_map(|key| key.key.split('.').nth(parts.len())).collect();
+    names.dedup();
+    names
+}
+
+/// A key that was looked for, with those of its values that are meant.
+pub struct Found {
+    /// The key.
+    pub key: &'static Key,
+    /// Name and line of values.
+    pub choices: Vec<(&'static str, &'static str)>,
+}
+
+/// The keys that `pattern` means: the key or table with this name, else all keys that contain the pattern or have a
+/// value that contains it, else keys that other programs call so. `*` and `?` stand for any characters and for one. With
+/// a pattern that occurs in values only, `choices` has those values only.
+pub fn search(pattern: &str) -> Vec<Found> {
+    let whole = |key: &'static Key| Found { key, choices: key.choices() };
+    let word =
+        pattern.trim().trim_start_matches('[').trim_end_matches(']').trim_end_matches('.').to_lowercase();
+    if word.is_empty() {
+        return KEYS.iter().map(whole).collect();
+    }
+    let parts = key::parts(&word);
+    let exact: Vec<Found> = KEYS.iter().filter(|key| key.begins_with(&parts)).map(whole).collect();
+    if !exact.is_empty() {
+        return exact;
+    }
+    let glob = if word.contains(['*', '?']) { word.clone() } else { format!("*{word}*") };
+    let found = KEYS.iter().filter_map(|key| {
+        if matches(&glob, &key.key.to_lowercase()) {
+            return Some(whole(key));
+        }
+        let choices: Vec<_> =
+            key.choices().into_iter().filter(|(name, _)| matches(&glob, &name.to_lowercase())).collect();
+        (!choices.is_empty()).then_some(Found { key, choices })
+    });
+    let found: Vec<Found> = found.collect();
+    if !found.is_empty() {
+        return found;
+    }
+    KEYS.iter()
+        .filter(|key| synonyms::meant(key.table(), &word) == key.key.rsplit('.').next())
+        .map(whole)
+        .collect()
+}
+
+/// `; did you mean `…`?` for the key, table or value closest to `pattern`, or nothing if none is close.
+pub fn nearest(pattern: &str) -> String {
+    let values = KEYS.iter().flat_map(|key| key.choices().into_iter().map(|(name, _)| name));
+    let ends = KEYS.iter().filter_map(|key| key.key.rsplit('.').next());
+    let tables = KEYS.iter().map(Key::table);
+    did_you_mean(pattern, KEYS.iter().map(|key| key.key).chain(tables).chain(ends).chain(values))
+}
+
+/// Whether `text` is `glob`, where `*` stands for any characters and `?` for one.
+fn matches(glob: &str, text: &str) -> bool {
+    let mut rest = glob.chars();
+    match rest.next() {
+        None => text.is_empty(),
+        Some('*') => {
+            let rest = rest.as_str();
+            text.char_indices().map(|(i, _)| i).chain([text.len()]).any(|i| matches(rest, &text[i..]))
+        }
+        Some(c) => {
+            let mut letters = text.chars();
+            letters.next().is_some_and(|letter| c == '?' || c == letter)
+                && matches(rest.as_str(), letters.as_str())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(pattern: &str) -> Vec<&'static str> {
+        search(pattern).iter().map(|found| found.key.key).collect()
+    }
+
+    #[test]
+    fn keys_are_found_by_table_part_glob_value_and_other_names() {
+        assert_eq!(keys("time.scheme"), ["time.scheme"]);
+        assert_eq!(keys("boundary.inflow.backflow"), ["boundary.NAME.backflow"]);
+        assert!(keys("motion").iter().all(|key| key.starts_with("motion.")));
+        assert_eq!(keys("[time.adaptive]").len(), 4);
+        assert_eq!(keys("min-"), ["time.adaptive.min-step"]);
+        assert_eq!(keys("*.den*y"), ["fluid.density", "solid.density"]);
+        assert_eq!(keys("motion.?uter"), ["motion.outer"]);
+        assert_eq!(keys("bdf2"), ["time.scheme"]);
+        assert_eq!(search("bdf2")[0].choices.len(), 1);
+        assert_eq!(keys("dt"), ["time.step"]);
+        assert_eq!(keys("nonsense"), [""; 0]);
+        assert_eq!(keys("").len(), KEYS.len());
+        assert_eq!(nearest("time.shceme"), "; did you mean `time.scheme`?");
+    }
+
+    #[test]
+    fn every_line_is_there_once() {
+        for (n, key) in KEYS.iter().enumerate() {
+            assert!(!key.about.is_empty() && !key.default.is_empty(), "{}", key.key);
+            assert!(KEYS[..n].iter().all(|other| other.key != key.key), "{} is there twice", key.key);
+            for (name, about) in key.choices() {
+                // Elements say it by their names.
+                assert!(!about.is_empty(), "{} = {name}", key.key);
+            }
+        }
+    }
+}

@@ -1,0 +1,437 @@
+//! Typed reading of a table: each method takes a key, tells what is wrong with its value, and goes on.
+
+use super::error::{CaseError, did_you_mean, quoted};
+use super::expression::Expression;
+use super::raw::{Document, Item, Origin, Table, Value};
+use super::schema::OwnMesh;
+use super::{keys, synonyms};
+use crate::choice::{self, Choice};
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+
+/// The document under check, and what was found so far.
+pub(super) struct Checker<'d> {
+    pub document: &'d Document,
+    /// The mesh, if the program gives it.
+    pub mesh: Option<&'d OwnMesh>,
+    /// Each with the byte it belongs to, to be sorted at the end.
+    errors: RefCell<Vec<(usize, CaseError)>>,
+    /// Settings without effect and parts left out.
+    pub notes: RefCell<Vec<String>>,
+    /// Origin of each dotted key that was read.
+    pub origins: RefCell<BTreeMap<String, Origin>>,
+}
+
+impl<'d> Checker<'d> {
+    pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
+        let (errors, notes, origins) = Default::default();
+        Self { document, mesh, errors, notes, origins }
+    }
+
+    pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {
+        let place = self.document.place(origin);
+        let order = match origin {
+            Origin::File(span) => span.start,
+            Origin::Set(index) => usize::MAX / 2 + index,
+        };
+        self.errors.borrow_mut().push((order, CaseError { place, key: key.into(), value, message }));
+    }
+
+    /// All mistakes in the order of the file, then of the overrides.
+    pub fn into_errors(self) -> Vec<CaseError> {
+        let mut errors = self.errors.into_inner();
+        errors.sort_by_key(|(order, _)| *order);
+        errors.into_iter().map(|(_, error)| error).collect()
+    }
+
+    pub fn root(&self) -> Section<'_, 'd> {
+        Section {
+            checker: self,
+            path: String::new(),
+            table: Some(&self.document.root),
+            origin: Origin::File(0..0),
+            known: Vec::new(),
+            explained: Vec::new(),
+        }
+    }
+}
+
+/// What a number must be.
+#[derive(Copy, Clone)]
+pub(super) struct Range {
+    pub holds: fn(f64) -> bool,
+    pub text: &'static str,
+}
+
+pub(super) const ANY: Range = Range { holds: f64::is_finite, text: "a finite number" };
+pub(super) const POSITIVE: Range = Range { holds: |x| x > 0.0 && x.is_finite(), text: "a number above 0" };
+pub(super) const NOT_NEGATIVE: Range =
+    Range { holds: |x| x >= 0.0 && x.is_finite(), text: "a number, 0 or above" };
+
+/// One table of the case; collects the keys it was asked for.
+pub(super) struct Section<'c, 'd> {
+    pub checker: &'c Checker<'d>,
+    pub path: String,
+    table: Option<&'c Table>,
+    pub origin: Origin,
+    known: Vec<String>,
+    /// Unknown keys with what is to be said of them.
+    explained: Vec<(String, String)>,
+}
+
+impl<'c, 'd> Section<'c, 'd> {
+    pub fn is_present(&self) -> bool {
+        self.table.is_some()
+    }
+
+    pub fn has(&self, key: &str) -> bool {
+        self.table.is_some_and(|t| t.get(key).is_some())
+    }
+
+    /// Whether there is another key that can only mean `key`, about which [`Section::finish`] will tell.
+    pub fn means(&self, key: &str) -> bool {
+        self.keys().iter().any(|k| synonyms::meant(&self.path, k) == Some(key))
+    }
+
+    /// The number under `key` if there is one, which does not make it a known key.
+    pub fn look_at_number(&self, key: &str) -> Option<f64> {
+        match self.table?.get(key)?.value {
+            Value::Float(x) => Some(x),
+            Value::Integer(i) => Some(i as f64),
+            _ => None,
+        }
+    }
+
+    /// Says `message` of `key` if it turns out to be unknown.
+    pub fn explain(&mut self, key: &str, message: String) {
+        self.explained.push((key.into(), message));
+    }
+
+    pub fn dotted(&self, key: &str) -> String {
+        // An index such as `velocity[0]` is no part of its own.
+        let index = key.rfind('[').filter(|_| key.ends_with(']') && !self.has(key));
+        let (name, index) = key.split_at(index.unwrap_or(key.len()));
+        format!("{}{index}", super::key::join(&self.path, name))
+    }
+
+    /// Tells that the value of `key` is wrong.
+    pub fn wrong(&self, key: &str, message: impl Into<String>) {
+        let item = self.table.and_then(|t| t.get(key));
+        let (origin, value) = match item {
+            None => (&self.origin, None),
+            Some(Item { key, value: Value::Table(_), .. }) => (key, None),
+            Some(item) => (&item.origin, Some(self.checker.document.shown(item))),
+        };
+        self.checker.error(origin, &self.dotted(key), value, message.into());
+    }
+
+    fn wrong_item(&self, key: &str, item: &Item, message: String) {
+        self.checker.error(&item.origin, &self.dotted(key), Some(self.checker.document.shown(item)), message);
+    }
+
+    fn wrong_type(&self, key: &str, item: &Item, expected: &str) {
+        let message = match &item.value {
+            Value::String(_) | Value::Float(_) | Value::Integer(_) => format!("expected {expected}"),
+            other => format!("expected {expected}, not {}", other.kind()),
+        };
+        self.wrong_item(key, item, message);
+    }
+
+    /// Tells that a required `key` is not there.
+    pub fn missing(&self, key: &str, meaning: &str) {
+        if self.is_present() && !self.means(key) {
+            self.checker.error(&self.origin, &self.dotted(key), None, format!("missing: {meaning}"));
+        }
+    }
+
+    /// The item of `key`, which becomes a known key.
+    pub fn item(&mut self, key: &str) -> Option<&'c Item> {
+        debug_assert!(keys::is_known(&self.dotted(key)), "{} is not in the table of keys", self.dotted(key));
+        if !self.known.iter().any(|k| k == key) {
+            self.known.push(key.to_string());
+        }
+        let item = self.table?.get(key)?;
+        self.checker.origins.borrow_mut().insert(self.dotted(key), item.origin.clone());
+        Some(item)
+    }
+
+    /// The table under `key`, possibly absent.
+    pub fn section(&mut self, key: &str) -> Section<'c, 'd> {
+        let item = self.item(key);
+        if let Some(item) = item {
+            self.checker.origins.borrow_mut().insert(self.dotted(key), item.key.clone());
+        }
+        let table = item.and_then(|i| match &i.value {
+            Value::Table(table) => Some(table),
+            _ => {
+                self.wrong_type(key, i, &format!("a table [{}]", self.dotted(key)));
+                None
+            }
+        });
+        let origin = item.map_or(Origin::File(0..0), |i| i.key.clone());
+        let (known, explained) = Default::default();
+        Section { checker: self.checker, path: self.dotted(key), table, origin, known, explained }
+    }
+
+    /// Names of the keys in the order of the file.
+    pub fn keys(&self) -> Vec<String> {
+        self.table.map_or(Vec::new(), |t| t.0.iter().map(|(k, _)| k.clone()).collect())
+    }
+
+    /// Tells every key that nobody asked for.
+    pub fn finish(self) {
+        let known =
+            keys::names_in(&self.path).into_iter().filter(|name| self.known.iter().any(|k| k == name));
+        let known: Vec<&str> = known.collect();
+        for (key, item) in self.table.map_or(&[][..], |t| &t.0) {
+            if self.known.contains(key) {
+                continue;
+            }
+            if let Some((_, message)) = self.explained.iter().find(|(k, _)| k == key) {
+                self.checker.error(&item.key, &self.dotted(key), None, format!("unknown key; {message}"));
+                continue;
+            }
+            let hint = match synonyms::meant(&self.path, key)
+                .filter(|meant| self.known.iter().any(|k| k == meant))
+            {
+                Some(meant) => format!("; did you mean `{meant}`?"),
+                None => did_you_mean(key, known.iter().copied()),
+            };
+            let hint = if hint.is_empty() { ";".into() } else { hint };
+            let table = if self.path.is_empty() { "a case".into() } else { format!("[{}]", self.path) };
+            let message = format!("unknown key{hint} {table} takes {}", quoted(known.iter().copied()));
+            self.checker.error(&item.key, &self.dotted(key), None, message);
+        }
+    }
+
+    pub fn optional_number(&mut self, key: &str, range: Range) -> Option<f64> {
+        let item = self.item(key)?;
+        let value = match item.value {
+            Value::Float(x) => x,
+            Value::Integer(i) => i as f64,
+            _ => {
+                self.wrong_type(key, item, range.text);
+                return None;
+            }
+        };
+        if (range.holds)(value) {
+            Some(value)
+        } else {
+            self.wrong_item(key, item, format!("expected {}", range.text));
+            None
+        }
+    }
+
+    pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
+        self.optional_number(key, range).unwrap_or(default)
+    }
+
+    /// A number that has no default; after a mistake 1, which is never used.
+    pub fn required_number(&mut self, key: &str, range: Range, meaning: &str) -> f64 {
+        if !self.has(key) {
+            self.missing(key, meaning);
+        }
+        self.number(key, 1.0, range)
+    }
+
+    pub fn integer(&mut self, key: &str, default: usize, range: std::ops::RangeInclusive<usize>) -> usize {
+        let Some(item) = self.item(key) else { return default };
+        let value = match item.value {
+            Value::Integer(i) => usize::try_from(i).ok(),
+            _ => None,
+        };
+        match value {
+            Some(value) if range.contains(&value) => value,
+            _ => {
+                let expected = match *range.end() {
+                    usize::MAX => format!("an integer, {} or above", range.start()),
+                    end => format!("an integer from {} to {end}", range.start()),
+                };
+                self.wrong_type(key, item, &expected);
+                default
+            }
+        }
+    }
+
+    pub fn boolean(&mut self, key: &str, default: bool) -> bool {
+        let Some(item) = self.item(key) else { return default };
+        match &item.value {
+            Value::Other("true or false", text) => text == "true",
+            _ => {
+                self.wrong_type(key, item, "true or false");
+                default
+            }
+        }
+    }
+
+    pub fn string(&mut self, key: &str) -> Option<String> {
+        let item = self.item(key)?;
+        match &item.value {
+            Value::String(s) => Some(s.clone()),
+            _ => {
+                self.wrong_type(key, item, "a string");
+                None
+            }
+        }
+    }
+
+    /// Whether the value of `key` is this word.
+    pub fn is_word(&mut self, key: &str, word: &str) -> bool {
+        matches!(self.item(key).map(|item| &item.value), Some(Value::String(s)) if s == word)
+    }
+
+    /// One of `available`; `later` are names that are known but have nothing behind them yet.
+    pub fn choice<T: Clone>(
+        &mut self,
+        key: &str,
+        available: &[Choice<T>],
+        later: &[&'static str],
+    ) -> Option<T> {
+        let item = self.item(key)?;
+        let names = || choice::names(available);
+        let Value::String(word) = &item.value else {
+            self.wrong_type(key, item, &format!("one of {}", quoted(names())));
+            return None;
+        };
+        if let Some(value) = choice::parse(available, word) {
+            return Some(value.clone());
+        }
+        let message = if later.contains(&word.as_str()) {
+            format!("not yet available; expected one of {}", quoted(names()))
+        } else {
+            let hint = did_you_mean(word, names().chain(later.iter().copied()));
+            format!("expected one of {}{hint}", quoted(names()))
+        };
+        self.wrong_item(key, item, message);
+        None
+    }
+
+    /// Tells that a choice is not there which has no default.
+    pub fn require_choice<T>(&self, key: &str, available: &[Choice<T>]) {
+        if !self.has(key) {
+            self.missing(key, &format!("one of {}", quoted(choice::names(available))));
+        }
+    }
+
+    fn expression_of(&self, key: &str, item: &Item) -> Option<Expression> {
+        let expression = match &item.value {
+            Value::Float(x) => Expression::constant(*x),
+            Value::Integer(i) => Expression::constant(*i as f64),
+            Value::String(source) => match Expression::parse(source) {
+                Ok(expression) => expression,
+                Err(e) => {
+                    let origin = self.inside(&item.origin, source, e.position);
+                    self.checker.error(
+                        &origin,
+                        &self.dotted(key),
+                        Some(self.checker.document.shown(item)),
+                        e.to_string(),
+                    );
+                    return None;
+                }
+            },
+            _ => {
+                self.wrong_type(key, item, "a number or an expression in quotes");
+                return None;
+            }
+        };
+        if expression.constant_value().is_some_and(|x| !x.is_finite()) {
+            self.wrong_item(key, item, "expected a finite value".into());
+            return None;
+        }
+        Some(expression)
+    }
+
+    /// The origin of byte `position` of a string, if the file shows the string as it is.
+    fn inside(&self, origin: &Origin, source: &str, position: usize) -> Origin {
+        let Origin::File(span) = origin else { return origin.clone() };
+        let raw = self.checker.document.text.get(span.clone()).unwrap_or("");
+        match raw.find(source) {
+            Some(start) if raw.len() <= source.len() + 6 => {
+                Origin::File(span.start + start + position..span.end)
+            }
+            _ => origin.clone(),
+        }
+    }
+
+    pub fn expression(&mut self, key: &str) -> Option<Expression> {
+        let item = self.item(key)?;
+        self.expression_of(key, item)
+    }
+
+    fn pair_of<T>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        read: impl Fn(&Self, &str, &Item) -> Option<T>,
+    ) -> Option<[T; 2]> {
+        let item = self.item(key)?;
+        let Value::Array(items) = &item.value else {
+            self.wrong_type(key, item, expected);
+            return None;
+        };
+        let [a, b] = items.as_slice() else {
+            self.wrong_item(key, item, format!("expected {expected}, not {} values", items.len()));
+            return None;
+        };
+        let (a, b) = (read(self, &format!("{key}[0]"), a), read(self, &format!("{key}[1]"), b));
+        Some([a?, b?])
+    }
+
+    /// Two expressions, x and y component.
+    pub fn expressions(&mut self, key: &str) -> Option<[Expression; 2]> {
+        self.pair_of(key, "two expressions, as [\"x component\", \"y component\"]", Self::expression_of)
+    }
+
+    /// Two numbers in `range`.
+    pub fn pair(&mut self, key: &str, range: Range) -> Option<[f64; 2]> {
+        self.pair_of(key, "two numbers", |section, key, item| {
+            let value = match item.value {
+                Value::Float(x) => x,
+                Value::Integer(i) => i as f64,
+                _ => f64::NAN,
+            };
+            if (range.holds)(value) {
+                return Some(value);
+            }
+            section.wrong_type(key, item, range.text);
+            None
+        })
+    }
+
+    /// Two counts, 1 or above.
+    pub fn counts(&mut self, key: &str) -> Option<[usize; 2]> {
+        self.pair_of(key, "two integers", |section, key, item| match item.value {
+            Value::Integer(i) if (1..=100_000).contains(&i) => usize::try_from(i).ok(),
+            _ => {
+                section.wrong_type(key, item, "an integer from 1 to 100000");
+                None
+            }
+        })
+    }
+
+    /// A non-empty array of strings; a single string counts as one.
+    pub fn strings(&mut self, key: &str) -> Option<Vec<String>> {
+        self.names(key, "[\"cylinder\", \"interface\"]", 1)
+    }
+
+    /// An array of at least so many strings, such as `example`; a single string counts as one.
+    pub fn names(&mut self, key: &str, example: &str, at_least: usize) -> Option<Vec<String>> {
+        let item = self.item(key)?;
+        let words: Option<Vec<String>> = match &item.value {
+            Value::String(s) => Some(vec![s.clone()]),
+            Value::Array(items) if items.len() >= at_least => items
+                .iter()
+                .map(|i| match &i.value {
+                    Value::String(s) => Some(s.clone()),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        };
+        if words.is_none() {
+            self.wrong_item(key, item, format!("expected an array of names, such as {example}"));
+        }
+        words
+    }
+}

@@ -1,0 +1,415 @@
+//! A checked case: every default resolved, every value valid.
+//!
+//! `Case` is what the TOML file means. It is made by [`Case::from_toml`] only, so that code further down
+//! never meets an invalid one, and it is written back as `case.toml` into the output directory.
+
+pub use super::element::{PressureElement, VelocityElement};
+use super::error::Place;
+use super::expression::Expression;
+pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
+pub use crate::algebra::{LinearSolverKind, Precision};
+use crate::choice::{Choice, choice, row_of};
+pub use crate::functional::energy::Integral;
+use crate::mesh::Mesh;
+use crate::physics::extension::MotionNumbers;
+use crate::physics::{Material, OwnLaw, Stabilization};
+pub use crate::physics::{MotionModel, SolidLaw};
+use crate::space::Walls;
+pub use crate::tangent::{Linearization, Tangent};
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// A complete, valid description of one computation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// Short name, also the name of the default output directory.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// The built-in case whose published results may be set beside this one, as long as the problem is the same.
+    pub reference: Option<String>,
+    /// Geometry and cells.
+    pub mesh: MeshSpec,
+    /// Finite element spaces.
+    pub space: SpaceSpec,
+    /// Terms that pairs of equal order need, and terms against oscillations by transport.
+    pub stabilization: Stabilization,
+    /// The flow; `None` leaves its region out and makes the interface traction-free.
+    pub fluid: Option<FluidSpec>,
+    /// The elastic body; `None` leaves its region out and makes the interface a no-slip wall.
+    pub solid: Option<SolidSpec>,
+    /// How the deformation is extended into the fluid.
+    pub motion: MotionSpec,
+    /// What holds on each named boundary (except `interface`).
+    pub boundary: BTreeMap<String, Condition>,
+    /// Boundaries with the directional term against flow that comes in, all of them `do-nothing` or `traction-free`.
+    pub directional: BTreeSet<String>,
+    /// `None`: a stationary solution is sought.
+    pub time: Option<TimeSpec>,
+    /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
+    pub at_time: f64,
+    /// The nonlinear solver.
+    pub newton: NewtonSpec,
+    /// The linear solver.
+    pub linear: LinearSpec,
+    /// Numbers of interest by name, in the order of the columns of `history.csv`.
+    pub functional: Vec<(String, FunctionalSpec)>,
+    /// What is written, and how often.
+    pub output: OutputSpec,
+    /// Where it was read from, for later messages; no part of its meaning.
+    pub record: Record,
+}
+
+impl Case {
+    /// Settings without effect and parts that are left out, in words.
+    pub fn notes(&self) -> &[String] {
+        &self.record.notes
+    }
+
+    /// θ of the first step; `None` if stationary.
+    pub fn theta(&self) -> Option<f64> {
+        self.time.as_ref().map(|time| time.scheme.rule(time.step.eval(&[0.0; 3], time.start)).theta)
+    }
+}
+
+/// Where the parts of a case were written. All records are equal, so that cases are compared by meaning.
+#[derive(Clone, Debug, Default)]
+pub struct Record {
+    /// The file, as named by the user.
+    pub file_name: String,
+    /// Place of every dotted key that was given.
+    pub places: BTreeMap<String, Place>,
+    /// Settings without effect and parts that are left out.
+    pub notes: Vec<String>,
+    /// `mesh.file` was given by a path relative to the case: the two are moved together.
+    pub relative_mesh: bool,
+}
+
+impl PartialEq for Record {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Where the mesh comes from.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshSpec {
+    /// A built-in generator or a file.
+    pub source: MeshSource,
+    /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
+    pub scale: f64,
+    /// Number of uniform refinements.
+    pub refine: u32,
+    /// Number of nested rings of half size around the singular corners of the generator.
+    pub grading: u32,
+    /// Regions defined by an expression of x, y that is positive inside (box generator only).
+    pub region: BTreeMap<String, Expression>,
+    /// Regions that are not computed on; their sides are walls unless a condition names them.
+    pub leave_out: Vec<String>,
+}
+
+/// A built-in generator or a file.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MeshSource {
+    /// Channel 2.5 × 0.41 with cylinder and elastic beam (Turek and Hron 2006).
+    TurekHron,
+    /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
+    SchaeferTurek,
+    /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
+    Rotor,
+    /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
+    Box {
+        /// Lower left corner \[m\].
+        lower: [f64; 2],
+        /// Upper right corner \[m\].
+        upper: [f64; 2],
+        /// Cells per direction before refinement.
+        cells: [usize; 2],
+    },
+    /// A Gmsh file with named physical groups.
+    File(PathBuf),
+    /// A mesh of the program, see [`crate::CaseBuilder::mesh`].
+    Own(OwnMesh),
+}
+
+/// A mesh that a program gives; copies are one mesh.
+#[derive(Clone, Debug)]
+pub struct OwnMesh(pub Arc<Mesh<2>>);
+
+/// Whether they are one object.
+impl PartialEq for OwnMesh {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Generators by their names in a case.
+pub static GENERATORS: [Choice<MeshSource>; 4] = [
+    choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
+    choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
+    choice("rotor", MeshSource::Rotor, "square with a free bar"),
+    choice(
+        "box",
+        MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },
+        "rectangle from `lower` to `upper`",
+    ),
+];
+
+/// Finite element spaces by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpaceSpec {
+    /// Velocity and deformation.
+    pub velocity: VelocityElement,
+    /// Pressure.
+    pub pressure: PressureElement,
+    /// Gauss points per direction; on triangles the rule exact to the same degree, 2 n − 1.
+    pub quadrature: usize,
+}
+
+/// The flow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FluidSpec {
+    /// Region of the mesh it fills.
+    pub region: String,
+    /// ρ_f \[kg/m³\].
+    pub density: f64,
+    /// ν_f \[m²/s\].
+    pub kinematic_viscosity: f64,
+    /// Body force per mass, expressions of x, y, t \[m/s²\].
+    pub body_force: [Expression; 2],
+    /// Take the body force at the current position x + u instead of the reference position x.
+    pub force_at_current: bool,
+}
+
+/// The elastic body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolidSpec {
+    /// Region of the mesh it fills.
+    pub region: String,
+    /// Constitutive law.
+    pub law: SolidLaw,
+    /// A stored energy of the program in place of `law`, see [`crate::CaseBuilder::material`]; `mu` and
+    /// `lambda` are then those at rest.
+    pub own: Option<OwnLaw>,
+    /// ρ_s \[kg/m³\].
+    pub density: f64,
+    /// Shear modulus μ_s \[Pa\].
+    pub mu: f64,
+    /// First Lamé parameter λ_s \[Pa\]; infinite if the volume is kept exactly.
+    pub lambda: f64,
+    /// c₂ of Mooney-Rivlin \[Pa\], c₁ = ½ μ_s − c₂; else 0.
+    pub c2: f64,
+    /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
+    pub bulk: Option<f64>,
+    /// Body force per mass, expressions of x, y, t \[m/s²\].
+    pub body_force: [Expression; 2],
+}
+
+impl SolidSpec {
+    /// The law with its constants.
+    pub fn material(&self) -> Material {
+        match self.own {
+            Some(own) => Material::Own(own),
+            None => self.law.material(self.mu, self.lambda, self.c2),
+        }
+    }
+}
+
+/// Extension of the deformation into the fluid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MotionSpec {
+    /// The operator.
+    pub model: MotionModel,
+    /// Poisson ratio ν_e of the pseudo-elastic models, in (−1, ½).
+    pub poisson: f64,
+    /// d_0 \[m\] of the stiffening (d_0 + d)^(−exponent), d the distance to the interface; `None`: from the extents of
+    /// fluid and solid, see [`Case::motion_on`].
+    pub offset: Option<f64>,
+    /// Exponent of the stiffening; 0 switches it off.
+    pub exponent: f64,
+    /// L \[m\] of the stiffening 2 − erf(5 d/L) of the harmonic model; `None`: half the smaller extent of the mesh, see
+    /// [`Case::motion_on`].
+    pub scale: Option<f64>,
+    /// Take J of the stiffening by J + 1/J from the last solution.
+    pub lagged: bool,
+    /// w = 0 instead of ∂_n u = 0 on the outer boundary (biharmonic).
+    pub hinged: bool,
+    /// What the deformation does on the outer boundary of the fluid.
+    pub walls: Walls,
+}
+
+impl MotionSpec {
+    /// The numbers of the model; lengths that are not known are 1 m, see [`Case::motion_on`].
+    pub fn numbers(&self) -> MotionNumbers {
+        MotionNumbers {
+            poisson: self.poisson,
+            lagged: self.lagged,
+            hinged: self.hinged,
+            offset: self.offset.unwrap_or(1.0),
+            exponent: self.exponent,
+            scale: self.scale.unwrap_or(1.0),
+        }
+    }
+}
+
+/// What holds on a boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Condition {
+    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move. It must vanish on the solid.
+    Velocity([Expression; 2]),
+    /// v = 0, u = 0.
+    NoSlip,
+    /// ρν ∇v n − p n = 0 for the fluid; its boundary moves where a free end of the solid meets it, else it does not. For the
+    /// solid σ n = 0.
+    DoNothing,
+    /// σ n = 0. The boundary of the fluid moves as with `DoNothing`; that of the solid is free.
+    TractionFree,
+    /// A clamped solid: v = 0, u = 0.
+    Clamped,
+}
+
+/// Their names in a case.
+pub static CONDITIONS: [Choice<Condition>; 5] = [
+    choice(
+        "velocity",
+        Condition::Velocity([Expression::EMPTY, Expression::EMPTY]),
+        "prescribed velocity; the boundary does not move",
+    ),
+    choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
+    choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
+    choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
+    choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
+];
+
+impl Condition {
+    /// The name in a case.
+    pub fn name(&self) -> &'static str {
+        row_of(&CONDITIONS, self).map_or("", |row| row.name)
+    }
+}
+
+/// Time interval and scheme.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeSpec {
+    /// One-step scheme.
+    pub scheme: Scheme,
+    /// Step k \[s\], an expression of t (its value at the start of the step counts).
+    pub step: Expression,
+    /// First time \[s\].
+    pub start: f64,
+    /// Last time \[s\]; the last step is shortened to land on it.
+    pub end: f64,
+    /// How often a failed step is halved before the run ends as a breakdown.
+    pub max_halvings: u32,
+    /// Where in the step the factors of ∂_t in the fluid are taken; `bdf2` and `cg1` have their own.
+    pub domain_motion: DomainMotion,
+    /// Control of the step by its local error; `step` is then the first.
+    pub adaptive: Option<AdaptiveSettings>,
+}
+
+pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
+
+/// Nonlinear solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NewtonSpec {
+    /// Which derivatives the matrix holds.
+    pub linearization: Linearization,
+    /// How they are computed.
+    pub jacobian: Tangent,
+    /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration. `None`:
+    /// as long as that costs less than a new one.
+    pub rate_max: Option<f64>,
+    /// Pairs of differences that improve the corrections of a kept Jacobian.
+    pub secants: usize,
+    /// Reduction of the scaled residual relative to the old solution.
+    pub tolerance: f64,
+    /// Absolute floor of the scaled residual \[m/s\]; `None`: what rounding leaves of a solution of that size.
+    pub floor: Option<f64>,
+    /// Iterations per step before it counts as failed.
+    pub max_steps: usize,
+    /// Start from the linear extrapolation of the last two solutions instead of the last.
+    pub extrapolate: bool,
+    /// Halvings of the update before a step counts as failed.
+    pub line_search: usize,
+}
+
+impl Default for NewtonSpec {
+    fn default() -> Self {
+        NewtonSpec {
+            linearization: Linearization::Condensed,
+            jacobian: Tangent::Automatic,
+            rate_max: None,
+            secants: 0,
+            tolerance: 1e-8,
+            floor: None,
+            max_steps: 30,
+            extrapolate: true,
+            line_search: 5,
+        }
+    }
+}
+
+impl Default for LinearSpec {
+    fn default() -> Self {
+        LinearSpec {
+            solver: LinearSolverKind::Multifrontal,
+            refinement: 2,
+            precision: Precision::Single,
+            krylov: None,
+        }
+    }
+}
+
+/// Linear solver.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearSpec {
+    /// Which one.
+    pub solver: LinearSolverKind,
+    /// Steps of iterative refinement at most.
+    pub refinement: usize,
+    /// Precision of the factors that only make corrections.
+    pub precision: Precision,
+    /// GMRES with the factors of an older matrix, `None`: corrections from factors alone.
+    pub krylov: Option<KrylovSpec>,
+}
+
+/// GMRES, preconditioned by kept factors.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct KrylovSpec {
+    /// Residual of the linear system relative to its right-hand side.
+    pub tolerance: f64,
+    /// Iterations at most, before the factors are renewed.
+    pub size: usize,
+}
+
+impl KrylovSpec {
+    /// What holds unless a case gives other numbers.
+    pub const DEFAULT: KrylovSpec = KrylovSpec { tolerance: 0.03, size: 20 };
+}
+
+/// Their names in a case.
+pub static KRYLOV: [Choice<Option<KrylovSpec>>; 2] = [
+    choice("none", None, "corrections from the factors alone"),
+    choice("gmres", Some(KrylovSpec::DEFAULT), "GMRES, preconditioned by the factors of an older matrix"),
+];
+
+/// What is written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OutputSpec {
+    /// Write fields every this many steps (0: only at the end).
+    pub fields_every: usize,
+    /// Write fields every this many seconds after the start, too; steps end there. `None`: not so.
+    pub fields_interval: Option<f64>,
+    /// Write the mesh deformed (default) or on the reference domain.
+    pub deformed: bool,
+    /// Write cells as curved as they are, not cut into straight ones.
+    pub curved: bool,
+    /// Write a checkpoint every this many steps (0: not by steps).
+    pub checkpoint_every: usize,
+    /// Write a checkpoint after this many minutes by the clock on the wall (0: not by time). There is one at the end
+    /// of every run in time, whatever ends it.
+    pub checkpoint_minutes: f64,
+    /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.
+    pub leading: Option<String>,
+}

@@ -1,0 +1,336 @@
+//! A case as TOML with all defaults resolved.
+
+use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::expression::Expression;
+use super::functionals::{FUNCTIONALS, FunctionalSpec};
+use super::literal::{number, pair, string};
+use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
+use super::{key, keys};
+use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::choice::{Choice, name_of, row_of};
+use crate::functional::energy::ENERGIES;
+use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
+use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::{PressureTerm, TransportTerm};
+use crate::space::WALLS;
+use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
+use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
+use std::path::{Component, Path, PathBuf};
+
+fn expression(e: &Expression) -> String {
+    match e.source().parse::<f64>() {
+        Ok(x) => number(x),
+        Err(_) => string(e.source()),
+    }
+}
+
+fn expressions(pair: &[Expression; 2]) -> String {
+    format!("[{}, {}]", expression(&pair[0]), expression(&pair[1]))
+}
+
+/// What stands for parts that a program gives.
+const OWN: &str = "own";
+
+/// Lines of TOML.
+#[derive(Default)]
+struct Lines {
+    text: String,
+    /// The table of the next line.
+    table: String,
+}
+
+impl Lines {
+    fn table(&mut self, name: &str) {
+        self.text += &format!("\n[{name}]\n");
+        self.table = name.into();
+    }
+
+    /// A value with its unit, or else its meaning, as a comment.
+    fn key(&mut self, key: &str, value: impl AsRef<str>) {
+        let dotted = if self.table.is_empty() { key.into() } else { format!("{}.{key}", self.table) };
+        let known = keys::find(&dotted);
+        debug_assert!(known.is_some(), "{dotted} is not in the table of keys");
+        let comment = known.map_or("", keys::Key::comment);
+        self.text += &format!("{key} = {}  # {comment}\n", value.as_ref());
+    }
+
+    /// A word, which says itself what it means.
+    fn word(&mut self, key: &str, value: &str) {
+        self.text += &format!("{key} = {}\n", string(value));
+    }
+
+    fn choice<T: PartialEq>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+        self.word(key, name_of(table, value));
+    }
+
+    /// The name of a variant, whatever its parameters are.
+    fn variant<T>(&mut self, key: &str, table: &[Choice<T>], value: &T) {
+        self.word(key, row_of(table, value).map_or("", |row| row.name));
+    }
+}
+
+impl Case {
+    /// The case as TOML, every default written out; it loads again to an equal case.
+    pub fn to_toml(&self) -> String {
+        let mut out = Lines::default();
+        out.word("name", &self.name);
+        out.word("title", &self.title);
+        if let Some(reference) = &self.reference {
+            out.key("reference", string(reference));
+        }
+        self.write_mesh(&mut out);
+        self.write_stabilization(&mut out);
+        self.write_bodies(&mut out);
+        for (name, condition) in &self.boundary {
+            out.table(&key::join("boundary", name));
+            write_condition(&mut out, condition);
+            if self.directional.contains(name) {
+                out.choice("backflow", &BACKFLOW, &true);
+            }
+        }
+        self.write_time(&mut out);
+        self.write_solvers(&mut out);
+        for (name, functional) in &self.functional {
+            out.table(&key::join("functional", name));
+            functional.write(&mut out);
+        }
+        out.table("output");
+        out.key("fields-every", self.output.fields_every.to_string());
+        if let Some(interval) = self.output.fields_interval {
+            out.key("fields-interval", number(interval));
+        }
+        out.choice("mesh", &OUTPUT_MESH, &self.output.deformed);
+        out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
+        out.key("checkpoint-every", self.output.checkpoint_every.to_string());
+        out.key("checkpoint-minutes", number(self.output.checkpoint_minutes));
+        if let Some(leading) = &self.output.leading {
+            out.word("leading", leading);
+        }
+        out.text
+    }
+
+    /// The same for a file in `directory`: a mesh file that the case names by a relative path is named relative to it,
+    /// so that both can be moved together.
+    pub fn to_toml_in(&self, directory: &Path) -> String {
+        let mut case = self.clone();
+        if let MeshSource::File(path) = &mut case.mesh.source
+            && self.record.relative_mesh
+            && let Some(relative) = relative(path, directory)
+        {
+            *path = relative;
+        }
+        case.to_toml()
+    }
+
+    fn write_mesh(&self, out: &mut Lines) {
+        out.table("mesh");
+        match &self.mesh.source {
+            // The mesh of a program: give it one to read this.
+            MeshSource::Own(_) => out.key("generator", string(OWN)),
+            MeshSource::File(path) => {
+                out.word("file", &path.to_string_lossy());
+                out.key("scale", number(self.mesh.scale));
+            }
+            generator => out.variant("generator", &GENERATORS, generator),
+        }
+        if let MeshSource::Box { lower, upper, cells } = &self.mesh.source {
+            out.key("lower", pair(lower));
+            out.key("upper", pair(upper));
+            out.key("cells", format!("{cells:?}"));
+        }
+        out.key("refine", self.mesh.refine.to_string());
+        out.key("grading", self.mesh.grading.to_string());
+        if !self.mesh.leave_out.is_empty() {
+            let names: Vec<String> = self.mesh.leave_out.iter().map(|name| string(name)).collect();
+            out.key("leave-out", format!("[{}]", names.join(", ")));
+        }
+        if !self.mesh.region.is_empty() {
+            out.table("mesh.region");
+            for (name, inside) in &self.mesh.region {
+                out.key(&key::quote(name), expression(inside));
+            }
+        }
+        out.table("space");
+        out.word("velocity", self.space.velocity.name());
+        out.word("pressure", self.space.pressure.name());
+        out.key("quadrature", self.space.quadrature.to_string());
+    }
+
+    /// Keys that matter only: others would be refused when read again.
+    fn write_stabilization(&self, out: &mut Lines) {
+        let how = &self.stabilization;
+        if self.fluid.is_none() {
+            return;
+        }
+        out.table("stabilization");
+        out.choice("pressure", &PRESSURE_TERMS, &how.pressure);
+        out.choice("transport", &TRANSPORT_TERMS, &how.transport);
+        if how.pressure != PressureTerm::None {
+            out.key("alpha", number(how.alpha));
+            out.key("directional", how.directional.to_string());
+        }
+        if how.transport != TransportTerm::None {
+            out.key("delta", number(how.delta));
+        }
+        if how.projects() {
+            out.choice("projection", &PROJECTIONS, &how.projection);
+        }
+    }
+
+    fn write_bodies(&self, out: &mut Lines) {
+        if let Some(fluid) = &self.fluid {
+            out.table("fluid");
+            out.word("region", &fluid.region);
+            out.key("density", number(fluid.density));
+            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity));
+            out.key("body-force", expressions(&fluid.body_force));
+            out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
+        }
+        if let Some(solid) = &self.solid {
+            out.table("solid");
+            out.word("region", &solid.region);
+            match solid.own {
+                // The stored energy of a program: give it one to read this.
+                Some(_) => out.key("law", string(OWN)),
+                None => out.word("law", solid.law.name()),
+            }
+            out.key("density", number(solid.density));
+            out.key("mu", number(solid.mu));
+            if solid.law.is_mooney_rivlin() {
+                out.key("c2", number(solid.c2));
+            }
+            if !solid.law.is_incompressible() {
+                out.key("lambda", number(solid.lambda));
+            } else if let Some(bulk) = solid.bulk {
+                out.key("bulk", number(bulk));
+            }
+            out.key("body-force", expressions(&solid.body_force));
+        }
+        out.table("motion");
+        out.choice("model", &MOTIONS, &self.motion.model);
+        out.key("poisson", number(self.motion.poisson));
+        if let Some(offset) = self.motion.offset {
+            out.key("offset", number(offset));
+        }
+        out.key("exponent", number(self.motion.exponent));
+        if let Some(scale) = self.motion.scale {
+            out.key("scale", number(scale));
+        }
+        if self.motion.model == MotionModel::JacobianStiffened {
+            out.choice("jacobian", &STIFFENING, &self.motion.lagged);
+        }
+        if self.motion.hinged || self.motion.model == MotionModel::Biharmonic {
+            out.choice("outer", &OUTER, &self.motion.hinged);
+        }
+        out.choice("walls", &WALLS, &self.motion.walls);
+    }
+
+    fn write_time(&self, out: &mut Lines) {
+        out.table("time");
+        let Some(time) = &self.time else {
+            out.choice("scheme", &SCHEMES, &None);
+            return out.key("end", number(self.at_time));
+        };
+        out.word("scheme", time.scheme.name());
+        match time.scheme {
+            Scheme::Theta { theta } => out.key("theta", number(theta)),
+            Scheme::ShiftedCrankNicolson { shift } => out.key("shift", number(shift)),
+            Scheme::Rannacher { steps, interval } => {
+                out.key("rannacher-steps", steps.to_string());
+                out.key("rannacher-interval", number(interval));
+            }
+            _ => {}
+        }
+        if !time.scheme.has_own_domain_motion() {
+            out.choice("domain-motion", &DOMAIN_MOTIONS, &time.domain_motion);
+        }
+        out.key("step", expression(&time.step));
+        out.key("start", number(time.start));
+        out.key("end", number(time.end));
+        out.key("max-halvings", time.max_halvings.to_string());
+        if let Some(adaptive) = &time.adaptive {
+            out.table("time.adaptive");
+            out.key("tolerance", number(adaptive.tolerance));
+            out.key("min-step", number(adaptive.min_step));
+            out.key("max-step", number(adaptive.max_step));
+            out.key("safety", number(adaptive.safety));
+        }
+    }
+
+    fn write_solvers(&self, out: &mut Lines) {
+        let newton = &self.newton;
+        out.table("newton");
+        out.choice("linearization", &LINEARIZATIONS, &newton.linearization);
+        out.variant("jacobian", &TANGENTS, &newton.jacobian);
+        if let Tangent::Difference(difference) = newton.jacobian {
+            out.choice("difference", &DIFFERENCES, &difference.central);
+            out.key("epsilon", number(difference.epsilon));
+        }
+        if let Some(rate_max) = newton.rate_max {
+            out.key("rate-max", number(rate_max));
+        }
+        out.key("secants", newton.secants.to_string());
+        out.key("tolerance", number(newton.tolerance));
+        if let Some(floor) = newton.floor {
+            out.key("floor", number(floor));
+        }
+        out.key("max-steps", newton.max_steps.to_string());
+        out.choice("start", &STARTS, &newton.extrapolate);
+        out.key("line-search", newton.line_search.to_string());
+        out.table("linear");
+        out.choice("solver", &SOLVERS, &self.linear.solver);
+        out.choice("precision", &PRECISIONS, &self.linear.precision);
+        out.variant("krylov", &KRYLOV, &self.linear.krylov);
+        if let Some(krylov) = &self.linear.krylov {
+            out.key("krylov-tolerance", number(krylov.tolerance));
+            out.key("krylov-size", krylov.size.to_string());
+        }
+        out.key("refinement", self.linear.refinement.to_string());
+    }
+}
+
+/// The path of `file` as seen from `directory`; `None` if they have no folder in common but the root.
+fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
+    let name = file.file_name()?;
+    let folder = file.parent()?.canonicalize().ok()?;
+    let directory = directory.canonicalize().ok()?;
+    let (to, from): (Vec<_>, Vec<_>) = (folder.components().collect(), directory.components().collect());
+    let common = to.iter().zip(&from).take_while(|(a, b)| a == b).count();
+    let named = to[..common].iter().any(|part| matches!(part, Component::Normal(_)));
+    let up = from[common..].iter().map(|_| Component::ParentDir);
+    named.then(|| up.chain(to[common..].iter().copied()).collect::<PathBuf>().join(name))
+}
+
+fn write_condition(out: &mut Lines, condition: &Condition) {
+    out.word("condition", condition.name());
+    if let Condition::Velocity(velocity) = condition {
+        out.key("velocity", expressions(velocity));
+    }
+}
+
+impl FunctionalSpec {
+    /// The lines of its table.
+    fn write(&self, out: &mut Lines) {
+        out.variant("kind", &FUNCTIONALS, self);
+        match self {
+            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+                out.key("on", format!("[{}]", on.iter().map(|n| string(n)).collect::<Vec<_>>().join(", ")));
+                out.choice("component", &COMPONENTS, component);
+                out.choice("method", &METHODS, surface_integral);
+                if let Some(scales) = coefficient {
+                    out.key("coefficient", pair(scales));
+                }
+            }
+            FunctionalSpec::Displacement { point, component } => {
+                out.key("point", pair(point));
+                out.choice("component", &COMPONENTS, component);
+            }
+            FunctionalSpec::PressureDifference { a, b } => {
+                out.key("a", pair(a));
+                out.key("b", pair(b));
+            }
+            FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
+            FunctionalSpec::Rotation => {}
+        }
+    }
+}

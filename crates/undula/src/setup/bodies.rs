@@ -1,0 +1,176 @@
+//! Whether each connected part of fluid and solid is held, and its pressure determined.
+//!
+//! A pressure is determined up to a constant only in parts of constant volume (fluids, and solids with J = 1) that
+//! touch each other and nothing that gives way. In time gives way: a boundary without traction, and a compressible
+//! solid. At rest v = 0 in the solid, so that no solid gives way to a fluid; a solid gives way to itself where its
+//! surface is free, at the interface, too.
+
+use super::names::{Component, MeshNames};
+use crate::case::{Case, Condition};
+use crate::mesh::INTERFACE;
+
+/// Mistakes by the key that they belong to.
+pub(super) fn check(case: &Case, names: &MeshNames) -> Vec<(&'static str, String)> {
+    let bodies = Bodies { case, names };
+    let mut errors = vec![];
+    bodies.check_volumes(&mut errors);
+    bodies.check_held(&mut errors);
+    errors
+}
+
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Body {
+    Fluid,
+    Solid,
+}
+
+struct Bodies<'a> {
+    case: &'a Case,
+    names: &'a MeshNames,
+}
+
+impl Bodies<'_> {
+    fn part(&self, number: usize) -> &Component {
+        &self.names.components[number]
+    }
+
+    /// Numbers of the connected parts that are computed on.
+    fn parts(&self, body: Body) -> impl Iterator<Item = usize> + '_ {
+        (0..self.names.components.len()).filter(move |&n| self.body(n) == Some(body))
+    }
+
+    fn body(&self, number: usize) -> Option<Body> {
+        let region = &self.part(number).region;
+        let fluid = self.case.fluid.as_ref().is_some_and(|f| f.region == *region);
+        let solid = self.case.solid.as_ref().is_some_and(|s| s.region == *region);
+        if fluid { Some(Body::Fluid) } else { solid.then_some(Body::Solid) }
+    }
+
+    /// Whether the part has a boundary without traction.
+    fn is_open(&self, number: usize) -> bool {
+        let open = |c: Option<&Condition>| matches!(c, Some(Condition::TractionFree | Condition::DoNothing));
+        self.part(number).boundaries.iter().any(|name| open(self.case.boundary.get(name)))
+    }
+
+    /// Whether a boundary of the part is given; sides of regions that are left out are, unless a condition says else.
+    fn is_held(&self, number: usize) -> bool {
+        self.part(number).boundaries.iter().any(|name| match self.case.boundary.get(name) {
+            Some(condition) => !matches!(condition, Condition::TractionFree | Condition::DoNothing),
+            None => name != INTERFACE && self.names.is_inside(name, &self.case.regions()),
+        })
+    }
+
+    fn touches(&self, number: usize, body: Body) -> bool {
+        self.part(number).touches.iter().any(|&other| self.body(other) == Some(body))
+    }
+
+    /// Whether the part has a surface towards a fluid that an absent table leaves out.
+    fn has_surface(&self, number: usize) -> bool {
+        let absent = self.case.absent_region().filter(|_| self.case.fluid.is_none());
+        self.part(number).touches.iter().any(|&other| absent == Some(&*self.part(other).region))
+    }
+
+    /// Whether the part keeps its volume exactly.
+    fn is_constant(&self, number: usize) -> bool {
+        let kept =
+            self.case.solid.as_ref().is_some_and(|s| s.law.is_incompressible() && s.lambda.is_infinite());
+        self.body(number).is_some_and(|body| body == Body::Fluid || kept)
+    }
+
+    /// Whether the part touches something that gives way, not counting other parts of constant volume.
+    fn gives_way(&self, number: usize) -> bool {
+        let in_time = self.case.time.is_some();
+        let softer = |&other: &usize| self.body(other).is_some() && !self.is_constant(other);
+        self.is_open(number)
+            || (in_time && self.part(number).touches.iter().any(softer))
+            || (self.body(number) == Some(Body::Solid)
+                && (self.has_surface(number) || (!in_time && self.touches(number, Body::Fluid))))
+    }
+
+    /// The parts of constant volume that pass on their pressures to each other: those at rest stay alone.
+    fn group(&self, number: usize) -> Vec<usize> {
+        let mut group = vec![number];
+        let mut next = 0;
+        while next < group.len() && self.case.time.is_some() {
+            for &other in &self.part(group[next]).touches {
+                if self.is_constant(other) && !group.contains(&other) {
+                    group.push(other);
+                }
+            }
+            next += 1;
+        }
+        group
+    }
+
+    fn check_volumes(&self, errors: &mut Vec<(&'static str, String)>) {
+        let mut seen = vec![];
+        for first in (0..self.names.components.len()).filter(|&n| self.is_constant(n)) {
+            if seen.contains(&first) {
+                continue;
+            }
+            let group = self.group(first);
+            seen.extend(&group);
+            if group.iter().any(|&n| self.gives_way(n)) {
+                continue;
+            }
+            if let Some(&solid) = group.iter().find(|&&n| self.body(n) == Some(Body::Solid)) {
+                let subject =
+                    self.subject(solid, Body::Solid, "its volume", "the volume of the part of the solid");
+                let message = format!(
+                    "{subject} cannot change and no boundary gives way, so that pressures are determined up to a \
+                     constant only: one boundary needs condition = `traction-free` or `do-nothing`, or give `bulk`"
+                );
+                errors.push(("solid.law", message));
+            } else if self.touches(first, Body::Solid) {
+                let subject = self.subject(first, Body::Fluid, "the fluid", "the part of the fluid");
+                let message = format!(
+                    "{subject} is closed in on all sides, so its pressure is determined up to a constant only (at rest \
+                     the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or \
+                     give the case a [time] to begin in"
+                );
+                errors.push(("fluid", message));
+            }
+        }
+    }
+
+    fn check_held(&self, errors: &mut Vec<(&'static str, String)>) {
+        let stationary = self.case.time.is_none();
+        for number in self.parts(Body::Solid).filter(|&n| stationary && !self.is_held(n)) {
+            let subject = self.subject(number, Body::Solid, "the solid", "the part of the solid");
+            let message = format!(
+                "nothing holds {subject}, so it has no stationary state: add a boundary with condition = `clamped`"
+            );
+            errors.push(("solid", message));
+        }
+    }
+
+    /// `whole` if the body is in one piece, else `part` with its extent.
+    fn subject(&self, number: usize, body: Body, whole: &str, part: &str) -> String {
+        if self.parts(body).count() == 1 {
+            return whole.into();
+        }
+        let Component { lower, upper, .. } = self.part(number);
+        format!("{part} in {}", extent(lower, upper))
+    }
+}
+
+/// A box in words: `[0, 1] x [0, 0.41] m`.
+pub(super) fn extent(lower: &[f64], upper: &[f64]) -> String {
+    let sides: Vec<String> = lower
+        .iter()
+        .zip(upper)
+        .map(|(a, b)| {
+            let size = a.abs().max(b.abs());
+            format!("[{}, {}]", short(*a, size), short(*b, size))
+        })
+        .collect();
+    format!("{} m", sides.join(" x "))
+}
+
+/// `x` with five digits of the size that it goes with.
+pub(super) fn short(x: f64, size: f64) -> f64 {
+    let unit = 10f64.powf((size.log10() - 4.0).ceil());
+    let digits = if size > 0.0 { (x / unit).round() } else { 0.0 };
+    // Through text: products with powers of ten have digits of their own.
+    format!("{digits}e{}", unit.log10().round()).parse().unwrap_or(x)
+}

@@ -1,0 +1,383 @@
+//! From a checked case to spaces, equations and solvers.
+
+use super::names::MeshNames;
+use super::overview::Overview;
+use super::regions::mesh_key;
+use crate::algebra::{self, LinearSolver};
+use crate::assembly::force::CurrentForce;
+use crate::assembly::{self, Assembler, Physics};
+use crate::case::error::{CaseError, CaseErrors};
+use crate::case::expression::Expression;
+use crate::case::{
+    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
+};
+use crate::element::Shape;
+use crate::error::Error;
+use crate::functional::Functional;
+use crate::functional::force::Surfaces;
+use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::nonlinear::{Newton, Settings};
+use crate::physics::{Fluid, Projection, Solid};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
+use std::sync::Arc;
+
+/// Functionals by name, in the order of the columns of `history.csv`.
+pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
+
+#[doc(hidden)]
+impl Case {
+    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
+    ///
+    /// # Errors
+    /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
+    pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        Ok(self.marked_mesh()?.0)
+    }
+
+    /// The same with what should be known of it.
+    fn marked_mesh(&self) -> Result<(Mesh<2>, Vec<String>), Error> {
+        let (mut mesh, curves) = self.complete_mesh()?;
+        let mut notes = self.assign_regions(&mut mesh)?;
+        let unfit = self.check_regions(&mesh.regions);
+        if !unfit.is_empty() {
+            return Err(Error::Case(CaseErrors(unfit)));
+        }
+        notes.extend(self.mark_sides(&mut mesh)?);
+        let names = MeshNames::of(&mesh);
+        self.check_mesh(&names)?;
+        notes.extend(self.outer_interface(&names));
+        let blame = |e| self.blame(mesh_key(self), e);
+        mesh.check_kept(&self.regions()).map_err(blame)?;
+        if let [fluid, solid] = self.regions()[..]
+            && mesh.boundary(INTERFACE).is_some()
+        {
+            mesh.check_interface(fluid, solid).map_err(blame)?;
+        }
+        mesh.check_curves(&curves).map_err(blame)?;
+        Ok((mesh, notes))
+    }
+
+    /// The mesh as it is made or read, with the curves that its boundaries follow.
+    fn complete_mesh(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
+        self.check_memory(None)?;
+        let spec = &self.mesh;
+        let triangles = self.space.velocity.shape() == Shape::Triangle;
+        // Triangles are refined after they are made.
+        let refine = if triangles { 0 } else { spec.refine as usize };
+        let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
+            MeshSource::TurekHron => {
+                (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
+            }
+            MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
+            MeshSource::Rotor => (generate::rotor(refine, spec.grading as usize), vec![]),
+            MeshSource::Box { lower, upper, cells } => {
+                (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
+            }
+            MeshSource::File(path) => {
+                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                self.check_memory(Some(&mesh))?;
+                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
+                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
+                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
+                }
+                (mesh.refined(refine, &[]), vec![])
+            }
+            MeshSource::Own(OwnMesh(mesh)) => {
+                self.check_memory(Some(mesh))?;
+                (Mesh::clone(mesh).refined(refine, &[]), vec![])
+            }
+        };
+        if triangles {
+            if !matches!(spec.source, MeshSource::File(_) | MeshSource::Own(_)) {
+                mesh = mesh.triangulated();
+            }
+            mesh = mesh.refined(spec.refine as usize, &curves);
+        }
+        self.check_shape(&mesh)?;
+        Ok((mesh, curves))
+    }
+
+    /// Refuses cells on which the velocity does not live.
+    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
+        let velocity = self.space.velocity;
+        if mesh.shape == velocity.shape() {
+            return Ok(());
+        }
+        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
+        let reason = format!(
+            "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
+            velocity.name(),
+            velocity.shape().name(),
+            mesh.shape.name(),
+            velocity.shape().name()
+        );
+        Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
+    }
+
+    /// An error of the mesh, told with the place of the `key` of the case that is to blame.
+    pub(super) fn blame(&self, key: &str, error: MeshError) -> Error {
+        self.refuse(key, error.to_string())
+    }
+
+    /// An error of the input with the place of the `key` that is to blame.
+    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
+        let place = self.place_of(key);
+        Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
+    }
+
+    fn solid_region(&self) -> &str {
+        self.solid.as_ref().map_or("", |s| s.region.as_str())
+    }
+
+    /// Spaces on the regions that take part.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`].
+    pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
+        self.space_on(&self.build_mesh()?)
+    }
+
+    /// Spaces on the regions of the complete `mesh` that take part.
+    fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
+        let mesh = mesh.restrict(&self.regions());
+        let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
+        let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
+        let regions = mesh.cell_region.iter().map(region).collect();
+        let pressure = match self.space.pressure {
+            PressureElement::Pdc(m) => PressureKind::Pdc(m),
+            PressureElement::Q(m) | PressureElement::P(m) => PressureKind::Continuous(m),
+        };
+        let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
+        let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
+        let degree = self.space.velocity.degree();
+        let mut space = match self.space.velocity {
+            VelocityElement::P2Bubble if own => {
+                let message = "bubbles are of the fluid alone, and the pressure of an incompressible solid needs them, too; take `P3`";
+                return Err(self.refuse("space.velocity", message.into()));
+            }
+            VelocityElement::P2Bubble => FsiSpace::with_bubbles(mesh, regions, degree, pressure),
+            _ => FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies),
+        };
+        space.walls = self.motion.walls;
+        let message =
+            "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
+        if space.walls == Walls::Sliding && space.deforms && self.fluid.is_some() && !space.slides() {
+            return Err(self.refuse("motion.walls", message.into()));
+        }
+        self.check_patches(&space)?;
+        self.check_ends(&space).map_err(Error::Case)?;
+        Ok(space)
+    }
+
+    /// Projections on patches need a mesh that has them.
+    fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+        let how = &self.stabilization;
+        let needed = how.projects() && how.projection == Projection::Patch;
+        if !needed || assembly::stabilize::patches(space).is_some() {
+            return Ok(());
+        }
+        let message =
+            "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, or `cell`";
+        Err(self.refuse("stabilization.projection", message.into()))
+    }
+
+    /// Parameters of the equations.
+    pub fn physics(&self) -> Physics {
+        let extension = self.motion.model.extension(&self.motion.numbers());
+        let fluid =
+            self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
+        let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
+        Physics { fluid, solid }
+    }
+
+    /// Everything that computes: assembly, Newton, linear solver and the initial state at rest.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
+    pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
+        Ok(self.build_with_notes(threads)?.0)
+    }
+
+    /// The same with what should be known of it: regions that are left out, parts of the fluid that are closed in.
+    ///
+    /// # Errors
+    /// As [`Case::build_stepper`].
+    pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let space = Arc::new(self.space_on(&mesh)?);
+        drop(mesh);
+        self.check_data(&space)?;
+        notes.extend(self.check_enclosed(&space)?);
+        Ok((self.stepper_on(space, threads)?, notes))
+    }
+
+    fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
+        let conditions = self.conditions(&space.mesh);
+        let (stiffness, largest) = self.stiffness(&space)?;
+        let mut options = assembly::Options::serial(self.space.quadrature);
+        options.threads = threads;
+        let mut assembler =
+            Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
+        // Without deformation the current position is the reference position.
+        let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
+        assembler.current_force = current.and_then(|f| current_force(&f.body_force));
+        assembler.stabilize(&self.stabilization, &options)?;
+        let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
+        assembler.close(closed.map(|part| part.pressure(&space)).collect());
+        // What is left of data on the solid is rounding, see `check_ends`.
+        assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
+        let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
+        let (kind, precision) = (self.linear.solver, self.linear.precision);
+        let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
+            let (precision, definite, options) = match purpose {
+                Purpose::Exact => (Precision::Double, false, linear),
+                Purpose::Correction => (precision, false, algebra::Options::unprobed()),
+                Purpose::Definite => (precision, true, algebra::Options::unprobed()),
+            };
+            kind.make(precision, definite, options)
+        });
+        let scales = self.scales(&space, largest);
+        let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
+        let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
+        let newton = self.build_newton(&space);
+        let settings = StepperSettings {
+            scheme: self.scheme(),
+            domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
+            tangent: self.newton.jacobian,
+            extrapolate: self.newton.extrapolate,
+            max_halvings: self.time.as_ref().map_or(0, |t| t.max_halvings),
+            scales,
+        };
+        let start = self.time.as_ref().map_or(self.at_time, |t| t.start);
+        let mut initial = State::zero(space.n_v(), space.n_u(), space.n_p());
+        let State { v, u, .. } = &mut initial;
+        if self.time.is_some() {
+            assembler.constraints.apply(&space, start, v, u);
+        }
+        let force = [
+            self.fluid
+                .as_ref()
+                .filter(|_| assembler.current_force.is_none())
+                .and_then(|f| body_force(&f.body_force)),
+            self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
+        ];
+        Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
+    }
+
+    /// Newton's method on `space`, with nothing kept.
+    pub fn build_newton(&self, space: &FsiSpace<2>) -> Newton {
+        Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v())
+    }
+
+    fn newton_settings(&self) -> Settings {
+        let n = &self.newton;
+        Settings {
+            tolerance: n.tolerance,
+            floor: n.floor,
+            rate_max: n.rate_max,
+            secants: n.secants,
+            max_steps: n.max_steps,
+            line_search: n.line_search,
+        }
+    }
+
+    fn scheme(&self) -> Scheme {
+        self.time.as_ref().map_or(Scheme::BackwardEuler, |t| t.scheme)
+    }
+
+    /// One condition per boundary of `mesh`.
+    pub(super) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+        let both = self.fluid.is_some() && self.solid.is_some();
+        let of = |name: &String| match self.boundary.get(name) {
+            Some(Condition::Velocity(v)) => {
+                let v = v.clone();
+                BoundaryCondition::Velocity(Arc::new(move |x: &[f64; 2], t| {
+                    let x = [x[0], x[1], 0.0];
+                    [v[0].eval(&x, t), v[1].eval(&x, t)]
+                }))
+            }
+            Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
+            Some(Condition::DoNothing) => {
+                BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
+            }
+            // On the solid it is the same as free.
+            Some(Condition::TractionFree) => {
+                BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
+            }
+            // The interface: inside the domain, or the surface of the region that is left.
+            None if name == INTERFACE && (both || self.fluid.is_none()) => BoundaryCondition::Free,
+            // Sides of regions that are left out. Names of parts of the interface are on no facet of the mesh.
+            None => BoundaryCondition::Fixed,
+        };
+        mesh.boundaries.iter().map(of).collect()
+    }
+
+    /// E_e(x) with the distance to the interface, and its largest value.
+    #[allow(clippy::type_complexity)]
+    fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
+        let (model, numbers) = (self.motion.model, self.motion_on(space).numbers());
+        if !model.is_stiffened(&numbers) || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
+            return Ok((Box::new(|_| 1.0), 1.0));
+        }
+        let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
+        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance.distance(*x));
+        Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
+    }
+
+    /// The functionals of the case.
+    ///
+    /// # Errors
+    /// Points outside of the mesh.
+    pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
+        let mut list: Functionals = vec![];
+        let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
+        for (name, spec) in &self.functional {
+            let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
+            let functional = spec.build(self, space, &surfaces).map_err(blame)?;
+            list.push((name.clone(), functional));
+        }
+        Ok(list)
+    }
+}
+
+/// A body force, `None` if it is zero everywhere.
+fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
+    if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
+        return None;
+    }
+    let f = f.clone();
+    Some(Box::new(move |x, t| {
+        let x = [x[0], x[1], 0.0];
+        [f[0].eval(&x, t), f[1].eval(&x, t)]
+    }))
+}
+
+/// The same with its gradient, to be taken at current positions.
+fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
+    let _ = body_force(f)?;
+    let f = f.clone();
+    Some(CurrentForce::new(Box::new(move |x, t| {
+        let at = |f: &Expression| f.eval_with_gradient(&[x[0], x[1], 0.0], t);
+        let [(a, da), (b, db)] = [at(&f[0]), at(&f[1])];
+        ([a, b], [[da[0], da[1]], [db[0], db[1]]])
+    })))
+}
+
+#[doc(hidden)]
+impl Case {
+    /// Builds mesh, spaces and functionals without computing anything, and says what they are.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`].
+    pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
+        let (mesh, mut notes) = self.marked_mesh()?;
+        let space = self.space_on(&mesh)?;
+        self.check_data(&space)?;
+        self.build_functionals(&space)?;
+        notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.notes_on(&space));
+        let memory = self.expected_bytes(mesh.n_cells(), space.mesh.n_cells());
+        Ok(Overview { left_out: self.left_out_of(&mesh), memory, notes, ..self.overview(&space) })
+    }
+}

@@ -1,0 +1,183 @@
+//! Whether a case fits its mesh: what holds at its names.
+
+use super::names::MeshNames;
+use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
+use crate::case::key;
+use crate::case::{Case, Condition, FunctionalSpec};
+use crate::mesh::INTERFACE;
+
+#[doc(hidden)]
+impl Case {
+    /// Compares the names in the case with those of the complete mesh.
+    ///
+    /// Regions that are left out are so together with their boundaries, which may be listed in the case nevertheless.
+    ///
+    /// # Errors
+    /// Regions and boundaries that the mesh does not have, regions that no table uses, boundaries without a condition,
+    /// conditions that do not suit their region, and bodies that nothing holds.
+    pub fn check_mesh(&self, names: &MeshNames) -> Result<(), CaseErrors> {
+        let mut fit = Fit { case: self, names, errors: Vec::new() };
+        fit.regions();
+        // With a region missing, all that follows would be noise.
+        if fit.errors.is_empty() {
+            fit.boundaries();
+            fit.functionals();
+            fit.held();
+        }
+        if fit.errors.is_empty() { Ok(()) } else { Err(CaseErrors(fit.errors)) }
+    }
+
+    /// Place of the dotted `key`, or of the longest part of it that was given.
+    pub fn place_of(&self, key: &str) -> Place {
+        let mut part = key;
+        loop {
+            if let Some(place) = self.record.places.get(part) {
+                return place.clone();
+            }
+            match key::parent(part) {
+                Some(shorter) => part = shorter,
+                None => return Place::File { name: self.record.file_name.clone(), line: 1, column: 1 },
+            }
+        }
+    }
+}
+
+struct Fit<'a> {
+    case: &'a Case,
+    names: &'a MeshNames,
+    errors: Vec<CaseError>,
+}
+
+impl Fit<'_> {
+    fn error(&mut self, key: &str, message: String) {
+        let place = self.case.place_of(key);
+        self.errors.push(CaseError { place, key: key.into(), value: None, message });
+    }
+
+    fn regions(&mut self) {
+        self.errors.extend(self.case.check_regions(&self.names.regions));
+    }
+
+    fn absent_boundary(&self, name: &str) -> String {
+        absent("boundary", name, self.names.boundaries.iter().map(|(n, _)| n.as_str()))
+    }
+
+    /// Whether a boundary touches the region of the fluid, of the solid.
+    fn touches(&self, regions: &[String]) -> (bool, bool) {
+        let has = |region: Option<&String>| region.is_some_and(|r| regions.contains(r));
+        (has(self.case.fluid.as_ref().map(|f| &f.region)), has(self.case.solid.as_ref().map(|s| &s.region)))
+    }
+
+    fn boundaries(&mut self) {
+        for name in self.case.boundary.keys() {
+            if !self.names.boundaries.iter().any(|(n, _)| n == name) {
+                let message = self.absent_boundary(name);
+                self.error(&key::join("boundary", name), message);
+            }
+        }
+        for (name, regions) in &self.names.boundaries {
+            let (fluid, solid) = self.touches(regions);
+            if name == INTERFACE || !(fluid || solid) {
+                continue;
+            }
+            let key = key::join("boundary", name);
+            let condition = self.case.boundary.get(name);
+            if condition.is_some() && self.is_part(name) {
+                self.error(&key, self.part_of_interface(name));
+                continue;
+            }
+            match condition {
+                // Parts of the interface, and sides of regions that are left out.
+                None if self.names.is_inside(name, &self.case.regions()) => {}
+                None => {
+                    let allowed = match (fluid, solid) {
+                        (_, false) => "`velocity`, `no-slip`, `do-nothing` or `traction-free`",
+                        (false, true) => "`clamped` or `traction-free`",
+                        (true, true) => {
+                            "`velocity` (0 on the solid), `no-slip`, `do-nothing` or `traction-free` (the solid is \
+                             clamped by the first two and free with the others)"
+                        }
+                    };
+                    let message = format!(
+                        "boundary `{name}` of the mesh has no condition: add [boundary.{}] with condition = {allowed}",
+                        toml_key(name)
+                    );
+                    self.error("boundary", message);
+                }
+                Some(Condition::Clamped) if !solid => {
+                    self.error(
+                        &format!("{key}.condition"),
+                        "`clamped` is for a solid, and only the fluid is here; use `no-slip`".into(),
+                    );
+                }
+                Some(Condition::Velocity(_) | Condition::DoNothing) if !fluid => {
+                    let message = "only the solid is here; use `clamped` or `traction-free`";
+                    self.error(&format!("{key}.condition"), message.into());
+                }
+                Some(_) => {}
+            }
+            if self.case.directional.contains(name) && self.case.fluid.is_some() && !fluid {
+                let message = "it is for an outlet of the fluid, and only the solid is here; remove it";
+                self.error(&format!("{key}.backflow"), message.into());
+            }
+        }
+    }
+
+    /// Whether `name` lies on no facet of the bodies but those of the interface.
+    fn is_part(&self, name: &str) -> bool {
+        let kept = self.case.regions();
+        let mut bodies = self.names.components.iter().filter(|c| kept.contains(&c.region.as_str()));
+        self.names.parts.iter().any(|part| part == name)
+            && bodies.all(|c| !c.boundaries.iter().any(|n| n == name))
+    }
+
+    /// Why nothing can be imposed on the part `name` of the interface.
+    fn part_of_interface(&self, name: &str) -> String {
+        match self.case.absent_region() {
+            None => format!(
+                "nothing can be imposed on the interface between fluid and solid, of which `{name}` is a part; remove \
+                 this table"
+            ),
+            Some(region) => format!(
+                "`{name}` is a part of the interface with region `{region}`, which is left out as there is no such \
+                 table; with mesh.leave-out = [\"{region}\"] its sides can have conditions of their own"
+            ),
+        }
+    }
+
+    fn functionals(&mut self) {
+        for (name, functional) in &self.case.functional {
+            let FunctionalSpec::Force { on, .. } = functional else { continue };
+            let key = format!("functional.{name}.on");
+            for boundary in on {
+                match self.names.boundaries.iter().find(|(n, _)| n == boundary) {
+                    None => {
+                        let message = self.absent_boundary(boundary);
+                        self.error(&key, message);
+                    }
+                    Some((_, regions)) if boundary != INTERFACE && !self.touches(regions).0 => {
+                        self.error(&key, format!("the fluid does not touch the boundary `{boundary}`"));
+                    }
+                    Some(_) => {}
+                }
+            }
+        }
+    }
+
+    /// A stationary solid needs a hold, a fluid on its own a way out.
+    fn held(&mut self) {
+        for (key, message) in super::bodies::check(self.case, self.names) {
+            self.error(key, message);
+        }
+    }
+}
+
+/// `name` as a key of TOML, in quotes where it needs them.
+fn toml_key(name: &str) -> String {
+    let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if !name.is_empty() && name.chars().all(bare) { name.into() } else { format!("{name:?}") }
+}
+
+fn absent<'a>(kind: &str, name: &str, all: impl Iterator<Item = &'a str> + Clone) -> String {
+    format!("the mesh has no {kind} `{name}`{}", suggestion(name, all))
+}

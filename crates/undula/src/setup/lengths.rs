@@ -1,0 +1,94 @@
+//! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
+
+use crate::case::{Case, MeshSpec, MotionModel, MotionSpec};
+use crate::math::rounded;
+use crate::mesh::Mesh;
+use crate::space::FsiSpace;
+use crate::time::Scales;
+
+/// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0
+/// is much smaller, a few cells far away take all of the motion; where it is larger than the body is thick, those at
+/// its corners fold.
+const OFFSET: f64 = 0.05;
+
+/// L as a part of the smaller extent of the mesh.
+const SCALE: f64 = 0.5;
+
+#[doc(hidden)]
+impl Case {
+    /// `[motion]` with the lengths that it leaves open, for spaces of this case: d_0 is a twentieth of the smaller extent
+    /// of the fluid or of the larger one of the solid, whichever is less; L is half the smaller extent of both.
+    ///
+    /// Extents are those of the mesh before `mesh.refine`, so that refinement does not change the problem. What has no
+    /// effect stays open.
+    pub fn motion_on(&self, space: &FsiSpace<2>) -> MotionSpec {
+        let mut motion = self.motion.clone();
+        let (Some(fluid), Some(solid)) = (&self.fluid, &self.solid) else { return motion };
+        let elastic = matches!(motion.model, MotionModel::PseudoElastic | MotionModel::JacobianStiffened);
+        let offset = elastic && motion.exponent != 0.0 && motion.offset.is_none();
+        let scale = motion.model == MotionModel::StiffenedHarmonic && motion.scale.is_none();
+        if !offset && !scale {
+            return motion;
+        }
+        let mesh = self.unrefined();
+        let mesh = mesh.as_ref().unwrap_or(&space.mesh);
+        let of = |names: &[&str]| extents(mesh, names);
+        let [fluid, solid, both] =
+            [of(&[&fluid.region]), of(&[&solid.region]), of(&[&fluid.region, &solid.region])];
+        if offset {
+            motion.offset = Some(decimal(OFFSET * fluid[0].min(solid[1])));
+        } else {
+            motion.scale = Some(decimal(SCALE * both[0]));
+        }
+        motion
+    }
+
+    /// The case with the numbers that come from its mesh written out; as it is where that cannot be had.
+    #[must_use]
+    pub fn resolved(&self) -> Case {
+        let motion = self.build_space().map_or_else(|_| self.motion.clone(), |space| self.motion_on(&space));
+        Case { motion, ..self.clone() }
+    }
+
+    /// The mesh before it is refined, if it is; `None` also where its cells are too large for the regions. Then they are
+    /// straight, and refinement leaves their extents.
+    fn unrefined(&self) -> Option<Mesh<2>> {
+        let mesh = MeshSpec { refine: 0, ..self.mesh.clone() };
+        if self.mesh.refine > 0 { Case { mesh, ..self.clone() }.build_mesh().ok() } else { None }
+    }
+
+    /// The scales of the equations on `space`; `stiffness` is the largest E_e.
+    pub(super) fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
+        let size = space.node_distance();
+        // The operator of fourth order has the unit 1/m² besides.
+        let fourth = self.motion.model == MotionModel::Biharmonic;
+        let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
+        let (fluid, solid) = (self.fluid.as_ref(), self.solid.as_ref());
+        let density = fluid.map(|f| f.density).or(solid.map(|s| s.density)).unwrap_or(1.0);
+        let modulus =
+            solid.map_or(0.0, |s| if s.lambda.is_finite() { s.lambda + 2.0 * s.mu } else { 3.0 * s.mu });
+        let viscosity = fluid.map_or(0.0, |f| f.kinematic_viscosity);
+        Scales::new(space, density, viscosity, modulus, stiffness)
+    }
+}
+
+/// `x` without the rounding of a difference of coordinates: 0.01, not 0.010000000000000002.
+fn decimal(x: f64) -> f64 {
+    rounded(x, x, 12)
+}
+
+/// The smaller and the larger side of the box around the cells of `regions` \[m\].
+fn extents(mesh: &Mesh<2>, regions: &[&str]) -> [f64; 2] {
+    let inside = |cell: &usize| regions.contains(&mesh.regions[mesh.cell_region[*cell] as usize].as_str());
+    let (mut lower, mut upper) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for cell in (0..mesh.n_cells()).filter(inside) {
+        for &node in mesh.cell(cell) {
+            for d in 0..2 {
+                lower[d] = lower[d].min(mesh.nodes[node as usize][d]);
+                upper[d] = upper[d].max(mesh.nodes[node as usize][d]);
+            }
+        }
+    }
+    let (x, y) = (upper[0] - lower[0], upper[1] - lower[1]);
+    [x.min(y), x.max(y)]
+}

@@ -1,0 +1,249 @@
+//! How much memory a case needs, before its mesh is made: a run that cannot fit is refused at once.
+
+use crate::case::{Case, Linearization, MeshSource, Precision, VelocityElement};
+use crate::element::Shape;
+use crate::error::Error;
+use crate::mesh::{Mesh, generate};
+use std::fs;
+
+/// Bytes of a run per cell at the largest size that was measured (4 000 to 31 000 cells of `fsi3`, steps with the
+/// condensed system in single precision, which has the smallest factors): the need grows like N log N, so that this is
+/// a lower bound for more cells.
+const PER_CELL: [(VelocityElement, f64); 8] = [
+    (VelocityElement::Q(1), 22.6e3),
+    (VelocityElement::Q(2), 51.0e3),
+    (VelocityElement::Q(3), 150.0e3),
+    (VelocityElement::Q(4), 348.0e3),
+    (VelocityElement::P(1), 18.9e3),
+    (VelocityElement::P(2), 27.0e3),
+    (VelocityElement::P2Bubble, 40.0e3),
+    (VelocityElement::P(3), 78.8e3),
+];
+
+/// What is safely needed of the measured bytes: other machines and libraries differ.
+const SAFE: f64 = 0.85;
+/// Flow alone beside both.
+const FLUID_ALONE: f64 = 0.68;
+/// Solid alone beside both.
+const SOLID_ALONE: f64 = 0.55;
+/// The whole Jacobian of a solid, and factors in double precision.
+const WHOLE: f64 = 1.6;
+const DOUBLE: f64 = 1.15;
+/// Bytes of the mesh per cell, those included that are left out.
+const MESH: f64 = 700.0;
+
+/// Points per direction at which the share of regions of a box is taken.
+const SAMPLES: u32 = 64;
+
+#[doc(hidden)]
+impl Case {
+    /// Refuses a case that needs more memory than there is. `file` is the mesh that was read where there is a file.
+    ///
+    /// # Errors
+    /// With the key to blame, and the gigabytes that are needed and at hand.
+    pub(super) fn check_memory(&self, file: Option<&Mesh<2>>) -> Result<(), Error> {
+        let Some(at_hand) = available_memory() else { return Ok(()) };
+        let is_file = matches!(self.mesh.source, MeshSource::File(_) | MeshSource::Own(_));
+        if is_file != file.is_some() {
+            return Ok(());
+        }
+        let coarse = self.coarse_cells(file);
+        let refine = self.mesh.refine;
+        if self.bytes(coarse, refine) <= at_hand {
+            return Ok(());
+        }
+        let most = (0..refine).rev().find(|refine| self.bytes(coarse, *refine) <= at_hand);
+        let key = match (&self.mesh.source, most) {
+            (_, Some(_)) => "mesh.refine",
+            (MeshSource::Box { .. }, None) => "mesh.cells",
+            (MeshSource::File(_), None) => "mesh.file",
+            _ => "mesh",
+        };
+        let way_out = match most {
+            Some(most) => {
+                format!("{most} would need at least {}", gigabytes(self.bytes(coarse, most)))
+            }
+            None => "expected fewer cells".into(),
+        };
+        let cells = coarse.0 * 4f64.powi(refine as i32);
+        let [needed, at_hand] = [self.bytes(coarse, refine), at_hand].map(gigabytes);
+        let message =
+            format!("{cells:.0} cells need at least {needed} of memory, {at_hand} are at hand; {way_out}");
+        Err(self.refuse(key, message))
+    }
+
+    /// Cells before refinement: all, and those of regions that take part.
+    fn coarse_cells(&self, file: Option<&Mesh<2>>) -> (f64, f64) {
+        let of_mesh = |mesh: &Mesh<2>| {
+            let regions: Vec<Option<u16>> = self.regions().iter().map(|name| mesh.region(name)).collect();
+            let kept = mesh.cell_region.iter().filter(|region| regions.contains(&Some(**region))).count();
+            (mesh.n_cells() as f64, kept as f64)
+        };
+        let triangles = self.space.velocity.shape() == Shape::Triangle;
+        let grading = self.mesh.grading as usize;
+        let (all, kept) = match &self.mesh.source {
+            MeshSource::TurekHron => of_mesh(&generate::turek_hron(0, grading)),
+            MeshSource::SchaeferTurek => of_mesh(&generate::schaefer_turek(0)),
+            MeshSource::Rotor => of_mesh(&generate::rotor(0, grading)),
+            MeshSource::Box { lower, upper, cells } => {
+                let all = cells[0] as f64 * cells[1] as f64;
+                (all, all * self.share_of_box(*lower, *upper))
+            }
+            MeshSource::File(_) | MeshSource::Own(_) => return file.map_or((0.0, 0.0), of_mesh),
+        };
+        if triangles { (2.0 * all, 2.0 * kept) } else { (all, kept) }
+    }
+
+    /// The part of a box that lies in regions that take part.
+    fn share_of_box(&self, lower: [f64; 2], upper: [f64; 2]) -> f64 {
+        let regions = self.regions();
+        let at =
+            |d: usize, i: u32| lower[d] + (upper[d] - lower[d]) * (f64::from(i) + 0.5) / f64::from(SAMPLES);
+        let points = (0..SAMPLES * SAMPLES).map(|i| [at(0, i % SAMPLES), at(1, i / SAMPLES), 0.0]);
+        let is_kept = |x: &[f64; 3]| {
+            let inside = self.mesh.region.iter().rfind(|(_, inside)| inside.eval(x, 0.0) > 0.0);
+            regions.contains(&inside.map_or("fluid", |(name, _)| name.as_str()))
+        };
+        points.filter(is_kept).count() as f64 / f64::from(SAMPLES * SAMPLES)
+    }
+
+    /// A lower bound of the bytes of a run with `coarse` cells (all, and those that take part), refined in four
+    /// `refine` times.
+    fn bytes(&self, coarse: (f64, f64), refine: u32) -> f64 {
+        let cells = 4f64.powi(refine as i32);
+        cells * (SAFE * self.bytes_per_cell() * coarse.1 + MESH * coarse.0)
+    }
+
+    /// About as many bytes as a run needs at most at a time, with `all` cells of which `kept` take part.
+    pub(super) fn expected_bytes(&self, all: usize, kept: usize) -> f64 {
+        self.bytes_per_cell() * kept as f64 + MESH * all as f64
+    }
+
+    fn bytes_per_cell(&self) -> f64 {
+        let velocity = self.space.velocity;
+        let per_cell = PER_CELL.iter().find(|(element, _)| *element == velocity).map_or(0.0, |(_, b)| *b);
+        let condensed = self.newton.linearization == Linearization::Condensed;
+        let factor = [
+            (self.solid.is_none(), FLUID_ALONE, 1.0),
+            (self.fluid.is_none(), SOLID_ALONE, 1.0),
+            (self.solid.is_some() && !condensed, WHOLE, 1.0),
+            (condensed && self.linear.precision == Precision::Double, DOUBLE, 1.0),
+        ];
+        let factor: f64 = factor.iter().map(|(holds, yes, no)| if *holds { yes } else { no }).product();
+        factor * per_cell
+    }
+}
+
+/// Bytes in words: `120 MB`, `1.2 GB`, `34 GB`.
+pub(super) fn size(bytes: f64) -> String {
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { gigabytes(bytes) }
+}
+
+fn gigabytes(bytes: f64) -> String {
+    let gigabytes = bytes / 1e9;
+    if gigabytes < 10.0 { format!("{gigabytes:.1} GB") } else { format!("{gigabytes:.0} GB") }
+}
+
+/// Bytes that this process can still have, where the system tells (Linux): what is free or can be freed, swap
+/// included, within the limits of its control group and of its address space.
+pub fn available_memory() -> Option<f64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = |key: &str| text.lines().find_map(|line| line.strip_prefix(key)).and_then(kibibytes);
+    let free = line("MemAvailable:")? + line("SwapFree:").unwrap_or(0.0);
+    Some([group_memory(), address_space()].into_iter().flatten().fold(free, f64::min))
+}
+
+/// Bytes of a number such as `  123 kB`.
+fn kibibytes(text: &str) -> Option<f64> {
+    text.trim().strip_suffix("kB")?.trim().parse().ok().map(|n: f64| 1024.0 * n)
+}
+
+/// What the limit of the control group leaves.
+fn group_memory() -> Option<f64> {
+    let groups = fs::read_to_string("/proc/self/cgroup").ok()?;
+    let left = |folder: &str, limit: &str, used: &str| {
+        let read = |file: &str| fs::read_to_string(format!("{folder}/{file}")).ok();
+        let limit: f64 = read(limit)?.trim().parse().ok()?;
+        let stat = read("memory.stat")?;
+        let used = stat.lines().find_map(|line| line.strip_prefix(used)?.trim().parse::<f64>().ok())?;
+        Some((limit - used).max(0.0))
+    };
+    let of_line = |line: &str| {
+        let (number, rest) = line.split_once(':')?;
+        let (kinds, path) = rest.split_once(':')?;
+        // In a container the path can be that of the host: then the group is at the root.
+        match (number, kinds) {
+            ("0", "") => [path, ""]
+                .iter()
+                .find_map(|path| left(&format!("/sys/fs/cgroup{path}"), "memory.max", "anon ")),
+            (_, "memory") => [path, ""].iter().find_map(|path| {
+                left(&format!("/sys/fs/cgroup/memory{path}"), "memory.limit_in_bytes", "total_rss ")
+            }),
+            _ => None,
+        }
+    };
+    groups.lines().filter_map(of_line).reduce(f64::min)
+}
+
+/// What the limit of the address space leaves.
+fn address_space() -> Option<f64> {
+    let limits = fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: f64 = line.split_whitespace().next()?.parse().ok()?;
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let used = status.lines().find_map(|line| line.strip_prefix("VmSize:")).and_then(kibibytes)?;
+    Some((limit - used).max(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(sets: &[&str]) -> String {
+        let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
+        let case = Case::builtin("fsi3", &sets).unwrap();
+        case.check_memory(None).err().map_or(String::new(), |e| e.to_string())
+    }
+
+    /// Measured peaks of whole runs (bytes): the bound lies below, and not by much.
+    #[test]
+    fn the_bound_is_close_to_measured_peaks() {
+        for (name, sets, peak) in [
+            ("fsi3", &["mesh.refine=3"][..], 801.9e6),
+            ("fsi3", &["mesh.refine=3", "linear.precision=double"], 960.3e6),
+            ("fsi3", &["mesh.refine=3", "newton.linearization=newton"], 1672.3e6),
+            ("cfd3", &["mesh.refine=3"], 501.2e6),
+            ("cfd1", &["mesh.refine=3"], 503.9e6),
+            ("fsi1", &["mesh.refine=3"], 2111.5e6),
+            ("csm3", &["mesh.refine=4"], 182.1e6),
+            ("csm1", &["mesh.refine=4"], 429.5e6),
+            ("fsi3", &["mesh.refine=3", "space.velocity=Q1"], 353.4e6),
+            ("fsi3", &["mesh.refine=2", "space.velocity=Q3"], 586.0e6),
+            ("fsi3", &["mesh.refine=2", "space.velocity=Q4"], 1359.1e6),
+            ("fsi3", &["mesh.refine=3", "space.velocity=P1"], 590.6e6),
+            ("fsi3", &["mesh.refine=3", "space.velocity=P2"], 873.8e6),
+            ("fsi3", &["mesh.refine=2", "space.velocity=P2-bubble"], 312.0e6),
+            ("fsi3", &["mesh.refine=2", "space.velocity=P3"], 615.6e6),
+        ] {
+            let case = Case::builtin(name, &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap();
+            let share = case.bytes(case.coarse_cells(None), case.mesh.refine) / peak;
+            assert!((0.5..1.0).contains(&share), "{name} {sets:?}: {share:.2} of the peak");
+        }
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_cannot_fit_is_refused_with_key_and_gigabytes() {
+        let at_hand = available_memory().unwrap();
+        assert!(at_hand > 1e7 && at_hand < 1e14, "{at_hand}");
+        let said = message(&["mesh.refine=10"]);
+        for word in ["--set mesh.refine=10", "255852544 cells", "need at least", "GB are at hand"] {
+            assert!(said.contains(word), "{said}");
+        }
+        let cells =
+            ["mesh.generator=box", "mesh.lower=[0,0]", "mesh.upper=[1,1]", "mesh.cells=[100000,100000]"];
+        let said = message(&[&cells[..], &["mesh.refine=0", "mesh.region.solid=x-0.5"]].concat());
+        assert!(said.contains("--set mesh.cells") && said.contains("fewer cells"), "{said}");
+        assert_eq!(message(&["mesh.refine=2"]), "");
+    }
+}

@@ -1,0 +1,20 @@
+//! From a checked case to what a computation needs: its mesh, spaces, equations and solvers.
+//!
+//! `build` creates all of them, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
+//! which it knows the `names`: `regions` looks at its regions, `bodies` at their connected parts, `enclosed` at the parts
+//! of the fluid that nothing opens, `ends` at the nodes of the solid. `data` evaluates what is prescribed, `memory`
+//! estimates what it takes, `lengths` has the numbers that come from the mesh, and `overview` is what `undula check`
+//! prints.
+
+mod bodies;
+pub mod build;
+mod data;
+mod enclosed;
+mod ends;
+mod fit;
+mod functionals;
+mod lengths;
+pub mod memory;
+pub mod names;
+pub mod overview;
+mod regions;

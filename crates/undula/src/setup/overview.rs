@@ -1,0 +1,283 @@
+//! What `undula check` tells of a case on its mesh: extents, cells, regions, boundaries, flow.
+
+use super::memory::size;
+use crate::assembly::facets::{FacetPoint, facet_points};
+use crate::case::expression::Expression;
+use crate::case::{Case, Condition, MeshSource};
+use crate::mesh::INTERFACE;
+use crate::mesh::{Facet, Mesh};
+use crate::space::{FsiSpace, Region};
+use std::fmt;
+
+/// A case on its mesh, in numbers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overview {
+    /// Corners of the box around the mesh \[m\].
+    pub extents: [[f64; 2]; 2],
+    /// Number of cells.
+    pub cells: usize,
+    /// Square roots of the areas of the smallest and of the largest cell \[m\].
+    pub sizes: [f64; 2],
+    /// Regions in use: name, number of cells, area \[m²\].
+    pub regions: Vec<(String, usize, f64)>,
+    /// The same of regions that are left out.
+    pub left_out: Vec<(String, usize, f64)>,
+    /// Boundaries of what is in use.
+    pub boundaries: Vec<Boundary>,
+    /// The flow through boundaries with given velocity; `None` if there is none.
+    pub inflow: Option<Inflow>,
+    /// Velocity, deformation and pressure unknowns, given ones counted.
+    pub unknowns: [usize; 3],
+    /// About as many bytes as a run needs.
+    pub memory: f64,
+    /// What looks wrong but can be computed.
+    pub warnings: Vec<String>,
+    /// What should be known: regions that are left out, parts of the fluid that are closed in.
+    pub notes: Vec<String>,
+}
+
+/// A boundary by name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Boundary {
+    /// Name.
+    pub name: String,
+    /// Length \[m\].
+    pub length: f64,
+    /// Bodies that it belongs to: `fluid`, `solid`, or both.
+    pub bodies: String,
+    /// Its condition, as in the case.
+    pub condition: String,
+}
+
+/// Flow into the domain through boundaries with given velocity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Inflow {
+    /// The boundary with the largest flow into the domain.
+    pub name: String,
+    /// Its length \[m\].
+    pub length: f64,
+    /// Largest mean over time of the normal velocity into the domain \[m/s\].
+    pub mean: f64,
+    /// Largest speed over time and over all boundaries \[m/s\].
+    pub largest: f64,
+    /// Length in the Reynolds number \[m\] and what it is.
+    pub scale: (f64, &'static str),
+    /// Re = mean · scale / ν_f.
+    pub reynolds: f64,
+    /// Largest speed · k / size of the smallest cell: at the end of the first step, and over all times with that k.
+    pub cfl: Option<[f64; 2]>,
+}
+
+/// Times at which data are looked at.
+const TIMES: u32 = 200;
+
+/// A mesh file larger than this \[m\] with densities as in SI is taken for one in millimetres.
+const LARGE: f64 = 10.0;
+/// Density \[kg/m³\] above which the unit of length is taken for the metre: 1 in g/cm³, 1e-3 in g/mm³.
+const DENSE: f64 = 100.0;
+
+#[doc(hidden)]
+impl Case {
+    /// What the case is on its mesh, but for what only the complete mesh knows.
+    pub fn overview(&self, space: &FsiSpace<2>) -> Overview {
+        let mesh = &space.mesh;
+        let volume = mesh.quality().volume;
+        let size = |pick: fn(f64, f64) -> f64, from: f64| volume.iter().copied().fold(from, pick).sqrt();
+        let regions = (0..mesh.regions.len()).map(|r| {
+            let cells = || volume.iter().zip(&mesh.cell_region).filter(|(_, of)| usize::from(**of) == r);
+            (mesh.regions[r].clone(), cells().count(), cells().map(|(area, _)| area).sum())
+        });
+        let extents = extents(mesh);
+        Overview {
+            extents,
+            cells: mesh.n_cells(),
+            sizes: [size(f64::min, f64::INFINITY), size(f64::max, 0.0)],
+            regions: regions.collect(),
+            left_out: vec![],
+            boundaries: self.boundaries(space),
+            inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
+            unknowns: [space.n_v(), space.n_u(), space.n_p()],
+            memory: self.expected_bytes(mesh.n_cells(), mesh.n_cells()),
+            warnings: self.looks_like_millimetres(extents).into_iter().collect(),
+            notes: vec![],
+        }
+    }
+
+    fn boundaries(&self, space: &FsiSpace<2>) -> Vec<Boundary> {
+        let of = |(number, name): (usize, &String)| {
+            let facets = || space.mesh.facets_on(&[name]).into_iter();
+            let own = space.mesh.facets.iter().any(|f| usize::from(f.boundary) == number);
+            let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
+            let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
+            let bodies = match (inside || has(Region::Fluid), inside || has(Region::Solid)) {
+                (true, true) => "fluid and solid",
+                (true, false) => "fluid",
+                _ => "solid",
+            };
+            Boundary {
+                name: name.clone(),
+                length: facets().map(|f| length(space, &f)).sum(),
+                bodies: bodies.into(),
+                condition: match self.boundary.get(name) {
+                    Some(condition) => condition.name().into(),
+                    None if !own => "part of the interface".into(),
+                    None if inside => "coupling".into(),
+                    None if name == INTERFACE && self.fluid.is_none() => {
+                        Condition::TractionFree.name().into()
+                    }
+                    // Sides of regions that are left out.
+                    None if has(Region::Fluid) => Condition::NoSlip.name().into(),
+                    None => Condition::Clamped.name().into(),
+                },
+            }
+        };
+        space.mesh.boundaries.iter().enumerate().map(of).collect()
+    }
+
+    /// Where most of the fluid comes in, and how fast.
+    fn inflow(&self, space: &FsiSpace<2>, smallest: f64) -> Option<Inflow> {
+        let fluid = self.fluid.as_ref()?;
+        let (mut found, mut largest, mut first) = (None::<(f64, String, f64)>, 0.0f64, 0.0f64);
+        let step = self.time.as_ref().map(|time| time.step.eval(&[0.0; 3], time.start));
+        for (number, name) in space.mesh.boundaries.iter().enumerate() {
+            let Some(Condition::Velocity(data)) = self.boundary.get(name) else { continue };
+            let facets = space.mesh.facets.iter().filter(|f| usize::from(f.boundary) == number);
+            let points: Vec<_> = facets.flat_map(|facet| facet_points(space, facet, 3)).collect();
+            let whole = points.iter().map(|point| point.weight).sum();
+            let nodes: Vec<[f64; 2]> =
+                space.boundary_nodes(name).iter().map(|&node| space.nodes.points[node as usize]).collect();
+            let at = |t: f64| (flow(&points, data, t), largest_speed(&nodes, data, t));
+            for (flow, speed) in self.looked_at().into_iter().map(at) {
+                largest = largest.max(speed);
+                if found.as_ref().is_none_or(|(most, ..)| flow > *most) && flow > 0.0 {
+                    found = Some((flow, name.clone(), whole));
+                }
+            }
+            if let (Some(time), Some(k)) = (&self.time, step) {
+                first = first.max(at(time.start + k).1);
+            }
+        }
+        let (flow, name, length) = found?;
+        let mean = flow / length;
+        let scale = match self.mesh.source {
+            MeshSource::TurekHron | MeshSource::SchaeferTurek => (DIAMETER, "the diameter of the cylinder"),
+            _ => (length, "the length of that boundary"),
+        };
+        Some(Inflow {
+            reynolds: mean * scale.0 / fluid.kinematic_viscosity,
+            cfl: step.map(|k| [first, largest].map(|speed| speed * k / smallest)),
+            name,
+            length,
+            mean,
+            largest,
+            scale,
+        })
+    }
+
+    /// Times between the start and the end of the case.
+    fn looked_at(&self) -> Vec<f64> {
+        let Some(time) = &self.time else { return vec![self.at_time] };
+        let at = |i: u32| time.start + (time.end - time.start) * f64::from(i) / f64::from(TIMES);
+        (0..=TIMES).map(at).collect()
+    }
+
+    fn looks_like_millimetres(&self, [lower, upper]: [[f64; 2]; 2]) -> Option<String> {
+        let size = (upper[0] - lower[0]).max(upper[1] - lower[1]);
+        let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density))?;
+        let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
+        large.then(|| {
+            format!(
+                "the mesh is {} m long: if its coordinates are millimetres, give mesh.scale = 1e-3",
+                short(size)
+            )
+        })
+    }
+}
+
+/// Diameter of the cylinder in the built-in channels \[m\].
+const DIAMETER: f64 = 0.1;
+
+/// Corners of the box around a mesh.
+fn extents(mesh: &Mesh<2>) -> [[f64; 2]; 2] {
+    let along =
+        |d: usize, pick: fn(f64, f64) -> f64, from: f64| mesh.nodes.iter().map(|x| x[d]).fold(from, pick);
+    [[0, 1].map(|d| along(d, f64::min, f64::INFINITY)), [0, 1].map(|d| along(d, f64::max, f64::NEG_INFINITY))]
+}
+
+fn length(space: &FsiSpace<2>, facet: &Facet) -> f64 {
+    facet_points(space, facet, 3).iter().map(|point| point.weight).sum()
+}
+
+/// The velocity at one place.
+fn velocity(data: &[Expression; 2], [x, y]: [f64; 2], t: f64) -> [f64; 2] {
+    [0, 1].map(|i| data[i].eval(&[x, y, 0.0], t))
+}
+
+/// −∫ v·n over the facets of `points` at time `t` \[m²/s\].
+fn flow(points: &[FacetPoint<2>], data: &[Expression; 2], t: f64) -> f64 {
+    let flow = |point: &FacetPoint<2>| {
+        let v = velocity(data, point.x, t);
+        -point.weight * (v[0] * point.normal.0[0] + v[1] * point.normal.0[1])
+    };
+    points.iter().map(flow).sum()
+}
+
+/// Largest |v| at `nodes` at time `t` \[m/s\].
+fn largest_speed(nodes: &[[f64; 2]], data: &[Expression; 2], t: f64) -> f64 {
+    let speed = |&x: &[f64; 2]| velocity(data, x, t).map(|v| v * v).iter().sum::<f64>().sqrt();
+    nodes.iter().map(speed).fold(0.0, f64::max)
+}
+
+/// A number with four significant digits, without zeros at its end.
+fn short(x: f64) -> String {
+    let rounded: f64 = format!("{x:.3e}").parse().unwrap_or(x);
+    if rounded == 0.0 || (1e-3..1e6).contains(&rounded.abs()) {
+        rounded.to_string()
+    } else {
+        format!("{rounded:e}")
+    }
+}
+
+impl fmt::Display for Overview {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [[x0, y0], [x1, y1]] = self.extents.map(|x| x.map(short));
+        let [v, u, p] = self.unknowns;
+        writeln!(f, "          x from {x0} to {x1} m, y from {y0} to {y1} m")?;
+        let [smallest, largest] = self.sizes.map(short);
+        writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
+        writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
+        writeln!(f, "          about {} of memory for a run", size(self.memory))?;
+        for (name, cells, area) in &self.regions {
+            writeln!(f, "region    {name}: {cells} cells, {} m²", short(*area))?;
+        }
+        for (name, cells, area) in &self.left_out {
+            writeln!(f, "region    {name}: {cells} cells, {} m², left out", short(*area))?;
+        }
+        for Boundary { name, length, bodies, condition } in &self.boundaries {
+            writeln!(f, "boundary  {name}: {condition}, {} m ({bodies})", short(*length))?;
+        }
+        if let Some(inflow) = &self.inflow {
+            let Inflow { name, mean, largest, scale: (scale, what), reynolds, cfl, .. } = inflow;
+            writeln!(
+                f,
+                "inflow    {name}: mean velocity up to {} m/s, largest {} m/s",
+                short(*mean),
+                short(*largest)
+            )?;
+            writeln!(
+                f,
+                "          Re = {} with that mean and {} m, {what}",
+                short(*reynolds),
+                short(*scale)
+            )?;
+            if let Some([first, all]) = cfl {
+                let [first, all] = [first, all].map(|x| short(*x));
+                writeln!(
+                    f,
+                    "          CFL = {first} in the first step, {all} at the largest velocity (smallest cell)"
+                )?;
+            }
+        }
+        self.warnings.iter().try_for_each(|warning| writeln!(f, "warning   {warning}"))
+    }
+}

@@ -1,0 +1,208 @@
+//! The regions of a mesh: which are computed on, which are left out, and how the sides of these are called.
+
+use super::names::MeshNames;
+use crate::case::error::{CaseError, quoted, suggestion};
+use crate::case::{Case, MeshSource};
+use crate::error::Error;
+use crate::mesh::{INTERFACE, Mesh, MeshError};
+use std::collections::BTreeMap;
+
+/// Regions of the tables `[fluid]` and `[solid]` by default.
+const FLUID: &str = "fluid";
+const SOLID: &str = "solid";
+
+/// The key that the mesh comes from.
+pub(super) fn mesh_key(case: &Case) -> &'static str {
+    if matches!(case.mesh.source, MeshSource::File(_)) { "mesh.file" } else { "mesh" }
+}
+
+#[doc(hidden)]
+impl Case {
+    /// Regions of the mesh that are computed on: those of `[fluid]` and `[solid]`.
+    pub fn regions(&self) -> Vec<&str> {
+        let fluid = self.fluid.as_ref().map(|f| f.region.as_str());
+        let solid = self.solid.as_ref().map(|s| s.region.as_str());
+        fluid.into_iter().chain(solid).collect()
+    }
+
+    /// The region that an absent table leaves out together with its interface, `solid` without `[solid]` and `fluid`
+    /// without `[fluid]`, unless something else is said about it.
+    pub(super) fn absent_region(&self) -> Option<&'static str> {
+        let absent = match (&self.fluid, &self.solid) {
+            (Some(_), None) => SOLID,
+            (None, Some(_)) => FLUID,
+            _ => return None,
+        };
+        let free =
+            !self.regions().contains(&absent) && !self.mesh.leave_out.iter().any(|name| name == absent);
+        free.then_some(absent)
+    }
+
+    /// What is wrong with the use of the `regions` of a mesh: each is that of a table, or left out.
+    pub(super) fn check_regions(&self, regions: &[String]) -> Vec<CaseError> {
+        let mut errors = vec![];
+        let mut error = |key: &str, message: String| {
+            errors.push(CaseError { place: self.place_of(key), key: key.into(), value: None, message });
+        };
+        let unknown = |name: &str| {
+            let known = suggestion(name, regions.iter().map(String::as_str));
+            format!("the mesh has no region `{name}`{known}")
+        };
+        let tables = [
+            ("fluid", self.fluid.as_ref().map(|f| &f.region)),
+            ("solid", self.solid.as_ref().map(|s| &s.region)),
+        ];
+        for (table, region) in tables {
+            if let Some(region) = region.filter(|region| !regions.contains(region)) {
+                error(&format!("{table}.region"), unknown(region));
+            }
+        }
+        for name in &self.mesh.leave_out {
+            let table = tables.iter().find(|(_, region)| *region == Some(name));
+            match table {
+                Some((table, _)) => {
+                    error(
+                        "mesh.leave-out",
+                        format!("region `{name}` is that of [{table}]; it cannot be left out"),
+                    );
+                }
+                None if !regions.contains(name) => error("mesh.leave-out", unknown(name)),
+                None => {}
+            }
+        }
+        let used = |name: &&String| self.regions().contains(&name.as_str());
+        let known = |name: &&String| {
+            used(name) || self.mesh.leave_out.contains(name) || self.absent_region() == Some(name.as_str())
+        };
+        let left: Vec<&String> = regions.iter().filter(|name| !known(name)).collect();
+        if let [first, ..] = left[..] {
+            let given = crate::case::key::join("mesh.region", first);
+            let key = if self.mesh.region.contains_key(first) { &given } else { mesh_key(self) };
+            error(key, self.unused(&left));
+        }
+        errors
+    }
+
+    /// How regions that no table uses are told.
+    fn unused(&self, regions: &[&String]) -> String {
+        let names = quoted(regions.iter().map(|name| name.as_str()));
+        let (subject, them) = match regions {
+            [_] => (format!("region {names} of the mesh is"), "it"),
+            _ => (format!("regions {names} of the mesh are"), "them"),
+        };
+        let out: Vec<String> = self
+            .mesh
+            .leave_out
+            .iter()
+            .chain(regions.iter().copied())
+            .map(|name| format!("\"{name}\""))
+            .collect();
+        let tables = match (&self.fluid, &self.solid) {
+            (Some(_), Some(_)) => "name one as fluid.region or solid.region".into(),
+            (Some(_), None) => format!("add [solid] with region = \"{}\"", regions[0]),
+            _ => format!("add [fluid] with region = \"{}\"", regions[0]),
+        };
+        format!(
+            "{subject} used by no table: leave {them} out with mesh.leave-out = [{}], which makes walls of the sides, \
+             or {tables}",
+            out.join(", ")
+        )
+    }
+
+    /// Puts cells into the regions of `mesh.region`; returns what should be known about that.
+    pub(super) fn assign_regions(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
+        let (mut before, mut notes) = (BTreeMap::new(), vec![]);
+        for (name, inside) in &self.mesh.region {
+            let cells = mesh
+                .assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
+                .map_err(|e| self.blame(&crate::case::key::join("mesh.region", name), e))?;
+            let shared: Vec<&str> =
+                cells.iter().filter_map(|cell| before.insert(*cell, name.as_str())).collect();
+            if let Some(other) = shared.first() {
+                let note = format!(
+                    "mesh.region: {} cells are in regions `{other}` and `{name}`; they belong to `{name}`, the later \
+                     one of the alphabet",
+                    shared.len()
+                );
+                notes.push(note);
+            }
+        }
+        // Regions without cells go.
+        if (0..mesh.regions.len() as u16).any(|region| !mesh.cell_region.contains(&region)) {
+            mesh.drop_cells(|_| true);
+        }
+        Ok(notes)
+    }
+
+    /// Names the interface and the sides of regions that are left out; returns what should be known about that.
+    pub(super) fn mark_sides(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
+        let mut notes = vec![];
+        let absent = self.absent_region();
+        let pair =
+            [self.fluid.as_ref().map(|f| f.region.as_str()), self.solid.as_ref().map(|s| s.region.as_str())];
+        let [first, second] = pair.map(|region| region.or(absent));
+        if let (Some(first), Some(second)) = (first, second)
+            && mesh.region(first).is_some()
+            && mesh.region(second).is_some()
+        {
+            match mesh.mark_interface(first, second) {
+                Ok(_) => {}
+                Err(MeshError::NoInterface { .. }) if absent.is_some() => {}
+                Err(MeshError::NoInterface { .. }) if self.is_between(mesh, first, second) => {
+                    notes.push(
+                        "fluid and solid touch nowhere: regions that are left out lie between them".into(),
+                    );
+                }
+                // What keeps the regions apart says more than that they are.
+                Err(error) => return Err(self.blame(mesh_key(self), mesh.check().err().unwrap_or(error))),
+            }
+        }
+        for region in &self.mesh.leave_out {
+            mesh.mark_sides(region, &self.regions()).map_err(|e| self.blame("mesh.leave-out", e))?;
+        }
+        let left_out = absent.filter(|region| mesh.region(region).is_some());
+        notes.extend(left_out.map(|region| match self.fluid {
+            Some(_) => format!(
+                "region `{region}` of the mesh is left out, as there is no [solid]: its sides, `{INTERFACE}`, are \
+                 no-slip walls"
+            ),
+            None => format!(
+                "region `{region}` of the mesh is left out, as there is no [fluid]: its sides, `{INTERFACE}`, are free \
+                 of traction"
+            ),
+        }));
+        Ok(notes)
+    }
+
+    /// What should be known of an outer boundary that the mesh of one body calls `interface`.
+    pub(super) fn outer_interface(&self, names: &MeshNames) -> Option<String> {
+        let holds = match (&self.fluid, &self.solid) {
+            (Some(_), Some(_)) => return None,
+            (Some(_), None) => "a no-slip wall",
+            _ => "free of traction",
+        };
+        let outer = !names.is_inside(INTERFACE, &self.regions());
+        outer.then(|| {
+            format!(
+                "boundary `{INTERFACE}` of the mesh is taken for the side of a body that is not there: it is {holds}"
+            )
+        })
+    }
+
+    /// Whether a region that is left out touches both regions.
+    fn is_between(&self, mesh: &Mesh<2>, first: &str, second: &str) -> bool {
+        let touch = |a: &str, b: &str| mesh.sides_between(a, b).is_ok_and(|sides| !sides.is_empty());
+        self.mesh.leave_out.iter().any(|out| touch(out, first) && touch(out, second))
+    }
+
+    /// Name, number of cells and area \[m²\] of each region of the complete `mesh` that is left out.
+    pub(super) fn left_out_of(&self, mesh: &Mesh<2>) -> Vec<(String, usize, f64)> {
+        let volume = mesh.quality().volume;
+        let size = |(number, name): (u16, &String)| {
+            let here = || mesh.cell_region.iter().zip(&volume).filter(move |(region, _)| **region == number);
+            (name.clone(), here().count(), here().map(|(_, volume)| volume).sum())
+        };
+        let used = |name: &str| self.regions().contains(&name);
+        (0..).zip(&mesh.regions).filter(|(_, name)| !used(name)).map(size).collect()
+    }
+}

@@ -1,0 +1,44 @@
+//! What holds on a boundary.
+
+use crate::choice::{Choice, choice};
+use std::sync::Arc;
+
+/// A velocity given as a function of position and time \[m/s\].
+pub type VelocityData<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
+
+/// What holds on a named boundary, as far as the spaces are concerned. On each facet it means what it can mean to the
+/// body of its cell.
+#[derive(Clone)]
+pub enum BoundaryCondition<const D: usize> {
+    /// v given, u = 0.
+    Velocity(VelocityData<D>),
+    /// v = 0, u = 0.
+    Fixed,
+    /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is
+    /// free there, too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
+    Outflow {
+        /// Apply the correction that makes the condition do-nothing instead of traction-free.
+        do_nothing: bool,
+        /// Add the directional term against flow that comes in.
+        directional: bool,
+    },
+    /// v and u free: surface of the solid without traction.
+    Free,
+}
+
+/// What the deformation does on the outer boundary of the fluid.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub enum Walls {
+    /// u = 0.
+    #[default]
+    Fixed,
+    /// n·u = 0 where the boundary is straight and parallel to an axis; u = 0 at corners, where boundaries meet,
+    /// and where they are curved or inclined.
+    Sliding,
+}
+
+/// Their names in a case.
+pub static WALLS: [Choice<Walls>; 2] = [
+    choice("fixed", Walls::Fixed, "the mesh does not move on the outer boundary"),
+    choice("sliding", Walls::Sliding, "the mesh slides along straight outer boundaries parallel to an axis"),
+];

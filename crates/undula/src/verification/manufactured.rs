@@ -1,0 +1,345 @@
+//! Manufactured solutions: right-hand sides that make given fields the solution.
+//!
+//! The right-hand side is the weak form at the exact fields at quadrature points. It needs no second
+//! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
+
+use crate::algebra::FaerLu;
+use crate::assembly::facets::{FacetPoint, facet_points};
+use crate::assembly::sampling::for_each_point;
+use crate::assembly::{Assembler, Options, Physics};
+use crate::math::{Dual, Scalar, Tensor, Vector};
+use crate::nonlinear::{Newton, Settings};
+use crate::physics::kinematics::cofactor;
+use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, WeakForm};
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
+use crate::tangent::Tangent;
+use crate::time::stepper::Source;
+use crate::time::{
+    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
+};
+use std::sync::Arc;
+
+/// A number with its derivative in one direction of space or time.
+pub type Number = Dual<f64>;
+
+/// Exact fields at one point and time.
+#[derive(Copy, Clone, Debug)]
+pub struct Values {
+    /// Velocity \[m/s\].
+    pub v: [Number; 2],
+    /// Deformation \[m\]; it vanishes where the spaces do.
+    pub u: [Number; 2],
+    /// Pressure \[Pa\].
+    pub p: Number,
+}
+
+/// Exact fields as functions of position and time.
+pub type Exact = Arc<dyn Fn([Number; 2], Number) -> Values + Send + Sync>;
+
+/// Sine.
+pub fn sin(x: Number) -> Number {
+    Dual { re: x.re.sin(), eps: x.re.cos() * x.eps }
+}
+
+/// Cosine.
+pub fn cos(x: Number) -> Number {
+    Dual { re: x.re.cos(), eps: -x.re.sin() * x.eps }
+}
+
+/// Exact fields with their derivatives.
+#[derive(Copy, Clone, Debug)]
+pub struct Sample {
+    /// Values and gradients.
+    pub fields: Fields<f64, 2>,
+    /// ∂_t v and ∂_t u.
+    pub dots: Dots<f64, 2>,
+    /// ∇p \[Pa/m\].
+    pub grad_p: [f64; 2],
+}
+
+/// `exact` at `x` and `t` with all first derivatives.
+pub fn sample(exact: &Exact, x: [f64; 2], t: f64) -> Sample {
+    let along = |n: usize| {
+        let seed = |value: f64, m: usize| Dual { re: value, eps: if m == n { 1.0 } else { 0.0 } };
+        exact([seed(x[0], 0), seed(x[1], 1)], seed(t, 2))
+    };
+    let [x, y, t] = [along(0), along(1), along(2)];
+    let value = |a: [Number; 2]| Vector(a.map(|a| a.re));
+    let slope = |a: [Number; 2]| Vector(a.map(|a| a.eps));
+    let grad = |a: [Number; 2], b: [Number; 2]| Tensor([[a[0].eps, b[0].eps], [a[1].eps, b[1].eps]]);
+    Sample {
+        fields: Fields {
+            v: value(x.v),
+            grad_v: grad(x.v, y.v),
+            u: value(x.u),
+            grad_u: grad(x.u, y.u),
+            p: x.p.re,
+        },
+        dots: Dots { v: slope(t.v), u: slope(t.u), domain: slope(t.u) },
+        grad_p: [x.p.eps, y.p.eps],
+    }
+}
+
+/// What the right-hand side of a step does about time.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum InTime {
+    /// Exact ∂_t: θ F(t) + (1 − θ) F(t⁻) for momentum and relation, the constraints at the new time.
+    Derivative,
+    /// The formula of the step at the exact fields, p at t⁻ + θ k: no error in time is left.
+    Difference,
+}
+
+/// A problem whose solution is known.
+#[derive(Clone)]
+pub struct Manufactured {
+    /// Spaces.
+    pub space: Arc<FsiSpace<2>>,
+    /// Equations.
+    pub physics: Physics,
+    /// One condition per boundary of the mesh.
+    pub conditions: Vec<BoundaryCondition<2>>,
+    /// Solution.
+    pub exact: Exact,
+    /// How time derivatives enter.
+    pub in_time: InTime,
+    /// Whether momentum and divergence in the fluid have a right-hand side.
+    pub fluid: bool,
+    /// Gauss points per direction of the right-hand side.
+    pub quadrature: usize,
+}
+
+/// L² norms of errors.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// On all of Ω \[m²/s\].
+    pub v: f64,
+    /// On all of Ω \[m²\].
+    pub u: f64,
+    /// Where there is a pressure \[Pa m\].
+    pub p: f64,
+}
+
+impl Manufactured {
+    /// Assembly of the problem, E_e = 1.
+    pub fn assembler(&self, options: &Options) -> Assembler<2> {
+        Assembler::new(self.space.clone(), self.physics, &self.conditions, &|_| 1.0, options)
+    }
+
+    /// The problem ready to be solved from the interpolated solution at `time`; with `zero` from rest.
+    pub fn stepper(&self, scheme: Scheme, time: f64, zero: bool, options: &Options) -> Stepper<2> {
+        let assembler = self.assembler(options);
+        let make: MakeSolver = Box::new(|_| Box::new(FaerLu::faer(crate::algebra::Options::default())));
+        let linear = Linear::new(Linearization::Newton, make);
+        let settings = Settings {
+            tolerance: 1e-11,
+            floor: Some(1e-12),
+            rate_max: Some(0.1),
+            secants: 0,
+            max_steps: 30,
+            line_search: 8,
+        };
+        let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
+        let settings = StepperSettings {
+            scheme,
+            domain_motion: DomainMotion::Secant,
+            tangent: Tangent::Automatic,
+            extrapolate: true,
+            max_halvings: 0,
+            scales: self.scales(),
+        };
+        let space = &self.space;
+        let initial = match zero {
+            true => State::zero(space.n_v(), space.n_u(), space.n_p()),
+            false => self.interpolate(time),
+        };
+        let mut stepper = Stepper::new(assembler, newton, linear, settings, time, initial, [None, None]);
+        stepper.source = Some(self.source());
+        stepper
+    }
+
+    fn scales(&self) -> Scales {
+        let density = self.physics.fluid.map(|f| f.rho).or(self.physics.solid.map(|s| s.rho));
+        let (density, viscosity) = (density.unwrap_or(1.0), self.physics.fluid.map_or(0.0, |f| f.nu));
+        let modulus = if self.physics.solid.is_some() { 1.0 } else { 0.0 };
+        Scales::new(&self.space, density, viscosity, modulus, 1.0)
+    }
+
+    /// The right-hand side as a stepper takes it.
+    pub fn source(&self) -> Source {
+        let (problem, facets) = (self.clone(), self.outflow());
+        let mut rows = vec![0.0; self.space.n_unknowns()];
+        Box::new(move |t_old, t, theta, out| {
+            problem.weak_form(&facets, t_old, t, theta, None, &mut rows);
+            for (out, row) in out.iter_mut().zip(&rows) {
+                *out -= row;
+            }
+        })
+    }
+
+    /// Quadrature points of the facets with the do-nothing correction, with the nodes of their cells.
+    pub fn outflow(&self) -> Vec<(Vec<u32>, Vec<FacetPoint<2>>)> {
+        let do_nothing = |b: u16| {
+            matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
+        };
+        let of_fluid = |cell: u32| self.space.regions[cell as usize] == Region::Fluid;
+        let facets = self.space.mesh.facets.iter().filter(|f| do_nothing(f.boundary) && of_fluid(f.cell));
+        let nodes = |cell: u32| self.space.nodes.cell(cell as usize).to_vec();
+        facets.map(|f| (nodes(f.cell), facet_points(&self.space, f, self.quadrature))).collect()
+    }
+
+    /// The weak form at the exact fields `[v, u, p]`, all regions or `only` one; `t_old = t` is stationary.
+    pub fn weak_form(
+        &self,
+        outflow: &[(Vec<u32>, Vec<FacetPoint<2>>)],
+        t_old: f64,
+        t: f64,
+        theta: f64,
+        only: Option<Region>,
+        out: &mut [f64],
+    ) {
+        out.fill(0.0);
+        let space = &*self.space;
+        let (n_v, n_u) = (space.n_v(), space.n_u());
+        let zero = State::zero(n_v, n_u, space.n_p());
+        for_each_point(space, &zero, self.quadrature, |point| {
+            let region = point.region;
+            if only.is_some_and(|only| only != region) {
+                return;
+            }
+            let (tested, owner) = match region {
+                Region::Fluid => (
+                    self.physics.fluid.map(|f| self.tested(&f, point.x, t_old, t, theta)),
+                    PsiOwner::Extension,
+                ),
+                Region::Solid => (
+                    self.physics.solid.map(|f| self.tested(&f, point.x, t_old, t, theta)),
+                    PsiOwner::Relation,
+                ),
+            };
+            let Some(r) = tested else { return };
+            let momentum = region == Region::Solid || self.fluid;
+            for (a, &node) in space.nodes.cell(point.cell).iter().enumerate() {
+                let (value, grad) = (point.value[a] * point.weight, Vector(point.grad[a]) * point.weight);
+                let [phi, psi] = [r.phi * value + r.grad_phi * grad, r.psi * value + r.grad_psi * grad];
+                for i in 0..2 {
+                    let row = node as usize * 2 + i;
+                    if momentum {
+                        out[row] += phi.0[i];
+                    }
+                    if space.deforms && space.owner[node as usize] == owner {
+                        out[n_v + row] += psi.0[i];
+                    }
+                }
+            }
+            for (&dof, basis) in space.pressure.cell(point.cell).iter().zip(point.pressure) {
+                if momentum {
+                    out[n_v + n_u + dof as usize] += r.xi * basis * point.weight;
+                }
+            }
+        });
+        if let (Some(fluid), true) = (self.physics.fluid, self.fluid && only != Some(Region::Solid)) {
+            let form = Outflow { viscosity: fluid.rho * fluid.nu };
+            for (nodes, points) in outflow {
+                for p in points {
+                    let at = |t: f64| sample(&self.exact, p.x, t).fields;
+                    let force = form.traction(&at(t), &p.normal, theta * p.weight)
+                        + form.traction(&at(t_old), &p.normal, (1.0 - theta) * p.weight);
+                    for (value, &node) in p.value.iter().zip(nodes) {
+                        for i in 0..2 {
+                            out[node as usize * 2 + i] += value * force.0[i];
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// What stands before the test functions at one point.
+    fn tested<F: WeakForm<2>>(
+        &self,
+        form: &F,
+        x: [f64; 2],
+        t_old: f64,
+        t: f64,
+        theta: f64,
+    ) -> Tested<f64, 2> {
+        let place = Place::plain();
+        let (new, old) = (sample(&self.exact, x, t), sample(&self.exact, x, t_old));
+        let mut r = Tested::zero();
+        if self.in_time == InTime::Difference || t == t_old {
+            let rule = if t == t_old { StepRule::STATIONARY } else { StepRule::theta(t - t_old, theta) };
+            let mut at = new.fields;
+            at.p = sample(&self.exact, x, t_old + theta * (t - t_old)).fields.p;
+            rule.residual(form, &place, &at, &at, &old.fields, &mut r);
+            rule.explicit(form, &place, &old.fields, &mut r);
+            return r;
+        }
+        for (weight, Sample { fields, dots, .. }) in [(theta, new), (1.0 - theta, old)] {
+            let mut part = Tested::zero();
+            form.rate(&dots, &form.inertia(&fields, &fields), &mut part);
+            form.transport(&place, &fields, &fields, 1.0, &mut part);
+            form.pressure(fields.p, &cofactor(&fields.grad_u), &mut part);
+            r.phi += weight * part.phi;
+            r.grad_phi += weight * part.grad_phi;
+            r.psi += weight * part.psi;
+        }
+        form.constraint(&place, &new.fields, &new.fields, &mut r);
+        let mut at = new.fields;
+        at.p = theta * new.fields.p + (1.0 - theta) * old.fields.p;
+        form.volume(&StepRule::theta(t - t_old, theta), &at, &at, &old.fields, &mut r);
+        r
+    }
+
+    /// The exact solution at the nodes; a discontinuous pressure is its tangent at the centre of the cell.
+    pub fn interpolate(&self, t: f64) -> State {
+        let space = &self.space;
+        let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
+        for (node, x) in space.nodes.points.iter().enumerate() {
+            let f = sample(&self.exact, *x, t).fields;
+            state.v[2 * node..2 * node + 2].copy_from_slice(&f.v.0);
+            if space.deforms {
+                state.u[2 * node..2 * node + 2].copy_from_slice(&f.u.0);
+            }
+        }
+        // Bubbles stand beside the interpolation.
+        let bubbles = 2 * space.nodes.n_lagrange;
+        state.v[bubbles..].fill(0.0);
+        if space.deforms {
+            state.u[bubbles..].fill(0.0);
+        }
+        for cell in 0..space.mesh.n_cells() {
+            for (a, &dof) in space.pressure.cell(cell).iter().enumerate() {
+                let s = sample(&self.exact, space.pressure.points[dof as usize], t);
+                state.p[dof as usize] = match (space.pressure.kind, a) {
+                    (PressureKind::Continuous(_), _) | (_, 0) => s.fields.p,
+                    (PressureKind::Pdc(_), a) if a <= 2 => s.grad_p[a - 1] * space.pressure.frames[cell].1,
+                    (PressureKind::Pdc(_), _) => 0.0,
+                };
+            }
+        }
+        state
+    }
+
+    /// Errors of `state`: v and u against time `t`, p against time `t_p`; `n` Gauss points per direction.
+    pub fn errors(&self, state: &State, t: f64, t_p: f64, n: usize) -> Errors {
+        let (mut e, deforms) = (Errors::default(), self.space.deforms);
+        let square = |a: Vector<f64, 2>| a.dot(a);
+        for_each_point(&self.space, state, n, |point| {
+            let exact = sample(&self.exact, point.x, t).fields;
+            e.v += point.weight * square(point.fields.v - exact.v);
+            if deforms {
+                e.u += point.weight * square(point.fields.u - exact.u);
+            }
+            if !point.pressure.is_empty() {
+                let p = sample(&self.exact, point.x, t_p).fields.p;
+                e.p += point.weight * (point.fields.p - p).powi(2);
+            }
+        });
+        Errors { v: e.v.sqrt(), u: e.u.sqrt(), p: e.p.sqrt() }
+    }
+}
+
+/// A constant.
+pub fn number(x: f64) -> Number {
+    Number::constant(x)
+}
