@@ -7,6 +7,7 @@ mod faults;
 mod input;
 mod jacobian;
 mod keys;
+mod modes;
 mod outputs;
 mod pictures;
 

@@ -31,6 +31,7 @@ mod linearization;
 mod materials;
 mod mesh;
 mod methods;
+mod modes;
 mod newton;
 mod output_vtu;
 mod patch;
