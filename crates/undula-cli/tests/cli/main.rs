@@ -4,6 +4,7 @@ mod bench;
 mod commands;
 mod endings;
 mod faults;
+mod initial;
 mod input;
 mod jacobian;
 mod keys;

@@ -43,3 +43,4 @@ mod solid_cases;
 mod stability;
 mod stabilization;
 mod statistics;
+mod transfer;
