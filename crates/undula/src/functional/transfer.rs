@@ -9,6 +9,8 @@ use crate::space::{FsiSpace, PressureKind, PsiOwner, Region, State};
 /// A point may lie outside of a cell by this part of its size and still take its values from the side of the cell:
 /// curved boundaries of two meshes differ by less.
 const OUTSIDE: f64 = 0.1;
+/// The same for points that are taken to be inside, which are looked for first.
+const CLOSE: f64 = 1e-6;
 /// How far a point is drawn into a cell, relative to the cell, where the old pressure has several values at it.
 const DRAWN_IN: f64 = 1e-6;
 
@@ -22,7 +24,9 @@ struct Source<'a> {
 impl Source<'_> {
     /// The solution at `x` \[m\] in the cells of `body`.
     fn at(&self, x: [f64; 2], body: Region) -> Result<PointFields, MeshError> {
-        let found = self.locator.find_where(x, OUTSIDE, |cell| self.space.regions[cell] == body)?;
+        let find = |tolerance| self.locator.find_where(x, tolerance, |cell| self.space.regions[cell] == body);
+        // Far away from a point there are many small cells.
+        let found = find(CLOSE).or_else(|_| find(OUTSIDE))?;
         Ok(self.fields.value(&found))
     }
 }
