@@ -25,6 +25,8 @@ pub enum Command {
     Run(RunArgs),
     /// Validate a case and print a summary, without running it
     Check(CheckArgs),
+    /// Compute eigenfrequencies of the solid, in vacuum and with the added mass of the fluid
+    Modes(ModesArgs),
     /// List the built-in cases
     Cases,
     /// List the keys of a case with units, default values and meanings
@@ -103,6 +105,23 @@ pub struct CheckArgs {
     /// Use the state of the last checkpoint of this run (and its case, unless CASE is given)
     #[arg(long, value_name = "RUN_DIR", requires = "at_state")]
     pub from: Option<PathBuf>,
+}
+
+/// `undula modes`.
+#[derive(Debug, Args)]
+pub struct ModesArgs {
+    /// The case
+    #[command(flatten)]
+    pub case: CaseArgs,
+    /// Number of modes, from the lowest frequency on
+    #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    pub count: u16,
+    /// Directory for modes.csv and the shapes modes.vtu, new or empty [default: no files]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Number of threads [default: all cores]; the results do not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
 }
 
 /// `undula keys`.

@@ -8,19 +8,31 @@ use std::process::ExitCode;
 use undula::case::error::LoadError;
 use undula::case::{Case, Condition, FluidSpec, GENERATORS, MeshSource, SolidSpec};
 use undula::choice::row_of;
+use undula::error::Error;
 use undula::output::{OutputError, RunDirectory};
 use undula::setup::overview::Overview;
+use undula::simulation::with_start;
 
 /// Loads the case and prints its summary, or all its mistakes.
 pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     match of(args)? {
         Ok(case) if args.toml => print(&case.resolved().to_toml()),
-        Ok(case) => match case.check_mesh_and_measure() {
-            Ok(overview) => print(&summary(&case, Some(&overview))?),
+        Ok(case) => match measured(case) {
+            Ok((case, overview)) => print(&summary(&case, Some(&overview))?),
             Err(error) => bad_input(error),
         },
         Err(code) => Ok(code),
     }
+}
+
+/// The case with its start, and what its mesh is.
+///
+/// # Errors
+/// If the run from which it starts is not there, or if it does not fit its mesh.
+fn measured(case: Case) -> Result<(Case, Overview), Error> {
+    let case = with_start(case)?;
+    let overview = case.check_mesh_and_measure()?;
+    Ok((case, overview))
 }
 
 /// The case that is named, else that of the run whose state is asked for.
@@ -159,5 +171,9 @@ fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
         // A rest of a per mille of a step is not worth its own.
         write!(out, ", {} steps", ((time.end - time.start) / k - 1e-3).ceil().max(1.0))?;
     }
-    writeln!(out, ", theta {theta}")
+    writeln!(out, ", theta {theta}")?;
+    match &case.initial {
+        Some(from) => writeln!(out, "          from the last state of the run in {}", from.display()),
+        None => Ok(()),
+    }
 }

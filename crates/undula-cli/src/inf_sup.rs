@@ -30,6 +30,8 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 /// # Errors
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
 fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
+    // The state is that of the run in `from`.
+    let case = if from.is_some() { Case { initial: None, ..case } } else { case };
     let mut simulation = Simulation::new(case, 1)?;
     if let Some(from) = from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);

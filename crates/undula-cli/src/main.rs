@@ -11,6 +11,7 @@ mod digits;
 mod inf_sup;
 mod jacobian;
 mod keys;
+mod modes;
 mod new;
 mod page;
 mod plot;
@@ -28,6 +29,7 @@ fn main() -> ExitCode {
         Command::Check(args) if args.jacobian => jacobian::run(&args),
         Command::Check(args) if args.inf_sup => inf_sup::run(&args),
         Command::Check(args) => check::run(&args),
+        Command::Modes(args) => modes::run(&args),
         Command::Cases => cases::run(),
         Command::Keys(args) => keys::run(&args),
         Command::New(args) => new::run(&args),

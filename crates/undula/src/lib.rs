@@ -167,6 +167,8 @@ pub mod math;
 #[doc(hidden)]
 pub mod mesh;
 #[doc(hidden)]
+pub mod modes;
+#[doc(hidden)]
 pub mod nonlinear;
 #[doc(hidden)]
 pub mod output;

@@ -1,7 +1,9 @@
 //! The computation: step by step, with its functionals. No files; see [`crate::run`] for those.
 
+mod initial;
 mod row;
 
+pub use initial::with_start;
 pub use row::Row;
 
 use crate::assembly::StepView;
@@ -71,9 +73,11 @@ impl Simulation {
     /// Set up `case` on `threads` threads.
     ///
     /// # Errors
-    /// If the case does not fit its mesh, or the linear solver cannot be prepared.
+    /// If the case does not fit its mesh, if the run from which it starts is not there or on another geometry, or if
+    /// the linear solver cannot be prepared.
     pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
         let threads = threads.max(1);
+        let former = initial::former(&mut case)?;
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
@@ -91,7 +95,7 @@ impl Simulation {
         let (assembler, state) = (&stepper.assembler, &stepper.new);
         let fluid = assembler.physics.fluid;
         let balance = fluid.map(|f| Balance::new(&assembler.space, f.rho, state, stepper.time));
-        Ok(Simulation {
+        let mut simulation = Simulation {
             case,
             adaptive,
             balance,
@@ -105,7 +109,11 @@ impl Simulation {
             needs_residual: !nodes.is_empty(),
             threads,
             pool,
-        })
+        };
+        if let Some(former) = former {
+            initial::begin(&mut simulation, &former)?;
+        }
+        Ok(simulation)
     }
 
     /// Names of the functionals.
@@ -118,7 +126,8 @@ impl Simulation {
         self.stepper.time
     }
 
-    /// The solution after the last step; at first that at rest with the boundary values of the start.
+    /// The solution after the last step; at first that of `initial.from`, or rest, with the boundary values of the
+    /// start.
     pub fn fields(&self) -> Fields<'_> {
         Fields::new(&self.stepper.assembler.space, &self.stepper.new)
     }

@@ -87,6 +87,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let motion = root.section("motion");
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
+    let initial = solver::initial(root.section("initial"), time.is_some());
     if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
         refuse_current(&root.section("fluid"), time.as_ref(), &how);
     }
@@ -113,6 +114,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         directional,
         time,
         at_time: at_time.unwrap_or(0.0),
+        initial,
         newton,
         linear,
         functional,

@@ -168,6 +168,11 @@ pub static KEYS: &[Key] = &[
     number("time.adaptive.min-step", "s", "step/1000", "smallest step"),
     number("time.adaptive.max-step", "s", "10 steps", "largest step"),
     number("time.adaptive.safety", "", "0.9", "factor of every new step"),
+    text(
+        "initial.from",
+        "none",
+        "other run from whose last checkpoint this one starts, relative to the case file",
+    ),
     word(
         "newton.linearization",
         &LINEARIZATIONS,

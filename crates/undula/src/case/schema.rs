@@ -49,6 +49,8 @@ pub struct Case {
     pub time: Option<TimeSpec>,
     /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
     pub at_time: f64,
+    /// Output directory of the run from whose last checkpoint the case starts; `None`: it starts at rest.
+    pub initial: Option<PathBuf>,
     /// The nonlinear solver.
     pub newton: NewtonSpec,
     /// The linear solver.

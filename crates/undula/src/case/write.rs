@@ -89,6 +89,10 @@ impl Case {
             }
         }
         self.write_time(&mut out);
+        if let Some(from) = &self.initial {
+            out.table("initial");
+            out.key("from", string(&from.to_string_lossy()));
+        }
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
             out.table(&key::join("functional", name));

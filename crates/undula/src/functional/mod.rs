@@ -7,6 +7,7 @@ pub mod force;
 pub mod point;
 mod signal;
 pub mod statistics;
+pub mod transfer;
 
 use crate::assembly::facets::OutflowFacets;
 use crate::assembly::{Physics, StepView};

@@ -24,8 +24,8 @@ pub struct Located<const D: usize> {
 pub struct Locator<'a, const D: usize> {
     mesh: &'a Mesh<D>,
     tree: BoxTree<D>,
-    /// Cells whose box is further away than this need not be tried.
-    reach: f64,
+    /// The largest diameter of a cell \[m\].
+    largest: f64,
 }
 
 impl<'a, const D: usize> Locator<'a, D> {
@@ -34,8 +34,8 @@ impl<'a, const D: usize> Locator<'a, D> {
         let nodes = |cell: usize| mesh.cell(cell).iter().map(|&n| mesh.nodes[n as usize]);
         let factor = spread(mesh.shape, mesh.degree);
         let boxes = (0..mesh.n_cells()).map(|cell| image_bounds(nodes(cell), factor)).collect();
-        let reach = (0..mesh.n_cells()).map(|cell| mesh.cell_diameter(cell)).fold(0.0, f64::max);
-        Locator { mesh, tree: BoxTree::new(boxes), reach: TOLERANCE * reach }
+        let largest = (0..mesh.n_cells()).map(|cell| mesh.cell_diameter(cell)).fold(0.0, f64::max);
+        Locator { mesh, tree: BoxTree::new(boxes), largest }
     }
 
     /// The cell that contains `x` \[m\], and where in it; the lowest of several.
@@ -43,7 +43,7 @@ impl<'a, const D: usize> Locator<'a, D> {
     /// # Errors
     /// [`MeshError::Outside`] if `x` is further from every cell than a thousandth of its size.
     pub fn find(&self, x: [f64; D]) -> Result<Located<D>, MeshError> {
-        self.find_among(x, |_| true)
+        self.find_where(x, TOLERANCE, |_| true)
     }
 
     /// As [`Locator::find`], among the cells of region `region` only.
@@ -52,12 +52,23 @@ impl<'a, const D: usize> Locator<'a, D> {
     /// [`MeshError::Outside`], and [`MeshError::UnknownName`] for an unknown region.
     pub fn find_in(&self, region: &str, x: [f64; D]) -> Result<Located<D>, MeshError> {
         let number = self.mesh.require_region(region)?;
-        self.find_among(x, |cell| self.mesh.cell_region[cell] == number)
+        self.find_where(x, TOLERANCE, |cell| self.mesh.cell_region[cell] == number)
     }
 
-    fn find_among(&self, x: [f64; D], wanted: impl Fn(usize) -> bool) -> Result<Located<D>, MeshError> {
+    /// As [`Locator::find`], among the cells that are `wanted`; of points outside of all, up to `tolerance` of the size
+    /// of a cell, the place on the side of the nearest cell.
+    ///
+    /// # Errors
+    /// [`MeshError::Outside`].
+    pub fn find_where(
+        &self,
+        x: [f64; D],
+        tolerance: f64,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Result<Located<D>, MeshError> {
         let mut candidates = vec![];
-        self.tree.near(x, self.reach, |cell| candidates.push(cell));
+        // Cells whose box is further away need not be tried.
+        self.tree.near(x, tolerance * self.largest, |cell| candidates.push(cell));
         candidates.retain(|&cell| wanted(cell));
         candidates.sort_unstable();
         let mut best: Option<(f64, Located<D>)> = None;
@@ -66,7 +77,7 @@ impl<'a, const D: usize> Locator<'a, D> {
                 let outside = self.mesh.shape.outside(&xi);
                 // Points on a facet of two cells must not depend on rounding.
                 let outside = if outside < 1e-9 { 0.0 } else { outside };
-                if outside <= TOLERANCE && best.is_none_or(|(least, _)| outside < least) {
+                if outside <= tolerance && best.is_none_or(|(least, _)| outside < least) {
                     best = Some((outside, Located { cell, xi: self.mesh.shape.clamp(xi) }));
                 }
             }

@@ -10,7 +10,7 @@ use toml::Value;
 const SHOWN: usize = 8;
 
 /// The case without what may change when a run goes on: its name, its end, its output, how its equations are
-/// solved, and where its mesh file is.
+/// solved, where its mesh file is, and the run from which it started.
 pub(super) fn identity(case: &Case) -> String {
     without_choices(case).to_toml()
 }
@@ -18,6 +18,7 @@ pub(super) fn identity(case: &Case) -> String {
 fn without_choices(case: &Case) -> Case {
     let mut case = case.clone();
     (case.name, case.title, case.reference) = ("run".into(), String::new(), None);
+    case.initial = None;
     if let Some(time) = &mut case.time {
         time.end = time.start + time.step.eval(&[0.0; 3], time.start);
     }

@@ -79,7 +79,10 @@ pub trait Observer {
 /// Problems with the case, its mesh, or files. A breakdown is no error: the summary has that status.
 pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Result<Summary, Error> {
     // Everything that can be wrong with the input is found before a file is touched.
-    let mut simulation = Simulation::new(case, options.threads)?;
+    let mut simulation = match options.resume {
+        true => again(case, options)?,
+        false => Simulation::new(case, options.threads)?,
+    };
     simulation.stepper.newton.stop = observer.stop();
     let mut run = if options.resume {
         Run::resume(simulation, &options.directory, observer)?
@@ -428,6 +431,21 @@ fn read_row(row: &[f64], names: &Arc<[String]>) -> Row {
         jacobians: row[5 + n] as usize,
         names: names.clone(),
     }
+}
+
+/// The simulation of a run that is resumed. Its state comes from its own checkpoints, and its start, if another run
+/// gave it, from its own case.
+fn again(mut case: Case, options: &RunOptions) -> Result<Simulation, Error> {
+    let initial = case.initial.take();
+    let given = case.record.places.contains_key("time.start");
+    if let (Some(_), false, Some(time)) = (&initial, given, &mut case.time)
+        && let Some(former) = case_of(&options.directory).and_then(|former| former.time)
+    {
+        time.start = former.start;
+    }
+    let mut simulation = Simulation::new(case, options.threads)?;
+    simulation.case.initial = initial;
+    Ok(simulation)
 }
 
 /// Whether `case` ends later than that of the run in `path`.

@@ -287,7 +287,7 @@ impl Case {
     }
 
     /// One condition per boundary of `mesh`.
-    pub(super) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+    pub(crate) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => {

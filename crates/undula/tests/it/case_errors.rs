@@ -80,7 +80,7 @@ mesh = "moved"
 leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
-own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `reference`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `newton`, `linear`, `functional`, `output`
+own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `reference`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `initial`, `newton`, `linear`, `functional`, `output`
 own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30

@@ -1,0 +1,157 @@
+//! A solution on the spaces of another mesh.
+
+use super::fields::{Fields, PointFields};
+use crate::element::Quadrature;
+use crate::math::Tensor;
+use crate::mesh::{Locator, MeshError};
+use crate::space::{FsiSpace, PressureKind, PsiOwner, Region, State};
+
+/// A point may lie outside of a cell by this part of its size and still take its values from the side of the cell:
+/// curved boundaries of two meshes differ by less.
+const OUTSIDE: f64 = 0.1;
+/// The same for points that are taken to be inside, which are looked for first.
+const CLOSE: f64 = 1e-6;
+/// How far a point is drawn into a cell, relative to the cell, where the old pressure has several values at it.
+const DRAWN_IN: f64 = 1e-6;
+
+/// The old solution, asked for by body.
+struct Source<'a> {
+    space: &'a FsiSpace<2>,
+    fields: Fields<'a>,
+    locator: Locator<'a, 2>,
+}
+
+impl Source<'_> {
+    /// The solution at `x` \[m\] in the cells of `body`.
+    fn at(&self, x: [f64; 2], body: Region) -> Result<PointFields, MeshError> {
+        let find = |tolerance| self.locator.find_where(x, tolerance, |cell| self.space.regions[cell] == body);
+        // Far away from a point there are many small cells.
+        let found = find(CLOSE).or_else(|_| find(OUTSIDE))?;
+        Ok(self.fields.value(&found))
+    }
+}
+
+/// The solution `state` on `from` as a solution on `to`, by the positions on the reference domain.
+///
+/// Nodes of the solid, those of the interface among them, take v and u from cells of the solid, the others from cells
+/// of the fluid. A continuous pressure takes the values at its nodes, means over the cells around it where the old
+/// one is discontinuous; a discontinuous pressure is projected cell by cell, (p, ξ)_K = (p_old, ξ)_K. A field that
+/// `from` does not have is 0.
+///
+/// # Errors
+/// [`MeshError::Outside`] for a node further from all cells of its body than a tenth of the size of a cell.
+pub fn transfer(from: &FsiSpace<2>, state: &State, to: &FsiSpace<2>) -> Result<State, MeshError> {
+    let source = Source { space: from, fields: Fields::new(from, state), locator: Locator::new(&from.mesh) };
+    let mut new = State::zero(to.n_v(), to.n_u(), to.n_p());
+    nodes(&source, to, &mut new)?;
+    bubbles(&source, to, &mut new)?;
+    match to.pressure.kind {
+        PressureKind::Continuous(_) => continuous(&source, to, &mut new.p)?,
+        PressureKind::Pdc(_) => discontinuous(&source, to, &mut new.p)?,
+    }
+    Ok(new)
+}
+
+/// v and u at the nodes.
+fn nodes(source: &Source<'_>, to: &FsiSpace<2>, new: &mut State) -> Result<(), MeshError> {
+    let mut in_fluid = vec![false; to.nodes.len()];
+    for cell in (0..to.mesh.n_cells()).filter(|&cell| to.regions[cell] == Region::Fluid) {
+        to.nodes.cell(cell).iter().for_each(|&node| in_fluid[node as usize] = true);
+    }
+    for node in 0..to.nodes.n_lagrange {
+        let x = to.nodes.points[node];
+        let found = match to.owner[node] {
+            PsiOwner::Extension => source.at(x, Region::Fluid),
+            // At the interface of a body that is new the flow is known.
+            PsiOwner::Relation if in_fluid[node] => {
+                source.at(x, Region::Solid).or_else(|_| source.at(x, Region::Fluid))
+            }
+            PsiOwner::Relation => source.at(x, Region::Solid),
+        }?;
+        new.v[2 * node..2 * node + 2].copy_from_slice(&found.velocity);
+        if to.deforms {
+            new.u[2 * node..2 * node + 2].copy_from_slice(&found.displacement);
+        }
+    }
+    Ok(())
+}
+
+/// v at the centres of cells with a bubble: its coefficient is what the nodal basis leaves, over the bubble there.
+fn bubbles(source: &Source<'_>, to: &FsiSpace<2>, new: &mut State) -> Result<(), MeshError> {
+    let mesh = &to.mesh;
+    let [x, y] = mesh.reference_centre();
+    let table = to.nodes.table(mesh.shape, &Quadrature { points: vec![[x, y, 0.0]], weights: vec![1.0] });
+    for cell in (0..mesh.n_cells()).filter(|&cell| to.nodes.has_bubble(cell)) {
+        let found = source.at(mesh.map(cell, [x, y]), to.regions[cell])?;
+        let Some((&bubble, others)) = to.nodes.cell(cell).split_last() else { continue };
+        for i in 0..2 {
+            let nodal: f64 =
+                others.iter().zip(table.value(0)).map(|(&node, b)| b * new.v[2 * node as usize + i]).sum();
+            new.v[2 * bubble as usize + i] = (found.velocity[i] - nodal) / table.value(0)[others.len()];
+        }
+    }
+    Ok(())
+}
+
+fn continuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<(), MeshError> {
+    let one_valued = matches!(source.space.pressure.kind, PressureKind::Continuous(_));
+    let mut count = vec![0.0; p.len()];
+    for cell in 0..to.mesh.n_cells() {
+        let centre = to.mesh.map(cell, to.mesh.reference_centre());
+        for &dof in to.pressure.cell(cell) {
+            let dof = dof as usize;
+            if one_valued && count[dof] > 0.0 {
+                continue;
+            }
+            let x = to.pressure.points[dof];
+            let part = if one_valued { 0.0 } else { DRAWN_IN };
+            let inside = [0, 1].map(|d| x[d] + part * (centre[d] - x[d]));
+            p[dof] += source.at(inside, to.regions[cell])?.pressure;
+            count[dof] += 1.0;
+        }
+    }
+    p.iter_mut().zip(count).for_each(|(p, n)| *p /= f64::max(n, 1.0));
+    Ok(())
+}
+
+fn discontinuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<(), MeshError> {
+    let rule = Quadrature::cell(to.mesh.shape, to.pressure.kind.degree() + 2);
+    for cell in 0..to.mesh.n_cells() {
+        let dofs = to.pressure.cell(cell);
+        let n = dofs.len();
+        let (mut mass, mut moments) = (vec![vec![0.0; n]; n], vec![0.0; n]);
+        for (xi, weight) in rule.points.iter().zip(&rule.weights).filter(|_| n > 0) {
+            let xi = [xi[0], xi[1]];
+            let x = to.mesh.map(cell, xi);
+            let weight = weight * Tensor(to.mesh.map_gradient(cell, xi)).det();
+            let basis = to.pressure.basis(&to.mesh, cell, &xi, &x);
+            let value = source.at(x, to.regions[cell])?.pressure;
+            for (i, a) in basis.iter().enumerate() {
+                moments[i] += weight * a * value;
+                mass[i].iter_mut().zip(&basis).for_each(|(entry, b)| *entry += weight * a * b);
+            }
+        }
+        for (&dof, value) in dofs.iter().zip(solve(mass, moments)) {
+            p[dof as usize] = value;
+        }
+    }
+    Ok(())
+}
+
+/// The solution of `a x = b` for a small symmetric positive definite matrix, by elimination.
+fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
+    let n = b.len();
+    for k in 0..n {
+        let (above, below) = a.split_at_mut(k + 1);
+        for (i, row) in below.iter_mut().enumerate() {
+            let factor = row[k] / above[k][k];
+            row.iter_mut().zip(&above[k]).for_each(|(x, pivot)| *x -= factor * pivot);
+            b[k + 1 + i] -= factor * b[k];
+        }
+    }
+    for k in (0..n).rev() {
+        let known: f64 = (k + 1..n).map(|j| a[k][j] * b[j]).sum();
+        b[k] = (b[k] - known) / a[k][k];
+    }
+    b
+}

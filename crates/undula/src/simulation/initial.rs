@@ -1,0 +1,153 @@
+//! A start from the last state of another run, `initial.from`.
+
+use super::Simulation;
+use crate::case::Case;
+use crate::error::Error;
+use crate::functional::transfer::transfer;
+use crate::output::{Checkpoint, RunDirectory};
+use crate::space::{FsiSpace, State};
+use crate::time::{Clock, Damping};
+use std::path::PathBuf;
+
+/// What a directory must be.
+const EXPECTED: &str = "expected the output directory of a run in time";
+
+/// The newest checkpoint of another run.
+pub(super) struct Former {
+    directory: PathBuf,
+    case: Case,
+    checkpoint: Checkpoint,
+    step: u64,
+    /// Time of the checkpoint, and length of the step before it \[s\].
+    clock: [f64; 2],
+}
+
+/// `case` with the first time that it has: that of the checkpoint from which it starts, unless it gives one.
+///
+/// # Errors
+/// [`Error::Case`] if there is no such checkpoint, or if the case ends before it.
+pub fn with_start(mut case: Case) -> Result<Case, Error> {
+    former(&mut case)?;
+    Ok(case)
+}
+
+/// The run from which `case` starts, if it names one; sets the first time of the case.
+///
+/// # Errors
+/// As [`with_start`].
+pub(super) fn former(case: &mut Case) -> Result<Option<Former>, Error> {
+    let Some(directory) = case.initial.clone() else { return Ok(None) };
+    let former = match Former::read(directory) {
+        Ok(former) => former,
+        Err(message) => return Err(case.refuse("initial.from", message)),
+    };
+    let given = case.record.places.contains_key("time.start");
+    let now = former.clock[0];
+    let ends = match &mut case.time {
+        Some(time) => {
+            time.start = if given { time.start } else { now };
+            (time.end <= time.start).then_some(time.end)
+        }
+        None => None,
+    };
+    if let Some(end) = ends {
+        let shown = former.directory.display();
+        let message = format!("{end} s is not after {now} s, the time of the last checkpoint in {shown}");
+        return Err(case.refuse("time.end", message));
+    }
+    Ok(Some(former))
+}
+
+impl Former {
+    /// The newest checkpoint that is sound, or what is wrong with the directory.
+    fn read(directory: PathBuf) -> Result<Former, String> {
+        let shown = directory.display();
+        let run = RunDirectory::open(&directory).map_err(|error| format!("{error}; {EXPECTED}"))?;
+        let latest =
+            Checkpoint::load_latest(run.checkpoints()).map_err(|error| format!("{error}; {EXPECTED}"))?;
+        let Some(latest) = latest else {
+            return Err(format!("{shown}: there is no checkpoint; {EXPECTED} (a stationary run keeps none)"));
+        };
+        let name = Checkpoint::path(run.checkpoints(), latest.step).display().to_string();
+        let clock = clock(&latest.checkpoint.metadata)
+            .ok_or_else(|| format!("{name}: not a checkpoint of this program: its metadata have no time"))?;
+        let case = Case::load(&run.case().to_string_lossy(), &[])
+            .map_err(|error| format!("the case of the run cannot be read: {error}"))?;
+        let (checkpoint, step) = (latest.checkpoint, latest.step);
+        Ok(Former { directory, case, checkpoint, step, clock })
+    }
+
+    /// The state `name` on `space`, the space of the run.
+    fn state(&self, name: &str, space: &FsiSpace<2>) -> Result<State, String> {
+        let field = |field: &str, n: usize| {
+            let key = format!("{name}_{field}");
+            let array = self.checkpoint.f64s(&key).filter(|array| array.len() == n);
+            array.map(<[f64]>::to_vec).ok_or_else(|| {
+                format!(
+                    "{}: array {key} of its checkpoint should have {n} numbers, as its case.toml and mesh do",
+                    self.directory.display()
+                )
+            })
+        };
+        Ok(State { v: field("v", space.n_v())?, u: field("u", space.n_u())?, p: field("p", space.n_p())? })
+    }
+
+    /// Solution, the solution before it, and the length of the step between them; 0 if there is none before.
+    fn solution(&self, space: &FsiSpace<2>) -> Result<(State, State, f64), String> {
+        let own = self.case.build_space().map_err(|error| format!("the case of the run: {error}"))?;
+        let new = self.state("new", &own)?;
+        if same(&own, space) {
+            return Ok((new, self.state("old", &own)?, self.clock[1]));
+        }
+        let new = transfer(&own, &new, space).map_err(|error| {
+            format!(
+                "{}: {error}; expected a run on the same geometry, whose mesh and elements may be others",
+                self.directory.display()
+            )
+        })?;
+        Ok((new.clone(), new, 0.0))
+    }
+}
+
+/// Time and length of the last step in the metadata of a checkpoint.
+fn clock(metadata: &str) -> Option<[f64; 2]> {
+    let metadata: serde_json::Value = serde_json::from_str(metadata).ok()?;
+    let clock = metadata.get("clock")?;
+    let number = |n: usize| clock.get(n)?.as_f64().filter(|x| x.is_finite());
+    Some([number(0)?, number(1)?])
+}
+
+/// Whether unknowns mean the same.
+fn same(a: &FsiSpace<2>, b: &FsiSpace<2>) -> bool {
+    let (one, two) = (&a.mesh, &b.mesh);
+    (one.shape, one.degree) == (two.shape, two.degree)
+        && one.nodes == two.nodes
+        && one.cell_nodes == two.cell_nodes
+        && (&a.regions, a.deforms, a.pressure.kind) == (&b.regions, b.deforms, b.pressure.kind)
+        && (a.nodes.degree, a.nodes.n_lagrange) == (b.nodes.degree, b.nodes.n_lagrange)
+        && a.nodes.cell_nodes == b.nodes.cell_nodes
+        && a.pressure.cell_dofs == b.pressure.cell_dofs
+}
+
+/// Takes `simulation` to the state of `former`, with the boundary values of its own case at its first time.
+///
+/// # Errors
+/// [`Error::Case`] if the run is on another geometry, or its files do not belong together.
+pub(super) fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
+    let assembler = &simulation.stepper.assembler;
+    let (mut new, old, last_step) = match former.solution(&assembler.space) {
+        Ok(solution) => solution,
+        Err(message) => return Err(simulation.case.refuse("initial.from", message)),
+    };
+    let time = simulation.stepper.time;
+    assembler.constraints.apply(&assembler.space, time, &mut new.v, &mut new.u);
+    let how = if last_step > 0.0 { "copied" } else { "interpolated" };
+    simulation.case.record.notes.push(format!(
+        "initial.from: the run starts at t = {time} s with the solution of {} at t = {} s, step {}, {how}",
+        former.directory.display(),
+        former.clock[0],
+        former.step
+    ));
+    let clock = Clock { time, last_step, damping: Damping::default() };
+    simulation.restore(clock, new, old, None, 0)
+}
