@@ -290,7 +290,7 @@ fn converge_table(found: &[Converged]) -> Table {
         let mut row: Vec<Shown> = [&found.functional, found.quantity, &found.unit, refined(found.direction)]
             .map(|text| Shown::Text(text.to_string()))
             .into();
-        row.extend(found.results.map(|x| Shown::Exact(x)));
+        row.extend(found.results.map(Shown::Exact));
         row.push(Shown::Computed(found.order));
         row.push(found.extrapolated.map_or(Shown::Computed(None), Shown::Exact));
         row.push(Shown::Computed(Some(found.uncertainty)));

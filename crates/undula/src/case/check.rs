@@ -96,7 +96,8 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
         condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
-    let output = solver::output(root.section("output"), &names, &functional);
+    let largest = time.as_ref().map_or(0.0, |time| time.start.abs().max(time.end.abs()));
+    let output = solver::output(root.section("output"), &names, &functional, largest);
     if time.is_none() {
         note_steps(checker, &output);
     }

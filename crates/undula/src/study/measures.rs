@@ -44,7 +44,7 @@ static MEASURES: [Measure; 13] = [
     measure("onset", 1, 3, "a signal, a level, the first and the last time", |s, n| {
         Some(zigzags(s[0], &n[1..]).find(|(_, size)| *size > n[0]).map_or(n[2], |(time, _)| time))
     }),
-    measure("distance", 2, 2, "two signals, the first and the last time", |s, n| distance(s, n)),
+    measure("distance", 2, 2, "two signals, the first and the last time", distance),
 ];
 
 /// The function of this name.

@@ -361,6 +361,7 @@ fn steps_below_rounding_are_refused() {
         &["time.start=0", "time.step=1e-20"],
         &["time.start=-1e9", "time.end=-1", "time.step=1e-6"],
         &["time.step=0.1", "time.adaptive.min-step=1e-18"],
+        &["time.step=0.1", "output.fields-interval=1e-300"],
     ] {
         undula(&here, "check tiny-step.toml", sets).expect(2, &["below the rounding"]);
     }

@@ -323,14 +323,22 @@ fn krylov(s: &mut Section<'_, '_>) -> Option<KrylovSpec> {
     chosen.map(|_| KrylovSpec { tolerance, size })
 }
 
-/// `names` are all functionals of the file, `present` those that are evaluated.
+/// `names` are all functionals of the file, `present` those that are evaluated; `largest` is the largest time \[s\].
 pub(super) fn output(
     mut s: Section<'_, '_>,
     names: &[String],
     present: &[(String, FunctionalSpec)],
+    largest: f64,
 ) -> OutputSpec {
     let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
     let fields_interval = s.optional_number("fields-interval", POSITIVE);
+    let least = RESOLUTION * largest;
+    if fields_interval.is_some_and(|interval| interval < least) {
+        // Steps end at each multiple of it.
+        let least = crate::case::literal::number(least);
+        let message = format!("below the rounding of the times of the run: expected at least {least} s");
+        s.wrong("fields-interval", message);
+    }
     let deformed = s.choice("mesh", &OUTPUT_MESH, &[]).unwrap_or(true);
     let curved = s.choice("cells", &OUTPUT_CELLS, &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
