@@ -65,9 +65,13 @@ fn over(signal: &Signal, n: &[f64]) -> Signal {
     Signal { name: signal.name.clone(), unit: signal.unit.clone(), times, values }
 }
 
-/// Lowest and highest value, by parabolas.
+/// Lowest and highest value, by parabolas; of counts the samples themselves.
 fn extremes(signal: &Signal, n: &[f64]) -> Option<(f64, f64)> {
     let part = over(signal, n);
+    if part.values.iter().all(|value| value.fract() == 0.0) {
+        let samples = || part.values.iter().copied();
+        return samples().reduce(f64::min).zip(samples().reduce(f64::max));
+    }
     Some((minimum(&part.times, &part.values)?.value, maximum(&part.times, &part.values)?.value))
 }
 
@@ -137,6 +141,8 @@ mod tests {
         near("line", &[0.0, 1.0, 50.0, 300.0], 0.01, 2e-3);
         near("total", &[0.0, 0.0], 3.0, 1e-12);
         near("at", &[0.025], 5.0, 1e-3);
+        let counts = signal(|t| if t == 0.5 { 9.0 } else { 2.0 + f64::from(u8::from(t > 0.5)) });
+        assert_eq!(value("highest", &[&counts], &[0.0, 1.0]), 9.0);
         assert_eq!(value("distance", &[&wave, &wave], &[0.2, 0.8]), 0.0);
     }
 
