@@ -116,6 +116,8 @@ fn mistakes_in_a_study_are_found_before_anything_is_computed() {
         "=highest(mu_1.uy_A)\"]]\n[[figure]]",
         &["`highest` takes a signal"],
     );
+    wrong("name = \"fine\"", "name = \"mu_1\"", &["run mu_1", "another run has this name"]);
+    wrong("full-only = true", "from = \"mu\"", &["run fine: from = \"mu\"", "without `over`"]);
     place.run("study fsi3", &[]).expect(2, &["built-in case", "--converge"]);
     place.run("reproduce nonsense", &[]).expect(2, &["nonsense", "mesh-motion"]);
 }
@@ -156,4 +158,35 @@ fn the_studies_of_the_book_are_sound() {
     let said = place.run("reproduce --list", &[]).expect(0, &["5.3.5", "5.1.1"]);
     assert!(said.out.lines().count() >= 4, "{}", said.out);
     assert!(!place.file("out").exists());
+}
+
+#[test]
+fn nothing_goes_on_from_a_run_that_broke_down() {
+    let place = Place::new("study-from");
+    let study = |end: &str| {
+        format!(
+            r#"
+name = "on"
+case = "csm3"
+[set]
+"mesh.refine" = 0
+"time.step" = 0.01
+[[run]]
+name = "base"
+set = {{ "time.end" = 0.03, "newton.max-steps" = {end}, "time.max-halvings" = 0 }}
+[[run]]
+name = "on"
+from = "base"
+set = {{ "time.end" = 0.05 }}
+[[statement]]
+text = "It goes on."
+number = "on.end_time"
+holds = "it > 0.0499 and on.steps > 1.5 and on.steps < 2.5"
+"#
+        )
+    };
+    place.write("on.toml", &study("30"));
+    place.run("study on.toml -o good", &[]).expect(0, &["1 reproduced"]);
+    place.write("on.toml", &study("1"));
+    place.run("study on.toml -o bad", &[]).expect(0, &["base breakdown", "1 undecided"]);
 }

@@ -121,8 +121,10 @@ pub fn converged(computed: &[Computed]) -> Vec<Converged> {
 }
 
 fn of(direction: Direction, runs: &[&Computed]) -> Vec<Converged> {
+    // What a run had computed when it broke down is no result of a mesh or step.
+    let completed = runs.iter().filter(|run| run.is_completed());
     let all: Vec<_> =
-        runs.iter().filter_map(|run| run.results.as_ref()).map(|results| results.computed()).collect();
+        completed.filter_map(|run| run.results.as_ref()).map(|results| results.computed()).collect();
     let [first, second, third] = &all[..] else { return vec![] };
     let mut found = vec![];
     for (name, finest) in third {

@@ -1,6 +1,7 @@
 //! The runs of a study: their cases, and their computation on all cores.
 
 use super::file::{RunEntry, Study, StudyError, Values};
+use super::known::NUMBERS;
 use crate::case::Case;
 use crate::case::builtin::builtin_case;
 use crate::error::Error;
@@ -101,6 +102,11 @@ pub struct Computed {
 }
 
 impl Computed {
+    /// Whether it has results up to its end.
+    pub fn is_completed(&self) -> bool {
+        self.results.as_ref().is_some_and(|results| results.summary.status == Status::Completed)
+    }
+
     /// A run without results in a study in `directory`.
     fn absent(job: &Job, directory: &Path) -> Computed {
         Computed { job: job.clone(), results: None, kept: false, directory: directory.join(&job.name) }
@@ -154,9 +160,15 @@ impl Study {
                 };
                 let wrong =
                     |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
+                if jobs.iter().any(|job: &Job| job.name == name) {
+                    return Err(wrong("another run has this name, of which `over` makes some".into()));
+                }
                 let left_out = quick && (entry.full_only || !is_quick);
                 let all = [self.assignments.clone(), assignments(&all)].concat();
                 let case = Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?;
+                if let Some(twice) = reserved(&case) {
+                    return Err(wrong(format!("functional.{twice}: every run has a result of this name")));
+                }
                 let (source, from) = ((path, all), entry.from.clone());
                 let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
                 jobs.push(Job { name, of: of.clone(), settings, case, left_out, source, from });
@@ -200,6 +212,11 @@ impl Study {
                         return;
                     }
                     let progress = [ended.load(Ordering::Relaxed), jobs.len()];
+                    // A run that did not reach its end has no state to go on from.
+                    let reached = |base: &Computed| base.job.name == jobs[n].from && base.is_completed();
+                    if later && !lock(&found).iter().flatten().any(reached) {
+                        continue;
+                    }
                     match compute(n, jobs, settings, threads, watch, progress) {
                         Ok(computed) => lock(&found)[n] = Some(computed),
                         Err(error) => *lock(&failure) = Some(error),
@@ -217,12 +234,7 @@ impl Study {
             return Err(error);
         }
         let found = std::mem::take(&mut *lock(&found));
-        let absent = |job: &Job| Computed {
-            job: job.clone(),
-            results: None,
-            kept: false,
-            directory: settings.directory.join(&job.name),
-        };
+        let absent = |job: &Job| Computed::absent(job, &settings.directory);
         Ok(found
             .into_iter()
             .zip(jobs)
@@ -233,6 +245,11 @@ impl Study {
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+}
+
+/// A functional whose name is that of another result in expressions.
+fn reserved(case: &Case) -> Option<&str> {
+    case.functional.iter().map(|(name, _)| name.as_str()).find(|name| NUMBERS.contains(name))
 }
 
 /// Runs of a study write what expressions need.

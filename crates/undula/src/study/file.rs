@@ -274,7 +274,9 @@ impl Study {
         if let Some(run) = study.run.iter().find(|run| run.case.is_empty() && study.case.is_empty()) {
             return Err(error(format!("run {}: expected `case`, here or for the whole study", run.name)));
         }
-        let first = |name: &str| study.run.iter().any(|run| run.name == name && run.from.is_empty());
+        let first = |name: &str| {
+            study.run.iter().any(|run| run.name == name && run.from.is_empty() && run.over.is_empty())
+        };
         if let Some(run) = study.run.iter().find(|run| !run.from.is_empty() && !first(&run.from)) {
             return Err(error(format!(
                 "run {}: from = {:?}: expected a run without `over` that itself begins at rest",
