@@ -169,8 +169,15 @@ pub struct PlotArgs {
 }
 
 /// How the runs of a study are computed.
-#[derive(Copy, Clone, Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct Common {
+    /// Directory of the page and of the runs [default: out/NAME of the study, of the book out/chapter-5]; what an
+    /// earlier call left there goes on
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Coarser or shorter runs: take the settings of `[quick]`, and leave out runs that are `full-only`
+    #[arg(long)]
+    pub quick: bool,
     /// Replace runs that were computed with other settings
     #[arg(long)]
     pub force: bool,
@@ -197,12 +204,6 @@ pub struct StudyArgs {
     /// Set a value of the case, such as time.step=0.01; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "converge")]
     pub set: Vec<String>,
-    /// Directory of the page and of the runs [default: out/NAME of the study]; an earlier study there goes on
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Take the settings of `[quick]`, and leave out runs that are `full-only`
-    #[arg(long)]
-    pub quick: bool,
     /// How runs are computed
     #[command(flatten)]
     pub common: Common,
@@ -216,12 +217,6 @@ pub struct ReproduceArgs {
     /// List the studies
     #[arg(long)]
     pub list: bool,
-    /// Directory of the page and of the runs [default: out/chapter-5]; an earlier call there goes on
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Coarser or shorter runs, in minutes
-    #[arg(long)]
-    pub quick: bool,
     /// How runs are computed
     #[command(flatten)]
     pub common: Common,

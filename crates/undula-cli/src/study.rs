@@ -48,20 +48,20 @@ pub fn run(args: &StudyArgs) -> anyhow::Result<ExitCode> {
     } else {
         Path::new(&file).parent().map(Path::to_path_buf).unwrap_or_default()
     };
-    let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
+    let directory = args.common.output.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let title = if study.title.is_empty() { study.name.clone() } else { study.title.clone() };
     let mut command = format!("undula study {file}");
     if args.converge {
         command += &format!(" --converge --levels {}", args.levels);
         args.set.iter().for_each(|set| command += &format!(" --set {set}"));
     }
-    if args.quick {
+    if args.common.quick {
         command += " --quick";
     }
     let all = [Source { study, file, base }];
     let heading = Heading { title: &title, about: &[], command: &command };
-    let Common { force, quiet, threads: asked } = args.common;
-    Call { quick: args.quick, force, quiet, threads: threads(asked), converge: args.converge }
+    let Common { force, quiet, threads: asked, .. } = args.common;
+    Call { quick: args.common.quick, force, quiet, threads: threads(asked), converge: args.converge }
         .compute(&all, &directory, &heading)
 }
 
@@ -107,10 +107,10 @@ pub fn reproduce(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         show(&lines.collect::<String>());
         return Ok(ExitCode::SUCCESS);
     }
-    let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join("chapter-5"));
+    let directory = args.common.output.clone().unwrap_or_else(|| Path::new("out").join("chapter-5"));
     let mut command = "undula reproduce".to_string();
     args.studies.iter().for_each(|study| command += &format!(" {study}"));
-    if args.quick {
+    if args.common.quick {
         command += " --quick";
     }
     let heading = Heading {
@@ -123,8 +123,8 @@ pub fn reproduce(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         ],
         command: &command,
     };
-    let Common { force, quiet, threads: asked } = args.common;
-    Call { quick: args.quick, force, quiet, threads: threads(asked), converge: false }
+    let Common { force, quiet, threads: asked, .. } = args.common;
+    Call { quick: args.common.quick, force, quiet, threads: threads(asked), converge: false }
         .compute(&all, &directory, &heading)
 }
 
