@@ -6,10 +6,11 @@ mod html;
 pub use html::Html;
 
 use crate::digits::significant;
+use crate::plot;
 use std::fmt::Write;
 use std::path::Path;
 use undula::output::{Provenance, Status, write_atomic};
-use undula::study::{Report, RunRow, Shown, Table, Verdict, Weighed};
+use undula::study::{Cell, PictureEntry, Report, RunRow, Shown, Table, Verdict, Weighed};
 
 /// What a page is about.
 pub struct Heading<'a> {
@@ -138,9 +139,35 @@ fn study(page: &mut Html, directory: &Path, report: &Report) -> anyhow::Result<(
         }
         csv(page, &folder, &report.name, &format!("figure-{}", n + 1), &chart::csv(figure))?;
     }
+    pictures(page, &folder, report)?;
     page.heading(3, None, "Runs");
     runs(page, report);
+    if let Some(numbers) = numbers_csv(report) {
+        csv(page, &folder, &report.name, "numbers", &numbers)?;
+    }
     csv(page, &folder, &report.name, "runs", &runs_csv(report))
+}
+
+/// Pictures of fields, within the page and as files beside it.
+fn pictures(page: &mut Html, folder: &Path, report: &Report) -> anyhow::Result<()> {
+    for (n, picture) in report.pictures.iter().enumerate() {
+        page.heading(3, None, &picture.entry.title);
+        let PictureEntry { time, field, .. } = &picture.entry;
+        let image = match &picture.directory {
+            Some(directory) => plot::picture_at(directory, time.as_ref().and_then(Cell::number), field)?,
+            None => None,
+        };
+        let Some(image) = image else {
+            page.paragraph("The run of this picture has no fields.");
+            continue;
+        };
+        let png = image.halved().png()?;
+        write_atomic(folder.join(format!("picture-{}.png", n + 1)), |out| {
+            std::io::Write::write_all(out, &png)
+        })?;
+        page.picture(&png, &picture.entry.title);
+    }
+    Ok(())
 }
 
 fn csv(page: &mut Html, folder: &Path, study: &str, name: &str, text: &str) -> anyhow::Result<()> {
@@ -151,7 +178,7 @@ fn csv(page: &mut Html, folder: &Path, study: &str, name: &str, text: &str) -> a
 }
 
 fn statements(page: &mut Html, statements: &[Weighed]) {
-    let head = ["statement", "where", "published", "computed", ""];
+    let head = ["", "statement", "where", "published", "computed"];
     let rows: Vec<Vec<String>> = statements
         .iter()
         .map(|weighed| {
@@ -175,16 +202,17 @@ fn statements(page: &mut Html, statements: &[Weighed]) {
                 Verdict::NotReproduced => "no",
                 Verdict::Undecided => "open",
             };
+            let published = shown(statement.published());
             vec![
+                format!("<span class=\"{class}\">{verdict}</span>"),
                 text,
                 html::escape(&statement.section),
-                shown(statement.published),
+                format!("<span class=\"published\">{published}</span>"),
                 shown(*number),
-                format!("<span class=\"{class}\">{verdict}</span>"),
             ]
         })
         .collect();
-    page.raw_table(&head, &rows, "texts");
+    page.raw_table(&head, &rows, "texts verdicts");
 }
 
 fn cells(table: &Table) -> Vec<Vec<String>> {
@@ -257,9 +285,13 @@ fn runs(page: &mut Html, report: &Report) {
                 html::escape(&run.name),
                 html::escape(&run.case),
                 html::escape(&settings(run)).replace('\n', "<br>"),
-                run.unknowns.to_string(),
+                if run.unknowns > 0 { run.unknowns.to_string() } else { String::new() },
                 status(run),
-                run.time.map_or("stationary".into(), |t| significant(t, 5)),
+                match run.time {
+                    Some(t) => significant(t, 5),
+                    None if run.unknowns > 0 => "stationary".into(),
+                    None => String::new(),
+                },
                 significant(run.seconds, 3),
             ];
             row.extend(run.values.iter().map(|v| html::escape(&value(*v))));
@@ -267,6 +299,16 @@ fn runs(page: &mut Html, report: &Report) {
         })
         .collect();
     page.raw_table(&head.iter().map(String::as_str).collect::<Vec<_>>(), &rows, "numbers runs");
+}
+
+/// Numbers that were computed besides or instead of histories.
+fn numbers_csv(report: &Report) -> Option<String> {
+    let mut text = line(["run", "number", "value"].map(String::from).into_iter());
+    let numbers = report.runs.iter().flat_map(|run| run.numbers.iter().map(move |(name, x)| (run, name, x)));
+    for (run, name, x) in numbers {
+        text += &line([run.name.clone(), name.clone(), x.to_string()].into_iter());
+    }
+    (text.lines().count() > 1).then_some(text)
 }
 
 fn runs_csv(report: &Report) -> String {
@@ -304,7 +346,7 @@ fn results(report: &Report) -> serde_json::Value {
         .map(|Weighed { statement, number, verdict, missing }| {
             serde_json::json!({
                 "text": statement.text, "section": statement.section, "number": number, "unit": statement.unit,
-                "published": statement.published, "expression": statement.number, "holds": statement.holds,
+                "published": statement.published(), "expression": statement.number, "holds": statement.holds,
                 "verdict": verdict.to_string(), "missing": missing,
             })
         })

@@ -22,6 +22,26 @@ pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     print(&written.iter().map(|path| format!("{}\n", path.display())).collect::<String>())
 }
 
+/// The fields that the run in `dir` has written last up to `time`, or last of all, as a picture with streamlines; `None`
+/// where it has no such field.
+///
+/// # Errors
+/// If a file cannot be read.
+pub fn picture_at(dir: &Path, time: Option<f64>, field: &str) -> anyhow::Result<Option<figure::Image>> {
+    let run = RunDirectory::open(dir)?;
+    if !run.collection().is_file() {
+        return Ok(None);
+    }
+    let collection = Collection::read(run.collection())?;
+    let is_before = |at: f64| time.is_none_or(|time| at <= time + 1e-9 * time.abs().max(1.0));
+    let Some((at, file)) = collection.entries().iter().rev().find(|(at, _)| is_before(*at)) else {
+        return Ok(None);
+    };
+    let (snapshot, _) = read_vtu(collection.resolve(file))?;
+    let title = format!("t = {} s", crate::digits::fixed(*at, *at, 3));
+    picture::image(&snapshot, field, &title, field != "deformation")
+}
+
 /// Draws the run in `dir` into `into`, by default `dir/plots`, and returns the files written.
 ///
 /// Histories of all functionals with a zoom on the last periods, the path of a point where `ux_…` and

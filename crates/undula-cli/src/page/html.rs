@@ -1,5 +1,6 @@
 //! HTML: text is escaped, what is called `raw` is not.
 
+use base64::prelude::{BASE64_STANDARD, Engine};
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("style.css");
@@ -83,5 +84,12 @@ impl Html {
     /// A drawing.
     pub fn figure(&mut self, svg: &str, alt: &str) {
         let _ = writeln!(self.text, "<figure role=\"img\" aria-label=\"{}\">{svg}</figure>", escape(alt));
+    }
+
+    /// A picture, as a part of the page.
+    pub fn picture(&mut self, png: &[u8], alt: &str) {
+        let (data, alt) = (BASE64_STANDARD.encode(png), escape(alt));
+        let _ =
+            writeln!(self.text, "<figure><img src=\"data:image/png;base64,{data}\" alt=\"{alt}\"></figure>");
     }
 }

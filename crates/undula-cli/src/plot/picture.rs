@@ -1,5 +1,7 @@
 //! Fields on the deformed mesh.
 
+mod streamlines;
+
 use super::cell::{Pieces, Reference, lagrange};
 use super::colors::{self, INK, PLASMA, Rgb, SOLID, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
@@ -35,10 +37,7 @@ pub fn plot(
     summary: &Summary,
     into: &Path,
 ) -> anyhow::Result<Vec<PathBuf>> {
-    let solid = match snapshot.in_cells("solid") {
-        Some(field) => field.values.iter().map(|&s| s > 0.5).collect(),
-        None => vec![false; snapshot.n_cells()],
-    };
+    let solid = solid_cells(snapshot);
     let mut title = summary.case.clone();
     if let Some(time) = time {
         title += &format!(",  t = {} s", fixed(time, time, 3));
@@ -47,7 +46,7 @@ pub fn plot(
     let mut written = Vec::new();
     for content in contents(snapshot, &solid) {
         let path = into.join(content.file);
-        draw(snapshot, &solid, &edges, &content, &title)?.save(&path)?;
+        draw(snapshot, &solid, &edges, &content, &title, false)?.save(&path)?;
         written.push(path);
     }
     Ok(written)
@@ -55,27 +54,53 @@ pub fn plot(
 
 fn contents(snapshot: &FieldSnapshot, solid: &[bool]) -> Vec<Content> {
     let all_solid = solid.iter().all(|&s| s);
-    let quantity = |name: &str, file, symbol: &str, unit: &str, map, in_solid| {
-        let field = snapshot.at_points(name)?;
-        let tuples = field.values.chunks_exact(field.components.max(1));
-        let mut values: Vec<f64> = tuples
-            .map(|t| if t.len() == 1 { t[0] } else { t.iter().map(|x| x * x).sum::<f64>().sqrt() })
-            .collect();
-        let size = values.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
-        let (factor, unit) = readable(size, unit);
-        values.iter_mut().for_each(|v| *v *= factor);
-        let magnitude = field.components > 1;
-        Some(Content { file, label: labelled(symbol, &unit), values, map, in_solid, magnitude })
+    let fields: &[&str] = if all_solid { &["deformation"] } else { &["velocity", "pressure"] };
+    fields.iter().filter_map(|field| content(snapshot, field)).collect()
+}
+
+/// The field of this name; `None` where there is none, or where it is not finite.
+fn content(snapshot: &FieldSnapshot, name: &str) -> Option<Content> {
+    let (file, symbol, unit, map, in_solid): (_, _, _, &'static [Rgb; 17], _) = match name {
+        "velocity" => ("speed.png", "|v|", "m/s", &VIRIDIS, true),
+        "pressure" => ("pressure.png", "p", "Pa", &PLASMA, false),
+        _ => ("deformation.png", "|u|", "m", &VIRIDIS, true),
     };
-    let found = if all_solid {
-        vec![quantity("deformation", "deformation.png", "|u|", "m", &VIRIDIS, true)]
-    } else {
-        vec![
-            quantity("velocity", "speed.png", "|v|", "m/s", &VIRIDIS, true),
-            quantity("pressure", "pressure.png", "p", "Pa", &PLASMA, false),
-        ]
-    };
-    found.into_iter().flatten().filter(|c| c.values.iter().all(|v| v.is_finite())).collect()
+    let field = snapshot.at_points(name)?;
+    let tuples = field.values.chunks_exact(field.components.max(1));
+    let mut values: Vec<f64> = tuples
+        .map(|t| if t.len() == 1 { t[0] } else { t.iter().map(|x| x * x).sum::<f64>().sqrt() })
+        .collect();
+    let size = values.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
+    let (factor, unit) = readable(size, unit);
+    values.iter_mut().for_each(|v| *v *= factor);
+    let magnitude = field.components > 1;
+    let finite = values.iter().all(|v| v.is_finite());
+    let content = Content { file, label: labelled(symbol, &unit), values, map, in_solid, magnitude };
+    finite.then_some(content)
+}
+
+/// One field, with the streamlines of the velocity where they are asked for; `None` where there is no such field.
+///
+/// # Errors
+/// As [`Figure::raster`].
+pub fn image(
+    snapshot: &FieldSnapshot,
+    field: &str,
+    title: &str,
+    with_streamlines: bool,
+) -> anyhow::Result<Option<Image>> {
+    let solid = solid_cells(snapshot);
+    let Some(content) = content(snapshot, field) else { return Ok(None) };
+    let edges = Edges::new(snapshot, &solid);
+    draw(snapshot, &solid, &edges, &content, title, with_streamlines).map(Some)
+}
+
+/// Whether each cell is solid.
+fn solid_cells(snapshot: &FieldSnapshot) -> Vec<bool> {
+    match snapshot.in_cells("solid") {
+        Some(field) => field.values.iter().map(|&s| s > 0.5).collect(),
+        None => vec![false; snapshot.n_cells()],
+    }
 }
 
 /// The whole domain, and below it the surroundings of the solid if that is small.
@@ -85,6 +110,7 @@ fn draw(
     edges: &Edges,
     content: &Content,
     title: &str,
+    with_streamlines: bool,
 ) -> anyhow::Result<Image> {
     let whole = bounds(snapshot, |_| true);
     let mut views = vec![whole];
@@ -114,6 +140,12 @@ fn draw(
         Panel { left: margin + widest + 24.0, width: 16.0, x: (0.0, 1.0), y: range, ..panels[0].clone() };
     for (n, panel) in panels.iter().enumerate() {
         edges.draw(&mut figure, panel, n > 0 || panels.len() == 1);
+        if with_streamlines {
+            let lines = streamlines::trace(snapshot, solid, panel);
+            figure.clipped(panel, |figure| {
+                lines.into_iter().for_each(|line| figure.curve(line, INK, 0.7));
+            });
+        }
         panel.axes(&mut figure, Some("x [m]"), "y [m]");
         frame(&mut figure, panel);
     }

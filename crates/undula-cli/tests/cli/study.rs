@@ -190,3 +190,110 @@ holds = "it > 0.0499 and on.steps > 1.5 and on.steps < 2.5"
     place.write("on.toml", &study("1"));
     place.run("study on.toml -o bad", &[]).expect(0, &["base breakdown", "1 undecided"]);
 }
+
+/// A known solution on the unit square, a run whose last state is measured, and what stands for several of a kind.
+#[test]
+fn a_study_computes_errors_modes_and_matrices() {
+    let study = r#"
+name = "more"
+case = "square"
+[cases]
+square = """
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [1, 1]
+cells = [4, 4]
+region.solid = "0.5-y"
+[fluid]
+density = 1.3
+kinematic-viscosity = 0.4
+[solid]
+density = 2.1
+law = "st-venant-kirchhoff"
+mu = 3.0
+lambda = 4.0
+[boundary]
+left.condition = "no-slip"
+right.condition = "no-slip"
+bottom.condition = "clamped"
+top.condition = "do-nothing"
+"""
+[[run]]
+name = "known"
+compute = "errors"
+over = [{ key = "mesh.refine", values = [0, 1, 2] }]
+[[run]]
+name = "beam"
+case = "csm3"
+compute = "newmark"
+set = { "mesh.refine" = 0, "time.end" = 0.05, "newton.tolerance" = 1e-10 }
+[[run]]
+name = "modes"
+case = "fsi3"
+compute = "modes"
+set = { "mesh.refine" = 0 }
+[[run]]
+name = "turn"
+case = "rotor"
+set = { "mesh.refine" = 0, "time.end" = 0.2, "output.fields-every" = 2 }
+also = ["inf-sup", "matrix"]
+[[picture]]
+title = "The bar"
+run = "turn"
+time = 0.1
+field = "pressure"
+[[table]]
+title = "Errors"
+head = ["refined", "v"]
+each = [[0], [1], [2]]
+row = ["{1}", "=known_{1}.error_v"]
+[[statement]]
+text = "{1} has order {2}."
+each = [["v", 3], ["u", 3], ["p", 2]]
+number = "order(known_1.error_{1}, known_2.error_{1})"
+published = "{2}"
+holds = "it > {2} - 0.1"
+[[statement]]
+text = "Newmark's method is the Crank-Nicolson scheme."
+number = "beam.difference"
+holds = "it < 1e-9 and beam.count > 9.5"
+[[statement]]
+text = "Water slows the beam down."
+number = "modes.fluid_1/modes.vacuum_1"
+holds = "it > 0.2 and it < 0.3"
+[[statement]]
+text = "Blocks off the tree of couplings are zero, the diagonal of the divergence is, too."
+number = "turn.entries_xi_q + turn.entries_psi_f_z_f + turn.entries_phi_s_q"
+holds = "it < 0.5 and turn.zero_diagonal > turn.unknowns_q - 0.5 and turn.entries_phi_i_w_s > 0.5"
+[[statement]]
+text = "The bar has hardly turned."
+number = "turn.inf_sup_moved/turn.inf_sup"
+holds = "abs(it - 1) < 1e-3 and turn.present_J > 0.9"
+"#;
+    let place = Place::new("study-more");
+    place.write("more.toml", study);
+    place.run("study more.toml", &[]).expect(0, &["7 statements: 7 reproduced"]);
+    let page = place.read("out/more/index.html");
+    assert!(page.contains("p has order 2.") && page.contains("<img src=\"data:image/png;base64,"));
+    assert!(place.file("out/more/more/picture-1.png").is_file());
+    assert_eq!(place.read("out/more/more/table-1.csv").lines().count(), 4);
+    // All is kept, the numbers included; numbers of other quantities make another run.
+    let said = place.run("study more.toml", &[]).expect(0, &["7 reproduced", "modes is there already"]);
+    assert!(!said.err.contains("completed"), "{}", said.err);
+    place.write("more.toml", &study.replace("also = [\"inf-sup\", \"matrix\"]", "also = [\"matrix\"]"));
+    place.run("study more.toml", &[]).expect(2, &["unknown result `inf_sup_moved`"]);
+
+    let wrong = |from: &str, to: &str, words: &[&str]| {
+        assert!(study.contains(from));
+        place.write("wrong.toml", &study.replace(from, to));
+        place.run("study wrong.toml -o w", &[]).expect(2, words);
+        assert!(!place.file("w").exists());
+    };
+    wrong("compute = \"modes\"", "compute = \"modals\"", &["unknown variant `modals`", "`newmark`"]);
+    wrong("modes.fluid_1/", "modes.end_time/", &["unknown result `end_time`"]);
+    wrong("each = [[\"v\", 3]", "each = [[\"v\"]", &["expected a value for {2}"]);
+    wrong("run = \"turn\"", "run = \"turned\"", &["picture \"The bar\"", "no run is called \"turned\""]);
+    wrong("field = \"pressure\"", "field = \"stress\"", &["`velocity`, `pressure`, `deformation`"]);
+    wrong("cells = [4, 4]", "cells = [4, 4, 4]", &["cases.square", "cells"]);
+}

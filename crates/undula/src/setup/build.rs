@@ -139,7 +139,7 @@ impl Case {
     }
 
     /// Spaces on the regions of the complete `mesh` that take part.
-    fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
+    pub(crate) fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
         let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };

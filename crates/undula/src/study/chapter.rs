@@ -5,5 +5,14 @@ pub fn chapter() -> &'static [(&'static str, &'static str)] {
     macro_rules! studies {
         ($($name:literal),*) => { &[$(($name, include_str!(concat!("../../studies/", $name, ".toml")))),*] };
     }
-    studies!["dynamics", "stability", "damping", "linearization", "mesh-motion"]
+    studies![
+        "dynamics",
+        "spectrum",
+        "variants",
+        "stability",
+        "damping",
+        "linearization",
+        "elements",
+        "mesh-motion"
+    ]
 }

@@ -2,6 +2,7 @@
 
 use super::file::{RunEntry, Study, StudyError, Values};
 use super::known::NUMBERS;
+use super::quantities::{Also, Compute, Numbers};
 use crate::case::Case;
 use crate::case::builtin::builtin_case;
 use crate::error::Error;
@@ -13,6 +14,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::Instant;
 
 /// One run of a study.
 #[derive(Clone, Debug)]
@@ -25,12 +27,16 @@ pub struct Job {
     pub settings: Vec<(String, String)>,
     /// The case; that of a run that goes on from another is at rest.
     pub case: Case,
-    /// Path or name of the case, and its settings.
-    source: (String, Vec<String>),
+    /// The case of the file, and its settings.
+    source: (Source, Vec<String>),
     /// Run from whose last state it goes on.
     from: String,
     /// Whether a quick study leaves it out.
     pub left_out: bool,
+    /// What is computed of the case.
+    pub compute: Compute,
+    /// What is computed of the last state of the run.
+    pub also: Vec<Also>,
 }
 
 impl Job {
@@ -39,16 +45,54 @@ impl Job {
         if self.from.is_empty() {
             return Ok(self.case.clone());
         }
-        let from = directory.join(&self.from);
-        let from = std::path::absolute(&from).unwrap_or(from);
-        let assignment = format!("initial.from={}", toml::Value::String(from.to_string_lossy().into_owned()));
-        let (path, settings) = &self.source;
-        Ok(Case::load(path, &[settings.clone(), vec![assignment]].concat())?)
+        self.after(&directory.join(&self.from), &[])
     }
 
-    /// Names of its functionals.
-    pub(super) fn functionals(&self) -> Vec<String> {
-        self.case.functional.iter().map(|(name, _)| name.clone()).collect()
+    /// The case from the last state in `directory`, with more settings.
+    fn after(&self, directory: &Path, more: &[String]) -> Result<Case, Error> {
+        let from = std::path::absolute(directory).unwrap_or_else(|_| directory.into());
+        let assignment = format!("initial.from={}", toml::Value::String(from.to_string_lossy().into_owned()));
+        let (source, settings) = &self.source;
+        source.load(&[&settings[..], &[assignment], more].concat())
+    }
+
+    /// Names of its functionals, where it is a run.
+    pub(super) fn functionals(&self) -> Option<Vec<String>> {
+        let names = || self.case.functional.iter().map(|(name, _)| name.clone()).collect();
+        (self.compute == Compute::Run).then(names)
+    }
+
+    /// Names of the numbers that it has besides or instead of a history.
+    pub(super) fn numbers(&self) -> Vec<String> {
+        let mut names = self.compute.names();
+        names.extend(self.also.iter().flat_map(|also| also.names()));
+        names
+    }
+
+    /// What makes its numbers others; nothing where it has none.
+    fn asked_numbers(&self) -> String {
+        match (self.compute, &self.also[..]) {
+            (Compute::Run, []) => String::new(),
+            (compute, also) => format!("# computes {compute:?} {also:?}\n"),
+        }
+    }
+}
+
+/// Where a case comes from.
+#[derive(Clone, Debug)]
+enum Source {
+    /// A built-in case or a file.
+    Path(String),
+    /// A text in the study, with a name for messages.
+    Text(String, String),
+}
+
+impl Source {
+    fn load(&self, settings: &[String]) -> Result<Case, Error> {
+        Ok(match self {
+            Source::Path(path) => Case::load(path, settings)?,
+            Source::Text(text, name) => Case::from_toml(text, name, settings)?,
+        })
     }
 }
 
@@ -79,12 +123,17 @@ impl Settings {
         let before = jobs.iter().find(|other| other.name == job.from).map(|other| self.asked(other, &[]));
         let before =
             before.map_or(String::new(), |text| format!("# goes on from {}\n", hash(text.as_bytes())));
-        format!("# mesh {mesh}\n{before}{}", job.case.to_toml())
+        format!("# mesh {mesh}\n{before}{}{}", job.asked_numbers(), job.case.to_toml())
     }
 
     /// The file with the case as it was asked for.
     fn marker(&self, job: &Job) -> PathBuf {
         self.directory.join(format!("{}.asked.toml", job.name))
+    }
+
+    /// The file with the numbers of a run besides or instead of its history.
+    fn numbers(&self, job: &Job) -> PathBuf {
+        self.directory.join(format!("{}.numbers.toml", job.name))
     }
 }
 
@@ -93,8 +142,10 @@ impl Settings {
 pub struct Computed {
     /// Which.
     pub job: Job,
-    /// Its results; `None` where it is left out or was interrupted.
+    /// Its results; `None` where it is left out, was interrupted, or is no run.
     pub results: Option<Results>,
+    /// Numbers besides or instead of a history.
+    pub numbers: Numbers,
     /// Whether an earlier call had computed it.
     pub kept: bool,
     /// Its directory.
@@ -107,9 +158,15 @@ impl Computed {
         self.results.as_ref().is_some_and(|results| results.summary.status == Status::Completed)
     }
 
+    /// Whether it has results.
+    pub fn is_there(&self) -> bool {
+        self.results.is_some() || !self.numbers.is_empty()
+    }
+
     /// A run without results in a study in `directory`.
     fn absent(job: &Job, directory: &Path) -> Computed {
-        Computed { job: job.clone(), results: None, kept: false, directory: directory.join(&job.name) }
+        let directory = directory.join(&job.name);
+        Computed { job: job.clone(), results: None, numbers: Numbers::new(), kept: false, directory }
     }
 }
 
@@ -154,9 +211,10 @@ impl Study {
                 own.extend(values);
                 all.extend(own.clone());
                 let of = if entry.case.is_empty() { &self.case } else { &entry.case };
-                let path = match builtin_case(of) {
-                    Some(_) => of.clone(),
-                    None => base.join(of).to_string_lossy().into_owned(),
+                let source = match (self.cases.get(of), builtin_case(of)) {
+                    (Some(text), _) => Source::Text(text.clone(), format!("{file}, cases.{of}")),
+                    (None, Some(_)) => Source::Path(of.clone()),
+                    (None, None) => Source::Path(base.join(of).to_string_lossy().into_owned()),
                 };
                 let wrong =
                     |message: String| StudyError::Run { file: file.into(), run: name.clone(), message };
@@ -165,13 +223,16 @@ impl Study {
                 }
                 let left_out = quick && (entry.full_only || !is_quick);
                 let all = [self.assignments.clone(), assignments(&all)].concat();
-                let case = Case::load(&path, &all).map_err(|e| wrong(e.to_string()))?;
-                if let Some(twice) = reserved(&case) {
+                let case = source.load(&all).map_err(|e| wrong(e.to_string()))?;
+                let (source, from) = ((source, all), entry.from.clone());
+                let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
+                let (of, compute, also) = (of.clone(), entry.compute, entry.also.clone());
+                let job =
+                    Job { name: name.clone(), of, settings, case, left_out, source, from, compute, also };
+                if let Some(twice) = job.reserved() {
                     return Err(wrong(format!("functional.{twice}: every run has a result of this name")));
                 }
-                let (source, from) = ((path, all), entry.from.clone());
-                let settings = own.iter().map(|(key, value)| (key.clone(), text(value))).collect();
-                jobs.push(Job { name, of: of.clone(), settings, case, left_out, source, from });
+                jobs.push(job);
             }
         }
         Ok(jobs)
@@ -247,9 +308,13 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// A functional whose name is that of another result in expressions.
-fn reserved(case: &Case) -> Option<&str> {
-    case.functional.iter().map(|(name, _)| name.as_str()).find(|name| NUMBERS.contains(name))
+impl Job {
+    /// A functional whose name is that of another result in expressions.
+    fn reserved(&self) -> Option<String> {
+        let others = self.numbers();
+        let is_other = |name: &String| NUMBERS.contains(&name.as_str()) || others.contains(name);
+        self.functionals().unwrap_or_default().into_iter().find(is_other)
+    }
 }
 
 /// Runs of a study write what expressions need.
@@ -305,15 +370,44 @@ fn compute(
     let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);
     let before = Summary::read(directory.join("summary.json")).ok().filter(|_| same);
     let ended = |status: Status| matches!(status, Status::Completed | Status::Breakdown);
+    let numbers = read_numbers(&settings.numbers(job)).filter(|_| same);
+    if let (Some(numbers), true) = (&numbers, job.compute != Compute::Run) {
+        watch.event(&Event::Kept(job));
+        (computed.kept, computed.numbers) = (true, numbers.clone());
+        return Ok(computed);
+    }
     if before.as_ref().is_some_and(|summary| ended(summary.status)) {
         watch.event(&Event::Kept(job));
         (computed.kept, computed.results) = (true, Some(Results::read(&directory)?));
+        computed.numbers = job.numbers_after(settings, numbers, threads)?;
         return Ok(computed);
     }
     watch.event(&Event::Begins(job, progress));
     std::fs::create_dir_all(&settings.directory)
         .map_err(crate::output::OutputError::io("create", &settings.directory))?;
+    let numbers_before = settings.numbers(job);
+    if numbers_before.exists() {
+        std::fs::remove_file(&numbers_before)
+            .map_err(crate::output::OutputError::io("remove", &numbers_before))?;
+    }
     write_atomic(&marker, |file| file.write_all(asked.as_bytes()))?;
+    if job.compute != Compute::Run {
+        let begun = Instant::now();
+        let (numbers, status) = match job.compute.numbers(&job.case, threads) {
+            Ok(numbers) => (numbers, Status::Completed),
+            // As in a run, a breakdown is a result.
+            Err(Error::Breakdown(_)) => {
+                (job.compute.names().into_iter().map(|name| (name, f64::NAN)).collect(), Status::Breakdown)
+            }
+            Err(error) => return Err(error),
+        };
+        computed.numbers = numbers;
+        let seconds = begun.elapsed().as_secs_f64();
+        computed.numbers.insert("seconds".into(), seconds);
+        write_numbers(&settings.numbers(job), &computed.numbers)?;
+        watch.event(&Event::Ended(job, status, seconds));
+        return Ok(computed);
+    }
     let case = job.case_in(&settings.directory)?;
     let go_on = before.is_some() && case.time.is_some();
     let options = |resume: bool| RunOptions {
@@ -332,8 +426,52 @@ fn compute(
     watch.event(&Event::Ended(job, summary.status, summary.wall_seconds));
     if ended(summary.status) {
         computed.results = Some(Results::read(&directory)?);
+        computed.numbers = job.numbers_after(settings, None, threads)?;
     }
     Ok(computed)
+}
+
+impl Job {
+    /// The numbers of the last state of the run: those `kept`, or computed now.
+    fn numbers_after(
+        &self,
+        settings: &Settings,
+        kept: Option<Numbers>,
+        threads: usize,
+    ) -> Result<Numbers, Error> {
+        if self.also.is_empty() {
+            return Ok(Numbers::new());
+        }
+        if let Some(kept) = kept {
+            return Ok(kept);
+        }
+        let case = match self.case.time {
+            // Nothing is computed up to that end, which only has to lie ahead.
+            Some(_) => self.after(&settings.directory.join(&self.name), &["time.end=1e9".into()])?,
+            None => self.case.clone(),
+        };
+        let mut simulation = Simulation::new(case, threads)?;
+        if self.case.time.is_none() {
+            simulation.step()?;
+        }
+        let mut numbers = Numbers::new();
+        for also in &self.also {
+            numbers.extend(also.numbers(&mut simulation)?);
+        }
+        write_numbers(&settings.numbers(self), &numbers)?;
+        Ok(numbers)
+    }
+}
+
+/// Numbers that an earlier call has written.
+fn read_numbers(path: &Path) -> Option<Numbers> {
+    toml::from_str(&std::fs::read_to_string(path).ok()?).ok()
+}
+
+fn write_numbers(path: &Path, numbers: &Numbers) -> Result<(), Error> {
+    let lines: String =
+        numbers.iter().map(|(name, x)| format!("{name} = {}\n", toml::Value::Float(*x))).collect();
+    Ok(write_atomic(path, |file| file.write_all(lines.as_bytes()))?)
 }
 
 /// Ends a run when the study is stopped.

@@ -33,6 +33,7 @@
 //! holds = "it < 0.5"                             # `it` is the number
 //! ```
 
+use super::quantities::{Also, Compute};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,8 +50,10 @@ pub struct Study {
     pub section: String,
     /// What it is, and what was taken where the book leaves something open; paragraphs.
     pub about: Vec<String>,
-    /// Built-in case or file of runs that name no other.
+    /// Built-in case, one of `cases`, or file of runs that name no other.
     pub case: String,
+    /// Cases of the study by name, each the text of a case file.
+    pub cases: BTreeMap<String, String>,
     /// Functionals in the table of runs; all where it is empty.
     pub functionals: Vec<String>,
     /// Whether seconds are compared, so that runs do not share the processor.
@@ -68,6 +71,8 @@ pub struct Study {
     pub table: Vec<TableEntry>,
     /// Figures.
     pub figure: Vec<FigureEntry>,
+    /// Pictures.
+    pub picture: Vec<PictureEntry>,
     /// Statements.
     pub statement: Vec<Statement>,
     /// What cannot be compared, since it is lost or not given.
@@ -96,6 +101,10 @@ pub struct RunEntry {
     /// Whether a quick study leaves it out.
     #[serde(rename = "full-only")]
     pub full_only: bool,
+    /// What is computed of the case.
+    pub compute: Compute,
+    /// What is computed of the last state of the run.
+    pub also: Vec<Also>,
 }
 
 /// A key with the values that it takes, one a run.
@@ -121,6 +130,10 @@ pub struct TableEntry {
     pub head: Vec<String>,
     /// Rows.
     pub rows: Vec<Vec<Cell>>,
+    /// A row for each of these: `{1}` in `row` is the first of them, `{2}` the second.
+    pub each: Vec<Vec<Cell>>,
+    /// The row that is made of them.
+    pub row: Vec<Cell>,
     /// Below it.
     pub note: String,
 }
@@ -175,6 +188,26 @@ pub struct CurveEntry {
     pub spectrum: Option<[f64; 2]>,
     /// Points.
     pub points: Vec<[Cell; 2]>,
+    /// A curve for each of these, or a point where `point` is given: `{1}` is the first of them, `{2}` the second.
+    pub each: Vec<Vec<Cell>>,
+    /// The point that is made of them.
+    pub point: Vec<Cell>,
+}
+
+/// A picture of a run, of the fields that it has written last before a time.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PictureEntry {
+    /// Above it.
+    pub title: String,
+    /// Run.
+    pub run: String,
+    /// Time \[s\]; the last where it is not given.
+    pub time: Option<Cell>,
+    /// `velocity`, `pressure` or `deformation`.
+    pub field: String,
+    /// A picture for each of these.
+    pub each: Vec<Vec<Cell>>,
 }
 
 /// A statement.
@@ -190,11 +223,30 @@ pub struct Statement {
     /// Its unit.
     pub unit: String,
     /// The published number, if there is one.
-    pub published: Option<f64>,
+    pub published: Option<Cell>,
     /// The condition; `it` is the number.
     pub holds: String,
     /// What is known about a statement that is not reproduced.
     pub because: String,
+    /// A statement for each of these: `{1}` is the first of them, `{2}` the second.
+    pub each: Vec<Vec<Cell>>,
+}
+
+impl Cell {
+    /// The number, where it is one.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Cell::Number(number) => Some(*number),
+            Cell::Text(_) => None,
+        }
+    }
+}
+
+impl Statement {
+    /// The published number.
+    pub fn published(&self) -> Option<f64> {
+        self.published.as_ref().and_then(Cell::number)
+    }
 }
 
 /// Something that cannot be compared.
@@ -257,6 +309,7 @@ impl Study {
         if study.run.is_empty() {
             return Err(error("expected at least one [[run]]".into()));
         }
+        study.expand().map_err(error)?;
         let mut names: Vec<&str> = study.run.iter().map(|run| run.name.as_str()).collect();
         let plain = |name: &&str| {
             name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -287,5 +340,136 @@ impl Study {
             return Err(error(format!("run {}: over: expected values", run.name)));
         }
         Ok(study)
+    }
+}
+
+/// `text` with `{1}` and those after it replaced by `values`.
+fn filled(text: &str, values: &[Cell]) -> Result<String, String> {
+    let mut text = text.to_string();
+    for (n, value) in values.iter().enumerate() {
+        let value = match value {
+            Cell::Number(x) => x.to_string(),
+            Cell::Text(word) => word.clone(),
+        };
+        text = text.replace(&format!("{{{}}}", n + 1), &value);
+    }
+    let left = (1..=9).map(|n| format!("{{{n}}}")).find(|mark| text.contains(mark.as_str()));
+    match left {
+        Some(mark) => Err(format!("`{text}`: each: expected a value for {mark}")),
+        None => Ok(text),
+    }
+}
+
+fn filled_cell(cell: &Cell, values: &[Cell]) -> Result<Cell, String> {
+    let Cell::Text(text) = cell else { return Ok(cell.clone()) };
+    match values.iter().enumerate().find(|(n, _)| *text == format!("{{{}}}", n + 1)) {
+        Some((_, value)) => Ok(value.clone()),
+        None => filled(text, values).map(Cell::Text),
+    }
+}
+
+impl Study {
+    /// Makes the rows, curves, points, pictures and statements that stand for `each` of several values.
+    fn expand(&mut self) -> Result<(), String> {
+        for table in &mut self.table {
+            for values in std::mem::take(&mut table.each) {
+                table
+                    .rows
+                    .push(table.row.iter().map(|cell| filled_cell(cell, &values)).collect::<Result<_, _>>()?);
+            }
+        }
+        for figure in &mut self.figure {
+            let mut curves = vec![];
+            for curve in &figure.curves {
+                curves.extend(curve.expanded()?);
+            }
+            figure.curves = curves;
+        }
+        self.picture = expanded(
+            &self.picture,
+            |picture| &picture.each,
+            |picture, values| {
+                let [title, run, field] =
+                    [&picture.title, &picture.run, &picture.field].map(|text| filled(text, values));
+                let time = picture.time.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
+                Ok(PictureEntry { title: title?, run: run?, field: field?, time, each: vec![] })
+            },
+        )?;
+        self.statement = expanded(
+            &self.statement,
+            |statement| &statement.each,
+            |s, values| {
+                let published = s.published.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
+                let [text, section, number] =
+                    [&s.text, &s.section, &s.number].map(|text| filled(text, values));
+                let [unit, holds, because] = [&s.unit, &s.holds, &s.because].map(|text| filled(text, values));
+                Ok(Statement {
+                    text: text?,
+                    section: section?,
+                    number: number?,
+                    unit: unit?,
+                    published,
+                    holds: holds?,
+                    because: because?,
+                    each: vec![],
+                })
+            },
+        )?;
+        let a_number = |what: &str, title: &str, cell: &Option<Cell>| match cell {
+            Some(Cell::Text(text)) => Err(format!("{what} {title:?}: {text:?}: expected a number")),
+            _ => Ok(()),
+        };
+        for picture in &self.picture {
+            a_number("time of the picture", &picture.title, &picture.time)?;
+        }
+        for statement in &self.statement {
+            a_number("published of the statement", &statement.text, &statement.published)?;
+        }
+        Ok(())
+    }
+}
+
+/// Entries with those that stand for several written out.
+fn expanded<T: Clone>(
+    entries: &[T],
+    each: impl Fn(&T) -> &Vec<Vec<Cell>>,
+    fill: impl Fn(&T, &[Cell]) -> Result<T, String>,
+) -> Result<Vec<T>, String> {
+    let mut all = vec![];
+    for entry in entries {
+        match &each(entry)[..] {
+            [] => all.push(entry.clone()),
+            values => {
+                for values in values {
+                    all.push(fill(entry, values)?);
+                }
+            }
+        }
+    }
+    Ok(all)
+}
+
+impl CurveEntry {
+    /// Itself, with its points, or the curves that it stands for.
+    fn expanded(&self) -> Result<Vec<CurveEntry>, String> {
+        if let [x, y] = &self.point[..] {
+            let mut curve = CurveEntry { each: vec![], point: vec![], ..self.clone() };
+            for values in &self.each {
+                curve.points.push([filled_cell(x, values)?, filled_cell(y, values)?]);
+            }
+            return Ok(vec![curve]);
+        }
+        if !self.point.is_empty() {
+            return Err(format!("curve {:?}: point: expected two coordinates", self.name));
+        }
+        expanded(
+            std::slice::from_ref(self),
+            |curve| &curve.each,
+            |curve, values| {
+                let [name, of, factor] =
+                    [&curve.name, &curve.of, &curve.factor].map(|text| filled(text, values));
+                Ok(CurveEntry { name: name?, of: of?, factor: factor?, each: vec![], ..curve.clone() })
+            },
+        )
     }
 }

@@ -9,6 +9,7 @@
 //! | `run.unknowns`, `run.cells`, `run.steps`, `run.newton_steps`, `run.jacobians`, `run.factorizations` | counts |
 //! | `run.seconds`, `run.assembly`, `run.factorization`, `run.solve`, `run.memory` | s, and B |
 //! | `run.min_J`, `run.mass_balance` | smallest J of all steps; see `summary.json` |
+//! | `run.inf_sup`, … | numbers of `quantities`, where the study has them computed |
 //! | `at(s, t)`, `highest(s, a, b)`, `lowest(s, a, b)` | of a signal such as `run.drag`; a and b are times \[s\] |
 //! | `middle(s, a, b)`, `amplitude(s, a, b)` | (max ± min)/2 |
 //! | `average(s, a, b)`, `total(s, a, b)` | mean value in time; sum over the steps |
@@ -17,6 +18,8 @@
 //! | `zigzag(s, a, b)` | largest \|s(tₙ₊₁) − 2 s(tₙ) + s(tₙ₋₁)\|/4: the amplitude of an oscillation from step to step |
 //! | `onset(s, level, a, b)` | first time at which the zigzag exceeds a level; b where it never does |
 //! | `distance(s, r, a, b)` | largest difference of two signals at the times of the first |
+//! | `prominence(s, a, b, f, g)` | highest peak between f and g over the median of the lines there |
+//! | `order(e, d)` | log₂(e/d) of the error e on a mesh, or with a step, and d on one of half the size |
 //!
 //! Signals are the functionals and the columns `min_J`, `newton_steps` and `jacobians` of `history.csv`.
 
@@ -61,29 +64,50 @@ fn unknown(result: &str, names: &[&str]) -> String {
 #[derive(Default)]
 pub struct Known {
     runs: BTreeMap<String, Of>,
-    /// Functionals of the runs of the study without results.
-    absent: BTreeMap<String, Vec<String>>,
+    /// Runs of the study without results.
+    absent: BTreeMap<String, Absent>,
     /// What `it` is.
     it: Option<f64>,
     /// Names that were asked for and have no number.
     missing: RefCell<Vec<String>>,
 }
 
+/// Names of the results that a run would have.
+struct Absent {
+    /// Functionals.
+    functionals: Vec<String>,
+    /// Other numbers.
+    numbers: Vec<String>,
+    /// Whether it has a history.
+    is_run: bool,
+}
+
 /// Results of one run.
+#[derive(Default)]
 struct Of {
     numbers: BTreeMap<String, f64>,
     signals: BTreeMap<String, Signal>,
 }
 
 impl Known {
-    /// Adds a run.
-    pub fn insert(&mut self, name: &str, results: &Results) {
-        self.runs.insert(name.into(), Of::new(results));
+    /// Adds a run, with numbers that were computed besides or instead of its history.
+    pub fn insert(&mut self, name: &str, results: Option<&Results>, numbers: &BTreeMap<String, f64>) {
+        let mut of = results.map_or_else(Of::default, Of::new);
+        of.numbers.extend(numbers.clone());
+        self.runs.insert(name.into(), of);
     }
 
-    /// Names a run that has no results, with its functionals: names of others are mistakes all the same.
-    pub fn insert_absent(&mut self, name: &str, functionals: Vec<String>) {
-        self.absent.insert(name.into(), functionals);
+    /// Names a run that has no results, with its functionals where it is one, and the names of other numbers: names of
+    /// others are mistakes all the same.
+    pub fn insert_absent(&mut self, name: &str, functionals: Option<Vec<String>>, mut numbers: Vec<String>) {
+        let is_run = functionals.is_some();
+        if is_run {
+            numbers.extend(NUMBERS.map(String::from));
+        } else {
+            numbers.push("seconds".into());
+        }
+        let functionals = functionals.unwrap_or_default();
+        self.absent.insert(name.into(), Absent { functionals, numbers, is_run });
     }
 
     /// A signal such as `run.drag`.
@@ -116,23 +140,24 @@ impl Known {
     /// Whether a run without results would have a signal of this name.
     fn is_absent_signal(&self, name: &str) -> bool {
         let Some((run, of)) = name.split_once('.') else { return false };
-        let known = |functionals: &Vec<String>| functionals.iter().any(|f| f == of) || SIGNALS.contains(&of);
+        let known = |absent: &Absent| {
+            absent.functionals.iter().any(|f| f == of) || (absent.is_run && SIGNALS.contains(&of))
+        };
         self.absent.get(run).is_some_and(known)
     }
 
     /// A result of a run without results.
-    fn absent(&self, name: &str, of: &str, functionals: &[String]) -> Result<f64, String> {
+    fn absent(&self, name: &str, of: &str, absent: &Absent) -> Result<f64, String> {
         let quantities = ["mean", "amplitude", "frequency", "min", "max"];
         let is_of = |f: &String| {
             of.strip_prefix(f.as_str()).is_some_and(|rest| {
                 rest.is_empty() || rest.strip_prefix('.').is_some_and(|q| quantities.contains(&q))
             })
         };
-        if NUMBERS.contains(&of) || functionals.iter().any(is_of) {
+        if absent.numbers.iter().any(|number| number == of) || absent.functionals.iter().any(is_of) {
             return Ok(self.lacks(name));
         }
-        let names: Vec<&str> =
-            NUMBERS.iter().copied().chain(functionals.iter().map(String::as_str)).collect();
+        let names: Vec<&str> = absent.numbers.iter().chain(&absent.functionals).map(String::as_str).collect();
         Err(unknown(of, &names))
     }
 }
@@ -143,8 +168,8 @@ impl Names for Known {
             return self.it.map(Ok);
         }
         let (run, of) = name.split_once('.')?;
-        if let Some(functionals) = self.absent.get(run) {
-            return Some(self.absent(name, of, functionals));
+        if let Some(absent) = self.absent.get(run) {
+            return Some(self.absent(name, of, absent));
         }
         let Some(known) = self.runs.get(run) else {
             let runs: Vec<&str> = self.runs.keys().chain(self.absent.keys()).map(String::as_str).collect();

@@ -29,7 +29,7 @@ const fn measure(
 const OVER: &str = "a signal, the first and the last time";
 const LINE: &str = "a signal, the first and the last time, the lowest and the highest frequency";
 
-static MEASURES: [Measure; 13] = [
+static MEASURES: [Measure; 15] = [
     measure("at", 1, 1, "a signal and a time", |s, n| value_at(&s[0].times, &s[0].values, n[0])),
     measure("highest", 1, 2, OVER, |s, n| extremes(s[0], n).map(|(_, high)| high)),
     measure("lowest", 1, 2, OVER, |s, n| extremes(s[0], n).map(|(low, _)| low)),
@@ -45,6 +45,10 @@ static MEASURES: [Measure; 13] = [
         Some(zigzags(s[0], &n[1..]).find(|(_, size)| *size > n[0]).map_or(n[2], |(time, _)| time))
     }),
     measure("distance", 2, 2, "two signals, the first and the last time", distance),
+    measure("prominence", 1, 4, LINE, prominence),
+    measure("order", 0, 2, "the errors on a mesh, or with a step, and on one of half the size", |_, n| {
+        Some((n[0] / n[1]).log2())
+    }),
 ];
 
 /// The function of this name.
@@ -96,6 +100,22 @@ fn line(signal: &Signal, n: &[f64]) -> Option<(f64, f64)> {
     lines.filter(|(f, _)| (n[2]..=n[3]).contains(f)).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// The highest peak between two frequencies over the median of the lines there: a line that is higher than those beside
+/// it; 1 where there is none.
+fn prominence(signals: &[&Signal], n: &[f64]) -> Option<f64> {
+    let part = over(signals[0], n);
+    let spectrum = spectrum(&part.times, &part.values);
+    let a = &spectrum.amplitudes;
+    let inside: Vec<usize> =
+        (0..a.len()).filter(|&i| (n[2]..=n[3]).contains(&spectrum.frequencies[i])).collect();
+    let mut lines: Vec<f64> = inside.iter().map(|&i| a[i]).collect();
+    lines.sort_by(f64::total_cmp);
+    let median = *lines.get(lines.len() / 2)?;
+    let is_peak = |i: &usize| *i > 0 && *i + 1 < a.len() && a[*i] > a[*i - 1] && a[*i] > a[*i + 1];
+    let highest = inside.into_iter().filter(is_peak).map(|i| a[i]).reduce(f64::max);
+    Some(highest.map_or(1.0, |highest| highest / median))
+}
+
 /// Times with the amplitude of an oscillation from step to step.
 fn zigzags(signal: &Signal, n: &[f64]) -> impl Iterator<Item = (f64, f64)> {
     let samples: Vec<(f64, f64)> = steps(signal, n).collect();
@@ -143,6 +163,12 @@ mod tests {
         near("at", &[0.025], 5.0, 1e-3);
         let counts = signal(|t| if t == 0.5 { 9.0 } else { 2.0 + f64::from(u8::from(t > 0.5)) });
         assert_eq!(value("highest", &[&counts], &[0.0, 1.0]), 9.0);
+        assert_eq!(value("order", &[], &[8.0, 2.0]), 2.0);
+        assert!(value("prominence", &[&wave], &[0.0, 1.0, 60.0, 180.0]) > 100.0);
+        assert!(value("prominence", &[&wave], &[0.0, 1.0, 200.0, 300.0]) < 5.0);
+        // What falls towards higher frequencies has no peak.
+        let slope = self::signal(|t| (-20.0 * (t - 0.5).powi(2)).exp());
+        assert!(value("prominence", &[&slope], &[0.0, 1.0, 4.0, 40.0]) < 2.0);
         assert_eq!(value("distance", &[&wave, &wave], &[0.2, 0.8]), 0.0);
     }
 

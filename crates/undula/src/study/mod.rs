@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | read a study | `file` |
 //! | make its cases and compute them, or take up what an earlier call left | `engine` |
+//! | what is computed besides histories: modes, errors, inf-sup constants, matrices | `quantities` |
 //! | names of results in expressions | `known` |
 //! | tables, figures, statements with their numbers | `report` |
 //! | orders and extrapolated values of a case | `converge` |
@@ -17,10 +18,14 @@ mod engine;
 mod file;
 mod known;
 mod measures;
+mod quantities;
 mod report;
 
 pub use chapter::chapter;
 pub use engine::{Computed, Event, Job, Settings, Watch};
-pub use file::{Cell, CurveEntry, FigureEntry, RunEntry, Statement, Study, StudyError, TableEntry};
+pub use file::{
+    Cell, CurveEntry, FigureEntry, PictureEntry, RunEntry, Statement, Study, StudyError, TableEntry,
+};
 pub use known::Known;
-pub use report::{Curve, Figure, Report, RunRow, Shown, Table, Verdict, Weighed};
+pub use quantities::{Also, Compute, Numbers};
+pub use report::{Curve, Figure, Picture, Report, RunRow, Shown, Table, Verdict, Weighed};

@@ -1,11 +1,15 @@
 //! What a study shows: its runs, tables, figures and statements with their numbers.
 
 use super::engine::Computed;
-use super::file::{Cell, CurveEntry, FigureEntry, Lost, Statement, Study, StudyError, TableEntry};
+use super::file::{
+    Cell, CurveEntry, FigureEntry, Lost, PictureEntry, Statement, Study, StudyError, TableEntry,
+};
 use super::known::Known;
+use super::quantities::{Compute, Numbers};
 use crate::functional::statistics::spectrum;
 use crate::output::Status;
 use std::fmt;
+use std::path::PathBuf;
 
 /// The results of a study.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +32,8 @@ pub struct Report {
     pub tables: Vec<Table>,
     /// Figures.
     pub figures: Vec<Figure>,
+    /// Pictures.
+    pub pictures: Vec<Picture>,
     /// Runs.
     pub runs: Vec<RunRow>,
     /// Functionals of the table of runs.
@@ -118,6 +124,15 @@ pub struct Curve {
     pub y: Vec<f64>,
 }
 
+/// A picture of fields that a run has written.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// As in the file.
+    pub entry: PictureEntry,
+    /// Directory of the run; `None` where it has no results.
+    pub directory: Option<PathBuf>,
+}
+
 /// A run in the table of runs.
 #[derive(Clone, Debug)]
 pub struct RunRow {
@@ -141,6 +156,8 @@ pub struct RunRow {
     pub values: Vec<[Option<f64>; 4]>,
     /// Unit of each functional.
     pub units: Vec<String>,
+    /// Numbers that were computed besides or instead of a history.
+    pub numbers: Numbers,
 }
 
 /// Evaluates expressions with a message that says where they are.
@@ -157,9 +174,11 @@ impl Study {
     pub fn report(&self, computed: &[Computed], quick: bool, file: &str) -> Result<Report, StudyError> {
         let mut known = Known::default();
         for run in computed {
-            match &run.results {
-                Some(results) => known.insert(&run.job.name, results),
-                None => known.insert_absent(&run.job.name, run.job.functionals()),
+            let name = &run.job.name;
+            if run.is_there() {
+                known.insert(name, run.results.as_ref(), &run.numbers);
+            } else {
+                known.insert_absent(name, run.job.functionals(), run.job.numbers());
             }
         }
         let mut reader = Reader { known, file };
@@ -174,6 +193,7 @@ impl Study {
             lost: self.lost.clone(),
             tables: self.table.iter().map(|t| reader.table(t)).collect::<Result<_, _>>()?,
             figures: self.figure.iter().map(|f| reader.figure(f)).collect::<Result<_, _>>()?,
+            pictures: self.picture.iter().map(|p| picture(p, computed, file)).collect::<Result<_, _>>()?,
             runs: computed.iter().map(|run| RunRow::new(run, &functionals)).collect(),
             functionals,
         })
@@ -193,6 +213,26 @@ impl Study {
         }
         names
     }
+}
+
+/// The picture, with the directory of its run.
+fn picture(entry: &PictureEntry, computed: &[Computed], file: &str) -> Result<Picture, StudyError> {
+    let Some(run) = computed.iter().find(|run| run.job.name == entry.run) else {
+        return Err(StudyError::File(format!(
+            "{file}: picture {:?}: no run is called {:?}",
+            entry.title, entry.run
+        )));
+    };
+    let fields = ["velocity", "pressure", "deformation"];
+    if !fields.contains(&entry.field.as_str()) {
+        let (title, field) = (&entry.title, &entry.field);
+        let fields = fields.join("`, `");
+        return Err(StudyError::File(format!(
+            "{file}: picture {title:?}: field = {field:?}: expected `{fields}`"
+        )));
+    }
+    let directory = run.results.is_some().then(|| run.directory.clone());
+    Ok(Picture { entry: entry.clone(), directory })
 }
 
 impl Reader<'_> {
@@ -316,10 +356,18 @@ impl RunRow {
             name: run.job.name.clone(),
             case: run.job.of.clone(),
             settings: run.job.settings.clone(),
-            status: summary.map(|summary| summary.status),
+            status: match run.job.compute {
+                Compute::Run => summary.map(|summary| summary.status),
+                _ if run.numbers.values().any(|number| number.is_nan()) => Some(Status::Breakdown),
+                _ => run.is_there().then_some(Status::Completed),
+            },
             time: time.and_then(|times| times.last().copied()),
             unknowns: summary.map_or(0, |summary| summary.unknowns.total),
-            seconds: summary.map_or(0.0, |summary| summary.wall_seconds),
+            seconds: match run.numbers.get("seconds") {
+                Some(seconds) => *seconds,
+                None => summary.map_or(0.0, |summary| summary.wall_seconds),
+            },
+            numbers: run.numbers.clone(),
             commit: summary.and_then(|summary| summary.provenance.commit.clone()),
             values: values.collect(),
             units: functionals.iter().map(unit).collect(),

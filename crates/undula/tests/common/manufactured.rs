@@ -7,10 +7,9 @@ use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
-use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region, VelocityData};
-use undula::verification::manufactured::{
-    Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin,
-};
+use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region};
+use undula::verification::manufactured::{Exact, InTime, Manufactured};
+pub use undula::verification::unit_square::{bubble, smooth, velocity};
 
 /// Gauss points per direction in the solver.
 pub const QUADRATURE: usize = 3;
@@ -165,12 +164,6 @@ fn spaces(mesh: &Mesh<2>, physics: &Physics, pair: Pair) -> Arc<FsiSpace<2>> {
     })
 }
 
-/// The velocity of `exact`.
-pub fn velocity(exact: &Exact) -> VelocityData<2> {
-    let exact = exact.clone();
-    Arc::new(move |x: &[f64; 2], t| sample(&exact, *x, t).fields.v.0)
-}
-
 /// `exact` on `mesh` with v and u of degree 2: its velocity given on all walls but the right one, which is a
 /// do-nothing outflow.
 pub fn problem(
@@ -217,25 +210,6 @@ pub fn traction_free(mut problem: Manufactured) -> Manufactured {
 /// One thread, the widest lanes, [`QUADRATURE`].
 pub fn options() -> Options {
     Options::serial(QUADRATURE)
-}
-
-/// 16 x (1 − x) y (1 − y).
-pub fn bubble(x: [Number; 2]) -> Number {
-    let [x, y] = x;
-    (x - x * x) * (y - y * y) * 16.0
-}
-
-/// Not polynomial; F not symmetric, in the solid v ≠ ∂_t u; without deformation for a flow alone.
-pub fn smooth(deforms: bool) -> Exact {
-    let size = if deforms { 1.0 } else { 0.0 };
-    Arc::new(move |[x, y], t| {
-        let (w, a) = (bubble([x, y]) * size, number(1.0) + sin(t) * 0.3);
-        Values {
-            v: [sin(x * 2.0 + y * 1.5 + t), cos(x - y * 2.0 + t * 0.5)],
-            u: [w * a * (number(0.035) + y * 0.025), w * a * (x * 0.045 - number(0.05))],
-            p: sin(x * 3.0 + t) * cos(y * 2.0) + x,
-        }
-    })
 }
 
 /// Deterministic random numbers in (−½, ½) (xorshift).

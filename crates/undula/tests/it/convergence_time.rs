@@ -10,33 +10,10 @@ use undula::functional::{Functional, Snapshot};
 use undula::physics::StepRule;
 use undula::space::{PressureKind, Region, State};
 use undula::time::{Adaptive, AdaptiveSettings, DomainMotion, Scheme};
-use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number, sin};
+use undula::verification::unit_square::{in_the_spaces, of_two_profiles};
 
 const SHIFTED: Scheme = Scheme::ShiftedCrankNicolson { shift: 1.0 };
-
-fn in_the_spaces() -> Exact {
-    Arc::new(|[x, y], t| {
-        let w = bubble([x, y]);
-        let (one, a, b) = (number(1.0), sin(t * 2.0 + number(0.4)), cos(t * 1.5));
-        Values {
-            v: [(one + x + y * y) * cos(t) + x * y * a, (x * x - y) * b + x * y * y * 0.5 + sin(t * 3.0)],
-            u: [w * a * 0.09, w * b * -0.07],
-            p: x * cos(t * 2.0) - y * a + sin(t) * 2.0,
-        }
-    })
-}
-
-/// The same with deformations of two profiles. Where u is one profile times a vector, det ∇u and cof(∇∂_t u) ∂_t u
-/// vanish, and all domain-motion terms are equal.
-fn of_two_profiles() -> Exact {
-    let first = in_the_spaces();
-    Arc::new(move |[x, y], t| {
-        // Linear on both sides of x = ½, where a side of cells is.
-        let hat = if x.re < 0.5 { x } else { number(1.0) - x };
-        let values = first([x, y], t);
-        Values { u: [values.u[0], hat * (y - y * y) * cos(t * 1.5) * -0.6], ..values }
-    })
-}
 
 /// Largest errors over all steps: v, u, p at t⁻ + θ k, force at t⁻ + θ k, p at t, force at t.
 const NAMES: [&str; 6] = ["v", "u", "p", "force", "p read at t", "force read at t"];

@@ -79,11 +79,11 @@ fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f
     min
 }
 
-/// Condition numbers of the whole Jacobian (5.35) of the next step at the present state, or of the stationary problem.
+/// The whole Jacobian (5.35) of the next step at the present state, or of the stationary problem.
 ///
 /// # Errors
 /// If memory is short, or the problem too large.
-pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError> {
+pub(super) fn whole_jacobian(simulation: &mut Simulation) -> Result<Csr, SolverError> {
     let now = simulation.stepper.time;
     let rule = match (&simulation.case.time, simulation.case.theta()) {
         (Some(time), Some(theta)) => StepRule::theta(time.step.eval(&[0.0; 3], now), theta),
@@ -92,6 +92,16 @@ pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError
     let Stepper { assembler, new, .. } = &mut simulation.stepper;
     let mut matrix = Csr::zeros(&assembler.try_pattern()?);
     assembler.jacobian(&StepView { rule, new, old: new }, Tangent::Automatic, &mut matrix);
+    Ok(matrix)
+}
+
+/// Condition numbers of the whole Jacobian (5.35) of the next step at the present state, or of the stationary problem.
+///
+/// # Errors
+/// If memory is short, or the problem too large.
+pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError> {
+    let matrix = whole_jacobian(simulation)?;
+    let assembler = &simulation.stepper.assembler;
     let space = &*assembler.space;
     let (unknowns, blocks) = (assembler.unknowns(), blocks(space, &assembler.constraints));
     let mut list = vec![];
