@@ -40,9 +40,9 @@ const LAYERS: [(&str, &str); 24] = [
     ("simulation", "*"),
     ("results", "functional output case"),
     ("run", "*"),
-    ("study", "*"),
     ("verification", "*"),
     ("modes", "*"),
+    ("study", "*"),
     ("bench", "*"),
 ];
 
