@@ -267,7 +267,7 @@ impl Case {
         out.choice("linearization", &LINEARIZATIONS, &newton.linearization);
         out.variant("jacobian", &TANGENTS, &newton.jacobian);
         if let Tangent::Difference(difference) = newton.jacobian {
-            out.choice("difference", &DIFFERENCES, &difference.central);
+            out.choice("difference", &DIFFERENCES, &difference.stencil);
             out.key("epsilon", number(difference.epsilon));
         }
         if let Some(rate_max) = newton.rate_max {
