@@ -313,8 +313,8 @@ impl<const D: usize> OutflowFacet<D> {
         }
     }
 
-    /// (t(U + h W) − t(U)) / h of the terms t at a point, W having component `j` of basis function `b` in field 0 (v) or
-    /// 1 (u).
+    /// (t(U + h W) − t(U)) / h of the terms t at a point, W having component `j` of basis function `b` in field 0 (v)
+    /// or 1 (u).
     fn difference(
         &self,
         (step, lagged): (&StepView<'_>, bool),

@@ -10,7 +10,7 @@ use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::energy::ENERGIES;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
@@ -178,6 +178,9 @@ impl Case {
         }
         if how.projects() {
             out.choice("projection", &PROJECTIONS, &how.projection);
+        }
+        if how.acts() {
+            out.choice("map", &MAPPINGS, &how.map);
         }
     }
 

@@ -15,7 +15,7 @@ use super::simd::Width;
 use super::test_functions::Trial;
 use crate::algebra::SolverError;
 use crate::math::{Lanes, Vector};
-use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};
+use crate::physics::{Fluid, Mapping, PressureTerm, Stabilization, TransportTerm};
 use crate::space::FsiSpace;
 use crate::tangent::Tangent;
 use patches::axes;
@@ -53,7 +53,9 @@ pub fn couplings(how: &Stabilization, deforms: bool) -> Vec<Coupling> {
         xi: how.pressure == PressureTerm::Pspg,
     }];
     if deforms {
-        list.push(Coupling { trial: Trial::U(0), phi: momentum, xi: divergence });
+        // Without the map u is in ∂_t u alone.
+        let xi = divergence && (how.map == Mapping::Full || how.pressure == PressureTerm::Pspg);
+        list.push(Coupling { trial: Trial::U(0), phi: momentum, xi });
     }
     list.push(Coupling { trial: Trial::P, phi: how.transport == TransportTerm::Supg, xi: divergence });
     list.retain(|c| c.phi || c.xi);

@@ -8,7 +8,7 @@ use crate::assembly::scatter::Shared;
 use crate::assembly::simd::Task;
 use crate::assembly::test_functions::Trial;
 use crate::math::{Dual, Lanes, Scalar, Tensor, Vector};
-use crate::physics::stabilization::{CellState, FineFields, FineTested, Parameters};
+use crate::physics::stabilization::{CellState, FineFields, FineTested, Mapping, Parameters};
 use crate::tangent::Difference;
 
 /// Work space of one thread.
@@ -46,6 +46,8 @@ struct CellParameters<const L: usize> {
     alpha: Lanes<L>,
     delta: Lanes<L>,
     speed: Lanes<L>,
+    /// h/ĥ = J^(1/D).
+    stretch: Lanes<L>,
 }
 
 impl<const D: usize, const L: usize> Stabilizer<D, L> {
@@ -95,14 +97,19 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
             moved.add_product_lanes(t.weight[index], (Tensor::identity() + grad_u).det());
         }
         let size = t.size[batch * t.n_children + child];
-        let mut r = CellParameters { alpha: Lanes::zero(), delta: Lanes::zero(), speed: Lanes::zero() };
+        let zero = Lanes::zero();
+        let mut r = CellParameters { alpha: zero, delta: zero, speed: zero, stretch: Lanes::splat(1.0) };
         for l in 0..L {
             // Padded lanes have no volume.
-            let j = if volume.0[l] > 0.0 { moved.0[l] / volume.0[l] } else { 1.0 };
+            let present = volume.0[l] > 0.0 && self.how.map != Mapping::Off;
+            let j = if present { moved.0[l] / volume.0[l] } else { 1.0 };
             let cell = CellState { size: size.0[l], j, speed: speed[l].sqrt() };
             r.alpha.0[l] = self.how.alpha::<D>(&self.fluid, &cell);
             r.delta.0[l] = self.how.delta::<D>(&self.fluid, step.rule.per_k, &cell);
             r.speed.0[l] = cell.speed;
+            if self.how.map == Mapping::Size {
+                r.stretch.0[l] = j.max(0.0).powf(1.0 / D as f64);
+            }
         }
         r
     }
@@ -200,9 +207,12 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
                 force += weight * *f;
             }
         }
-        let axes = match self.tables.jacobian.get(index) {
-            Some(jacobian) => self.axes(jacobian, &(Tensor::identity() + old.at.grad_u), cell.speed),
-            None => Tensor::zero(),
+        let axes = match (self.tables.jacobian.get(index), self.how.map) {
+            (Some(jacobian), Mapping::Full) => {
+                self.axes(jacobian, &(Tensor::identity() + old.at.grad_u), cell.speed)
+            }
+            (Some(jacobian), _) => self.axes(&(*jacobian * cell.stretch), &Tensor::identity(), cell.speed),
+            (None, _) => Tensor::zero(),
         };
         Parameters { alpha: cell.alpha, delta: cell.delta, axes, force }
     }
