@@ -168,7 +168,7 @@ where
                 let linearization = Linearization::Condensed;
                 TangentTasks { kernel: self, step, linearization, tangent, directions, batch, scratch: s }
                     .run();
-                let tangents = self.tangents(batch, &s.tangent);
+                let tangents = self.tangents(batch, &s.tangent, s.nodal.asked(tangent));
                 let of_batch = |x: u32| interior.facets.partition_point(|f| f.0 < x);
                 Lanes::<L>::dispatch(CondenseTask {
                     tangents,

@@ -130,7 +130,7 @@ where
                     let (Test::Psi(i), Trial::U(j)) = (piece.test, piece.trial) else { continue };
                     let block = &mut s.piece[..n * n];
                     Lanes::<L>::dispatch(super::tasks::PieceTask {
-                        tangents: self.tangents(batch, &s.tangent),
+                        tangents: self.tangents(batch, &s.tangent, None),
                         piece,
                         block,
                         work: &mut s.tensor.matrices,

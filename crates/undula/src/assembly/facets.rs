@@ -249,29 +249,29 @@ impl<const D: usize> OutflowFacets<D> {
         let lagged = which == Linearization::FixedPoint;
         let mut first = 0;
         for facet in &self.facets {
-            let mut at = first;
             let nodes = &facet.nodes;
+            let n_fields = if self.deforms { 2 } else { 1 };
+            let columns = nodes.len() * D * n_fields;
+            let size = nodes.len() * D * columns;
+            let Some(slots) = self.slots.get(first..first + size) else { return };
+            first += size;
             for p in &facet.points {
-                // Columns of the point tangent: value and gradient of each field and component.
-                let columns = facet.columns(step, (how, lagged), p);
-                at = first;
-                for a in 0..nodes.len() {
-                    for i in 0..D {
-                        for b in 0..nodes.len() {
-                            for j in 0..D {
-                                for field in 0..if self.deforms { 2 } else { 1 } {
-                                    let Some(&slot) = self.slots.get(at) else { return };
-                                    at += 1;
-                                    if slot != DROP && (with_u || field == 0) {
-                                        out[slot as usize] += p.value[a] * columns.entry(p, field, i, b, j);
-                                    }
-                                }
-                            }
+                let tangent = facet.tangent(step, (how, lagged), p);
+                for column in 0..columns {
+                    // Columns are numbered `[b][j][field]`.
+                    let (b, j, field) = (column / (D * n_fields), column / n_fields % D, column % n_fields);
+                    if !with_u && field == 1 {
+                        continue;
+                    }
+                    let derivative = tangent.of(p, field, b, j);
+                    for row in 0..nodes.len() * D {
+                        let slot = slots[row * columns + column];
+                        if slot != DROP {
+                            out[slot as usize] += p.value[row / D] * derivative.0[row % D];
                         }
                     }
                 }
             }
-            first = at;
         }
     }
 
@@ -283,10 +283,12 @@ impl<const D: usize> OutflowFacets<D> {
         for (f, facet) in self.facets.iter().enumerate() {
             let block = &mut out.values[f * out.size..(f + 1) * out.size];
             for p in &facet.points {
-                let columns = facet.columns(step, (how, false), p);
-                for (row, line) in block.chunks_exact_mut(facet.nodes.len() * D).enumerate() {
-                    for (column, value) in line.iter_mut().enumerate() {
-                        *value += p.value[row / D] * columns.entry(p, 0, row % D, column / D, column % D);
+                let tangent = facet.tangent(step, (how, false), p);
+                let columns = facet.nodes.len() * D;
+                for column in 0..columns {
+                    let derivative = tangent.of(p, 0, column / D, column % D);
+                    for row in 0..columns {
+                        block[row * columns + column] += p.value[row / D] * derivative.0[row % D];
                     }
                 }
             }
@@ -295,6 +297,65 @@ impl<const D: usize> OutflowFacets<D> {
 }
 
 impl<const D: usize> OutflowFacet<D> {
+    /// The tangent at a point of the facet, `how` as in [`tangent::backflow`].
+    fn tangent<'a>(
+        &'a self,
+        step: &'a StepView<'a>,
+        how: (Tangent, bool),
+        p: &FacetPoint<D>,
+    ) -> FacetTangent<'a, D> {
+        match how.0.nodal() {
+            Some(by) => {
+                let [v, u, _] = by.steps(self.points.iter().flat_map(|p| p.grad.iter().map(|g| Vector(*g))));
+                FacetTangent::Nodal { facet: self, step, lagged: how.1, steps: [v, u] }
+            }
+            None => FacetTangent::Columns(self.columns(step, how, p)),
+        }
+    }
+
+    /// (t(U + h W) − t(U)) / h of the terms t at a point, W having component `j` of basis function `b` in field 0 (v)
+    /// or 1 (u).
+    fn difference(
+        &self,
+        (step, lagged): (&StepView<'_>, bool),
+        p: &FacetPoint<D>,
+        (field, b, j): (usize, usize, usize),
+        h: f64,
+    ) -> Vector<f64, D> {
+        let moved = |at: &Fields<f64, D>, value: f64, grad: f64| {
+            let mut moved = *at;
+            let (to, to_grad) = if field == 0 {
+                (&mut moved.v, &mut moved.grad_v)
+            } else {
+                (&mut moved.u, &mut moved.grad_u)
+            };
+            to.0[j] += value * h * p.value[b];
+            for d in 0..D {
+                to_grad.0[j][d] += grad * h * p.grad[b][d];
+            }
+            moved
+        };
+        let mut sum = Vector::zero();
+        if let Some(form) = &self.correction {
+            for (weight, tau) in step.rule.transport_points() {
+                let at = fields_between(&self.nodes, p, step, tau);
+                let traction = |at: &Fields<f64, D>| form.traction(at, &p.normal, weight * p.weight);
+                sum += (traction(&moved(&at, tau, tau)) - traction(&at)) * (1.0 / h);
+            }
+        }
+        if let Some(form) = &self.backflow {
+            for (weight, tau) in backflow_points(step) {
+                let at = fields_with_motion(&self.nodes, p, step, tau);
+                // ∂_t u moves by 1/k where u moves by 1.
+                let moved = moved(&at, if field == 0 { tau } else { step.rule.per_k }, tau);
+                let lag = if lagged { at } else { moved };
+                let term = |at, lag| form.term(at, lag, &p.normal, weight * p.weight);
+                sum += (term(&moved, &lag) - term(&at, &at)) * (1.0 / h);
+            }
+        }
+        sum
+    }
+
     /// The point tangent of both terms; `lagged` as in [`tangent::backflow`].
     fn columns(&self, step: &StepView<'_>, how: (Tangent, bool), p: &FacetPoint<D>) -> Columns<D> {
         let zero = Vector::zero();
@@ -337,6 +398,26 @@ fn fields_with_motion<const D: usize>(
     Fields { u: step.rule.per_k * (new.u - old.u), ..old.lerp(&new, tau) }
 }
 
+/// The tangent of the terms at a point of a facet.
+enum FacetTangent<'a, const D: usize> {
+    /// In directions at the point.
+    Columns(Columns<D>),
+    /// By differences in nodal values, which v and u move by `steps`.
+    Nodal { facet: &'a OutflowFacet<D>, step: &'a StepView<'a>, lagged: bool, steps: [f64; 2] },
+}
+
+impl<const D: usize> FacetTangent<'_, D> {
+    /// d(traction) for basis function `b` in component `j` of field 0 (v) or 1 (u).
+    fn of(&self, p: &FacetPoint<D>, field: usize, b: usize, j: usize) -> Vector<f64, D> {
+        match self {
+            FacetTangent::Columns(columns) => columns.of(p, field, b, j),
+            FacetTangent::Nodal { facet, step, lagged, steps } => {
+                facet.difference((step, *lagged), p, (field, b, j), steps[field])
+            }
+        }
+    }
+}
+
 /// Derivatives of the traction in the directions of value and gradient of v and u: `[field][j]`,
 /// `[field][j][d]`.
 struct Columns<const D: usize> {
@@ -363,9 +444,9 @@ impl<const D: usize> Columns<D> {
         }
     }
 
-    /// d(traction_i) for basis function `b` in component `j` of field 0 (v) or 1 (u).
-    fn entry(&self, p: &FacetPoint<D>, field: usize, i: usize, b: usize, j: usize) -> f64 {
-        let value = self.value[field][j].0[i] * p.value[b];
-        (0..D).fold(value, |sum, d| sum + self.grad[field][j][d].0[i] * p.grad[b][d])
+    /// d(traction) for basis function `b` in component `j` of field 0 (v) or 1 (u).
+    fn of(&self, p: &FacetPoint<D>, field: usize, b: usize, j: usize) -> Vector<f64, D> {
+        let value = self.value[field][j] * p.value[b];
+        (0..D).fold(value, |sum, d| sum + self.grad[field][j][d] * p.grad[b][d])
     }
 }

@@ -54,8 +54,8 @@ fn difference<const D: usize>(
     let h = by.epsilon * by.sizes.u;
     let columns: [[f64; D]; D] = from_fn(|j| {
         let moved = |h: f64| f(&from_fn(|d| if d == j { x[d] + h } else { x[d] }));
-        let (from, to) = (if by.central { moved(-h) } else { value }, moved(h));
-        from_fn(|i| (to[i] - from[i]) / if by.central { 2.0 * h } else { h })
+        let (from, to) = (if by.is_central() { moved(-h) } else { value }, moved(h));
+        from_fn(|i| (to[i] - from[i]) / if by.is_central() { 2.0 * h } else { h })
     });
     from_fn(|i| from_fn(|j| columns[j][i]))
 }

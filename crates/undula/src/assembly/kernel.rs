@@ -3,6 +3,7 @@
 use super::batch::{Batches, Corners};
 use super::chunks::{Copies, Writes, for_each, for_each_piece};
 use super::interior::Interior;
+use super::nodal::Nodal;
 use super::scatter::{DROP, PerThread};
 use super::simd::Width;
 use super::tensor::TensorScratch;
@@ -46,6 +47,7 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
     pub(super) matrix: Vec<Lanes<L>>,
     pub(super) outer: Vec<Lanes<L>>,
     pub(super) tensor: TensorScratch<D, L>,
+    pub(super) nodal: Nodal<D, L>,
 }
 
 /// A region with its equations `F`, `L` cells at a time.
@@ -125,6 +127,7 @@ where
             matrix: vec![Lanes::zero(); (n * D + m).pow(2)],
             outer: vec![Lanes::zero(); n * D + m],
             tensor: TensorScratch::new(batches.tensor.as_ref()),
+            nodal: Nodal::default(),
         });
         let (n_v, n_u) = (space.n_v() as u32, space.n_u() as u32);
         let owner = if region == Region::Solid { PsiOwner::Relation } else { PsiOwner::Extension };
@@ -287,8 +290,13 @@ where
         Some((*j, cells))
     }
 
-    /// The tangents of a batch, ready to be contracted.
-    pub(super) fn tangents<'a>(&'a self, batch: usize, tangent: &'a [Lanes<L>]) -> Tangents<'a, D, L> {
+    /// The tangents of a batch, ready to be contracted, or its element matrix.
+    pub(super) fn tangents<'a>(
+        &'a self,
+        batch: usize,
+        tangent: &'a [Lanes<L>],
+        nodal: Option<&'a [Lanes<L>]>,
+    ) -> Tangents<'a, D, L> {
         let b = &self.batches;
         let points = b.n_points * b.n_pressure;
         Tangents {
@@ -299,6 +307,7 @@ where
             n_pressure: b.n_pressure,
             n_points: b.n_points,
             tensor: b.tensor.as_ref(),
+            nodal,
         }
     }
 }

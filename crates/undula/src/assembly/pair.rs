@@ -222,7 +222,7 @@ where
     ) {
         both!(mut self, k, k.jacobian(step, linearization, tangent, out));
         if let Some(s) = &mut self.stabilizer {
-            s.matrix(Columns::All, step, out);
+            s.matrix(Columns::All, step, tangent, out);
         }
     }
 
@@ -279,7 +279,7 @@ where
     fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &FacetBlocks, out: &mut [f64]) {
         both!(mut self, k, k.condense(step, tangent, blocks, out));
         if let Some(s) = &mut self.stabilizer {
-            s.matrix(Columns::Flow, step, out);
+            s.matrix(Columns::Flow, step, tangent, out);
         }
     }
 

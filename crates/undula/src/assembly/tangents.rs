@@ -21,7 +21,7 @@ pub(super) enum Directions {
     Deformation,
 }
 
-/// The tangents at all points of a batch.
+/// The tangents at all points of a batch, or its element matrix where that comes from differences in nodal values.
 pub(super) struct TangentTasks<'a, F, const D: usize, const L: usize> {
     pub(super) kernel: &'a Kernel<F, D, L>,
     pub(super) step: &'a StepView<'a>,
@@ -38,6 +38,10 @@ where
 {
     pub(super) fn run(self) {
         let lagged = self.linearization == Linearization::FixedPoint;
+        if let Some(by) = self.tangent.nodal() {
+            let Self { kernel, step, linearization, directions, batch, scratch, .. } = self;
+            return kernel.differences(step, linearization, by, directions, batch, scratch);
+        }
         match self.tangent {
             Tangent::Difference(by) => self.dispatch(ByLane::Difference { by, lagged }),
             _ if lagged => self.dispatch(ByLane::FixedPoint),

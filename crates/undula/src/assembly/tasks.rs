@@ -186,7 +186,7 @@ where
         let directions = Directions::All;
         TangentTasks { kernel: k, step, linearization, tangent, directions, batch, scratch: s }.run();
         let slots = &k.slots[batch * k.slots_per_batch..(batch + 1) * k.slots_per_batch];
-        let tangents = k.tangents(batch, &s.tangent);
+        let tangents = k.tangents(batch, &s.tangent, s.nodal.asked(tangent));
         let reduced = linearization == Linearization::Reduced && !k.relation();
         let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
         Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, work, out });

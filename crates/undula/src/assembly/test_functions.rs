@@ -122,6 +122,8 @@ pub struct Tangents<'a, const D: usize, const L: usize> {
     pub n_points: usize,
     /// The basis of v and u as products, where that is faster.
     pub tensor: Option<&'a TensorBasis>,
+    /// The element matrix itself, `[column][row]` in the order v, u, p, where it came from differences of residuals.
+    pub nodal: Option<&'a [Lanes<L>]>,
 }
 
 impl<const D: usize, const L: usize> Tangents<'_, D, L>
@@ -133,6 +135,9 @@ where
     /// The element matrix of `piece`, `[row basis][column basis]`, into `out`; `work` is that of the tensor basis.
     #[inline(always)]
     pub fn contract(&self, piece: &Piece, out: &mut [Lanes<L>], work: &mut [Lanes<L>]) {
+        if let Some(matrix) = self.nodal {
+            return self.copy(matrix, piece, out);
+        }
         out.fill(Lanes::zero());
         match (piece.test, piece.trial) {
             (Test::Xi, Trial::P) => self.pressures(piece, out),
@@ -144,6 +149,30 @@ where
                 Block::Stiffness => self.vector::<1, 0>(piece, out),
                 _ => self.vector::<0, 0>(piece, out),
             },
+        }
+    }
+
+    /// The block of a whole element matrix.
+    #[inline(always)]
+    fn copy(&self, matrix: &[Lanes<L>], piece: &Piece, out: &mut [Lanes<L>]) {
+        let (n, m) = (self.n_basis, self.n_pressure);
+        let size = 2 * n * D + m;
+        let (rows, i) = match piece.test {
+            Test::Phi(i) => (n, i),
+            Test::Psi(i) => (n, n * D + i),
+            Test::Xi => (m, 2 * n * D),
+        };
+        let (columns, j) = match piece.trial {
+            Trial::V(j) => (n, j),
+            Trial::U(j) => (n, n * D + j),
+            Trial::P => (m, 2 * n * D),
+        };
+        let (per_row, per_column) =
+            (if piece.test == Test::Xi { 1 } else { D }, if piece.trial == Trial::P { 1 } else { D });
+        for a in 0..rows {
+            for b in 0..columns {
+                out[a * columns + b] = matrix[(j + b * per_column) * size + i + a * per_row];
+            }
         }
     }
 

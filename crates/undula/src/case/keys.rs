@@ -14,7 +14,7 @@ use crate::choice::Table;
 use crate::functional::energy::ENERGIES;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::material::LAWS;
-use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
@@ -102,6 +102,7 @@ pub static KEYS: &[Key] = &[
         "false",
         "the axes of a cell have parameters of their own (true or false)",
     ),
+    word("stabilization.map", &MAPPINGS, "full", "how the terms are carried to the reference domain"),
     text("solid.region", "solid", "region of the mesh that the solid fills"),
     word("solid.law", &LAWS, "st-venant-kirchhoff", "constitutive law"),
     number("solid.density", "kg/m³", "required", "density"),

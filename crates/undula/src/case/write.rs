@@ -10,7 +10,7 @@ use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::energy::ENERGIES;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
@@ -179,6 +179,9 @@ impl Case {
         if how.projects() {
             out.choice("projection", &PROJECTIONS, &how.projection);
         }
+        if how.acts() {
+            out.choice("map", &MAPPINGS, &how.map);
+        }
     }
 
     fn write_bodies(&self, out: &mut Lines) {
@@ -267,7 +270,7 @@ impl Case {
         out.choice("linearization", &LINEARIZATIONS, &newton.linearization);
         out.variant("jacobian", &TANGENTS, &newton.jacobian);
         if let Tangent::Difference(difference) = newton.jacobian {
-            out.choice("difference", &DIFFERENCES, &difference.central);
+            out.choice("difference", &DIFFERENCES, &difference.stencil);
             out.key("epsilon", number(difference.epsilon));
         }
         if let Some(rate_max) = newton.rate_max {

@@ -27,5 +27,5 @@ pub use material::{Material, SolidLaw};
 pub use outflow::{Backflow, Outflow};
 pub use rule::StepRule;
 pub use solid::Solid;
-pub use stabilization::{PressureTerm, Projection, Stabilization, TransportTerm};
+pub use stabilization::{Mapping, PressureTerm, Projection, Stabilization, TransportTerm};
 pub use stored_energy::{Deformation, OwnLaw, StoredEnergy};

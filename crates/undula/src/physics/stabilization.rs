@@ -71,6 +71,29 @@ pub static PROJECTIONS: [Choice<Projection>; 2] = [
     choice("patch", Projection::Patch, "to the same degree on the mesh before the last refinement"),
 ];
 
+/// How the terms are carried from the moved domain to the reference domain, Remark 5.13.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Mapping {
+    /// Not at all: the terms of a domain that does not move, F = I and J = 1 but for ∂_t u in w. For small
+    /// deformations.
+    Off,
+    /// Not at all, with parameters of the present size h = J^(1/D) ĥ, (5.32). For isotropic deformations.
+    Size,
+    /// With F, J and h = J^(1/D) ĥ: the terms of the moved domain.
+    Full,
+}
+
+/// Their names in a case.
+pub static MAPPINGS: [Choice<Mapping>; 3] = [
+    choice("off", Mapping::Off, "F = I and J = 1 in the terms, sizes of the reference cells"),
+    choice(
+        "size",
+        Mapping::Size,
+        "F = I and J = 1 in the terms, sizes of the moved cells, h = J^(1/d) ĥ (5.32)",
+    ),
+    choice("full", Mapping::Full, "terms and sizes of the moved cells"),
+];
+
 /// What is added to the equations of the fluid, and how much of it.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Stabilization {
@@ -86,6 +109,8 @@ pub struct Stabilization {
     pub projection: Projection,
     /// Separate the axes of each cell, Remark 5.13.
     pub directional: bool,
+    /// How the terms are carried to the reference domain.
+    pub map: Mapping,
 }
 
 impl Stabilization {
@@ -97,6 +122,7 @@ impl Stabilization {
         delta: 0.1,
         projection: Projection::Cell,
         directional: false,
+        map: Mapping::Full,
     };
 
     /// Whether there is any term.
@@ -198,7 +224,8 @@ pub struct Parameters<S, const D: usize> {
     pub alpha: S,
     /// δ \[s\].
     pub delta: S,
-    /// Σ α_i ĥ_i ĥ_iᵀ with the axes ĥ_i of the cell \[m⁵ s/kg\]; zero unless directional.
+    /// Σ α_i ĥ_i ĥ_iᵀ with the axes ĥ_i of the cell \[m⁵ s/kg\], with [`Mapping::Size`] J^(2/D) times that; zero unless
+    /// directional.
     pub axes: Tensor<S, D>,
     /// Body force per mass at t⁻ + θ k \[m/s²\].
     pub force: Vector<S, D>,
@@ -209,7 +236,7 @@ pub struct Parameters<S, const D: usize> {
 pub struct CellState {
     /// ĥ = |K̂|^(1/D) \[m\].
     pub size: f64,
-    /// Mean of J.
+    /// Mean of J; 1 if sizes are those of the reference cells.
     pub j: f64,
     /// ‖v‖_{L∞(K)} \[m/s\].
     pub speed: f64,
@@ -248,7 +275,10 @@ impl Stabilization {
         old: &FineFields<T::Value, D>,
     ) -> FineTested<T, D> {
         let theta = rule.theta;
-        let at = new.zip(old, |a, b| a * theta + T::lift(b) * (1.0 - theta));
+        let mut at = new.zip(old, |a, b| a * theta + T::lift(b) * (1.0 - theta));
+        if self.map != Mapping::Full {
+            (at.at.grad_u, at.hess_u) = (Tensor::zero(), [Tensor::zero(); D]);
+        }
         let dv_dt = (new.at.v - old.at.v.map(T::lift)) * T::constant(rule.per_k);
         let du_dt = (new.at.u - old.at.u.map(T::lift)) * T::constant(rule.per_k);
         let kinematics = Kinematics::of(&at.at.grad_u);

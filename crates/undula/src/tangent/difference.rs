@@ -5,16 +5,19 @@ use crate::choice::{Choice, choice};
 use crate::math::{Scalar, Vector};
 use crate::physics::{FacetForm, Fields, Place, StepRule, Tested, WeakForm};
 
-/// (A(U + h W) − A(U)) / h or, central, (A(U + h W) − A(U − h W)) / 2h at a quadrature point.
+/// (A(U + h W) − A(U)) / h or, central, (A(U + h W) − A(U − h W)) / 2h.
 ///
 /// h is `epsilon` times the size of what moves: the largest velocity and pressure of the iterate, and for the
 /// deformation such that ∇u moves by `epsilon`, since F = I + ∇u is of size 1. All terms are polynomials of
 /// degree one in each component of v, ∇v, u and p alone, so that only ∇u has an error of truncation.
+///
+/// With [`Stencil::Nodal`] W is a basis function, and ∇u moves by at most `epsilon` at the points of the cell. With
+/// [`Stencil::NodalAbsolute`] h is `epsilon`.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// Both sides: an error of h² instead of h, for a residual more.
-    pub central: bool,
-    /// Relative size of the perturbation.
+    /// What is subtracted.
+    pub stencil: Stencil,
+    /// Relative size of the perturbation, or its size.
     pub epsilon: f64,
     /// Sizes of the fields.
     pub sizes: Sizes,
@@ -23,10 +26,29 @@ pub struct Difference {
 /// Perturbation unless another is asked for: best in the study of section 5.2.3.
 pub const EPSILON: f64 = 1e-6;
 
-/// Whether differences are central, by the names in a case.
-pub static DIFFERENCES: [Choice<bool>; 2] = [
-    choice("one-sided", false, "(A(U + h W) − A(U)) / h"),
-    choice("central", true, "(A(U + h W) − A(U − h W)) / 2h"),
+/// Which residuals are subtracted from each other.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Stencil {
+    /// At a quadrature point, on one side.
+    OneSided,
+    /// At a quadrature point, on both sides: an error of h² instead of h, for a residual more.
+    Central,
+    /// Of a cell, on one side, for each of its unknowns: R_{v_i} = A(U + ε z_i)(Φ) and so on, section 5.2.3.
+    Nodal,
+    /// The same with h = `epsilon` in the units of the case, as the section has it, whatever the sizes of the fields.
+    NodalAbsolute,
+}
+
+/// Their names in a case.
+pub static DIFFERENCES: [Choice<Stencil>; 4] = [
+    choice("one-sided", Stencil::OneSided, "(A(U + h W) − A(U)) / h at the quadrature points"),
+    choice("central", Stencil::Central, "(A(U + h W) − A(U − h W)) / 2h at the quadrature points"),
+    choice(
+        "nodal",
+        Stencil::Nodal,
+        "(A(U + h W) − A(U)) / h, the residual of a cell anew for each of its unknowns W (slow)",
+    ),
+    choice("nodal-absolute", Stencil::NodalAbsolute, "`nodal` with h = `epsilon` in the units of the case"),
 ];
 
 /// Sizes of the fields that perturbations are relative to.
@@ -51,8 +73,26 @@ impl Sizes {
 
 impl Difference {
     /// With the relative perturbation `epsilon` of fields of size 1.
-    pub const fn new(central: bool, epsilon: f64) -> Difference {
-        Difference { central, epsilon, sizes: Sizes { v: 1.0, u: 1.0, p: 1.0 } }
+    pub const fn new(stencil: Stencil, epsilon: f64) -> Difference {
+        Difference { stencil, epsilon, sizes: Sizes { v: 1.0, u: 1.0, p: 1.0 } }
+    }
+
+    /// Whether both sides are taken.
+    #[inline(always)]
+    pub fn is_central(&self) -> bool {
+        self.stencil == Stencil::Central
+    }
+
+    /// h of nodal values of \[v, u, p\] in a cell or on a facet with `gradients` of the basis functions at its points
+    /// \[1/m\].
+    pub fn steps<const D: usize>(&self, gradients: impl Iterator<Item = Vector<f64, D>>) -> [f64; 3] {
+        match self.stencil {
+            Stencil::NodalAbsolute => [self.epsilon; 3],
+            _ => {
+                let steepest = gradients.fold(0.0f64, |most, grad| most.max(grad.dot(grad))).sqrt();
+                [self.sizes.v, 1.0 / steepest, self.sizes.p].map(|size| self.epsilon * size)
+            }
+        }
     }
 
     /// (A(U + h W) − A(U)) / h, central if so chosen; `base` is A(U). With `lagged` what a fixed-point
@@ -71,7 +111,7 @@ impl Difference {
     ) -> Tested<S, D> {
         let mut difference = Tested::zero();
         let ends = [h, -h];
-        for &h in &ends[..if self.central { 2 } else { 1 }] {
+        for &h in &ends[..if self.is_central() { 2 } else { 1 }] {
             let at = moved(new, W, h);
             let lag = if lagged { *new } else { at };
             let mut there = *place;
@@ -80,7 +120,7 @@ impl Difference {
             rule.residual(form, &there, &at, &lag, old, &mut r);
             add(&mut difference, &r, base, S::one() / h);
         }
-        let weight = if self.central { 0.5 } else { 1.0 };
+        let weight = if self.is_central() { 0.5 } else { 1.0 };
         difference.map(|x| x * weight)
     }
 
@@ -95,7 +135,7 @@ impl Difference {
     ) -> Vector<f64, D> {
         let h = self.epsilon * if W.grad_u.ddot(W.grad_u) > 0.0 { 1.0 } else { self.sizes.v };
         let value = |h: f64| form.traction(&moved(at, W, h), normal, theta);
-        match self.central {
+        match self.is_central() {
             true => (value(h) - value(-h)) * (0.5 / h),
             false => (value(h) - value(0.0)) * (1.0 / h),
         }

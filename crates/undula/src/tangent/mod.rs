@@ -3,7 +3,7 @@
 
 mod difference;
 
-pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes};
+pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};
 
 use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
@@ -50,8 +50,20 @@ pub enum Tangent {
     Automatic,
     /// Theorem 5.2.
     Analytic,
-    /// Differences of the residual at the quadrature point.
+    /// Differences of the residual, at the quadrature point or of a cell.
     Difference(Difference),
+}
+
+impl Tangent {
+    /// The differences, if they are those of the residuals of cells.
+    pub fn nodal(&self) -> Option<&Difference> {
+        match self {
+            Tangent::Difference(by) if matches!(by.stencil, Stencil::Nodal | Stencil::NodalAbsolute) => {
+                Some(by)
+            }
+            _ => None,
+        }
+    }
 }
 
 /// Their names in a case.
@@ -60,8 +72,8 @@ pub static TANGENTS: [Choice<Tangent>; 3] = [
     choice("analytic", Tangent::Analytic, "by hand, Theorem 5.2"),
     choice(
         "finite-difference",
-        Tangent::Difference(Difference::new(false, EPSILON)),
-        "differences of the residual at the quadrature points",
+        Tangent::Difference(Difference::new(Stencil::OneSided, EPSILON)),
+        "differences of the residual",
     ),
 ];
 

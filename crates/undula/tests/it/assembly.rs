@@ -7,6 +7,7 @@ use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State, Walls};
+use undula::tangent::Stencil::{Central, Nodal, OneSided};
 use undula::tangent::{Difference, Linearization, Tangent};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
@@ -145,11 +146,11 @@ fn differences_give_the_same_matrices() {
         let view = StepView { rule, new: &new, old: &old };
         for kind in [Linearization::Newton, Linearization::Reduced, Linearization::FixedPoint] {
             let exact = matrix(&mut assembler, &view, kind, Tangent::Automatic);
-            let mut with = |central, epsilon| {
-                let by = Tangent::Difference(Difference::new(central, epsilon));
+            let mut with = |stencil, epsilon| {
+                let by = Tangent::Difference(Difference::new(stencil, epsilon));
                 gap(&exact, &matrix(&mut assembler, &view, kind, by))
             };
-            let gaps = [with(false, 1e-6), with(false, 1e-9), with(true, 1e-4), with(true, 1e-6)];
+            let gaps = [with(OneSided, 1e-6), with(OneSided, 1e-9), with(Central, 1e-4), with(Central, 1e-6)];
             println!("{kind:?}, theta = {}: {gaps:?}", rule.theta);
             assert!(
                 gaps[0] < 1e-5 && gaps[1] < 1e-5 && gaps[2] < 1e-6 && gaps[3] < 1e-8,
@@ -163,8 +164,53 @@ fn differences_give_the_same_matrices() {
         };
         if rule.per_k > 0.0 {
             let exact = condensed(Tangent::Automatic);
-            let found = gap(&exact, &condensed(Tangent::Difference(Difference::new(true, 1e-5))));
+            let found = gap(&exact, &condensed(Tangent::Difference(Difference::new(Central, 1e-5))));
             assert!(found < 1e-7, "condensed: {found:e}");
+        }
+    }
+}
+
+/// Differences of the residuals of cells are of first order, until rounding is left of them; for every matrix, on all
+/// cells and with every extension.
+#[test]
+fn nodal_differences_give_the_same_matrices() {
+    let nodal = |epsilon| Tangent::Difference(Difference::new(Nodal, epsilon));
+    let extended = |extension| Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI };
+    let pairs = [
+        quadrilaterals(2, Pdc(1)),
+        quadrilaterals(2, Continuous(2)),
+        quadrilaterals(3, Pdc(2)),
+        triangles(2, Continuous(1)),
+        BUBBLE,
+    ];
+    let of_pairs = pairs.into_iter().map(|pair| (pair, FSI));
+    let of_extensions = EXTENSIONS.into_iter().map(|extension| (pairs[0], extended(extension)));
+    for (pair, physics) in of_pairs.chain(of_extensions) {
+        let problem = coupled_in(pair, physics);
+        let mut assembler = problem.assembler(&options());
+        let (new, old) = (random(&problem, 77), random(&problem, 78));
+        for rule in RULES {
+            let view = StepView { rule, new: &new, old: &old };
+            for kind in [Linearization::Newton, Linearization::Reduced, Linearization::FixedPoint] {
+                let exact = matrix(&mut assembler, &view, kind, Tangent::Automatic);
+                let gaps = [1e-4, 1e-5, 1e-6, 1e-9, 1e-12]
+                    .map(|epsilon| gap(&exact, &matrix(&mut assembler, &view, kind, nodal(epsilon))));
+                println!("{pair:?} {physics:?} {kind:?}, theta = {}: {gaps:?}", rule.theta);
+                let order = (gaps[0] / gaps[1]).log10();
+                assert!(gaps[2] < 1e-4, "{kind:?} {gaps:?}");
+                assert!(kind == Linearization::FixedPoint || (order - 1.0).abs() < 0.1, "{order} {gaps:?}");
+                assert!(gaps[4] > 10.0 * gaps[3], "cancellation: {kind:?} {gaps:?}");
+            }
+            let mut condensed = |tangent| {
+                let mut matrix = Csr::zeros(&assembler.condensed().pattern);
+                assembler.condensed_matrix(&view, tangent, &mut matrix);
+                matrix
+            };
+            if rule.per_k > 0.0 {
+                let found = gap(&condensed(Tangent::Automatic), &condensed(nodal(1e-6)));
+                println!("condensed: {found:e}");
+                assert!(found < 1e-4, "condensed: {found:e}");
+            }
         }
     }
 }

@@ -480,6 +480,8 @@ fn senseless_stabilisation_is_refused_with_the_reason() {
         (&["stabilization.alpha=0.2"], "without effect: it belongs to a `pressure` term"),
         (&["stabilization.delta=0.2"], "without effect: it belongs to a `transport` term"),
         (&["stabilization.projection=patch"], "without effect"),
+        (&["stabilization.map=off"], "without effect: it belongs to a `pressure` or a `transport` term"),
+        (&["space.pressure=Q2", "stabilization.map=half"], "expected one of `off`, `size`, `full`"),
         (&["space.pressure=Q2", "stabilization.directional=1"], "expected true or false"),
         (&["space.pressure=Q2", "stabilization.alpha=0"], "expected a number above 0"),
         (&["stabilization.transport=gls"], "expected one of `off`, `lps`, `supg`"),

@@ -8,7 +8,7 @@ use undula::physics::{
     Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested,
     WeakForm,
 };
-use undula::tangent::{ByHand, Difference, automatic, automatic_facet, fixed_point};
+use undula::tangent::{ByHand, Difference, Stencil, automatic, automatic_facet, fixed_point};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -204,17 +204,17 @@ fn differences_are_of_first_and_second_order() {
             let W = random.fields::<D>(1.0);
             let exact = automatic(form, &rule, &place, &new, &old, &W);
             let base = residual(form, &rule, &place, &new, &old);
-            let error = |central, h: f64| {
-                let by = Difference::new(central, h);
+            let error = |stencil, h: f64| {
+                let by = Difference::new(stencil, h);
                 let d = by.derivative(false, form, &rule, &place, (&new, &old), &base, (&W, h));
                 gap(&exact, &d)
             };
-            for (central, h, order) in [(false, 1e-4, 1), (true, 1e-2, 2)] {
-                let (coarse, fine) = (error(central, h), error(central, h / 10.0));
+            for (stencil, h, order) in [(Stencil::OneSided, 1e-4, 1), (Stencil::Central, 1e-2, 2)] {
+                let (coarse, fine) = (error(stencil, h), error(stencil, h / 10.0));
                 let found = (coarse / fine).log10();
                 assert!(
                     fine < 1e-3 && (found - f64::from(order)).abs() < 0.2,
-                    "{central}: {coarse:e} {fine:e}"
+                    "{stencil:?}: {coarse:e} {fine:e}"
                 );
             }
         }
@@ -278,7 +278,7 @@ fn fixed_point_equations_are_linear() {
             let base = residual(form, &rule, &place, &new, &old);
             let dual = fixed_point(form, &rule, &place, &new, &old, &W);
             for h in [1.0, 0.1] {
-                let by = Difference::new(false, h);
+                let by = Difference::new(Stencil::OneSided, h);
                 let d = by.derivative(true, form, &rule, &place, (&new, &old), &base, (&W, h));
                 assert!(gap(&dual, &d) < 1e-11, "{:e} with {rule:?}", gap(&dual, &d));
             }

@@ -6,7 +6,7 @@ use undula::simulation::Simulation;
 use undula::verification::jacobians::{At, Equation, Field, JacobianReport, compare};
 
 /// Every sensible pair of linearisation and way of computing derivatives.
-const WAYS: [&[&str]; 12] = [
+const WAYS: [&[&str]; 15] = [
     &["newton.linearization=newton", "newton.jacobian=automatic"],
     &["newton.linearization=newton", "newton.jacobian=analytic"],
     &["newton.linearization=newton", "newton.jacobian=finite-difference"],
@@ -19,6 +19,9 @@ const WAYS: [&[&str]; 12] = [
     &["newton.linearization=condensed", "newton.jacobian=automatic"],
     &["newton.linearization=condensed", "newton.jacobian=analytic"],
     &["newton.linearization=condensed", "newton.jacobian=finite-difference"],
+    &["newton.linearization=newton", "newton.jacobian=finite-difference", "newton.difference=nodal"],
+    &["newton.linearization=fixed-point", "newton.jacobian=finite-difference", "newton.difference=nodal"],
+    &["newton.linearization=condensed", "newton.jacobian=finite-difference", "newton.difference=nodal"],
 ];
 
 /// fsi3 with an early inflow and a body force that bends the beam.
@@ -84,7 +87,7 @@ fn stabilized_pairs_have_one_solution_in_motion() {
             "stabilization.transport=supg",
         ],
     ] {
-        same_solution("fsi3", &[&MOVING[..], settings].concat(), &[WAYS[4], WAYS[7], WAYS[9]]);
+        same_solution("fsi3", &[&MOVING[..], settings].concat(), &[WAYS[4], WAYS[7], WAYS[9], WAYS[12]]);
     }
 }
 
@@ -114,7 +117,9 @@ fn rate(residuals: &[f64]) -> f64 {
 #[test]
 fn newton_is_quadratic_and_differences_nearly() {
     let reference = residuals(WAYS[0]);
-    for way in &WAYS[..4] {
+    // Nodal values move ∇u at all points and in all components, so that their ε is smaller.
+    let nodal = [WAYS[12], &["newton.epsilon=1e-8"]].concat();
+    for way in [WAYS[0], WAYS[1], WAYS[2], WAYS[3], &nodal] {
         let found = residuals(way);
         println!("{way:?}: {found:?} order {:.2}", order(&found));
         assert!(order(&found) > 1.7, "{way:?}: {found:?}");
@@ -124,6 +129,29 @@ fn newton_is_quadratic_and_differences_nearly() {
     let found = residuals(&coarse);
     println!("{coarse:?}: {found:?}");
     assert!(found.len() > reference.len(), "a large epsilon costs iterations: {found:?}");
+}
+
+/// Section 5.2.3, Fig. 5.8: with ε = 1e-6 differences in nodal values take the iterations of the Jacobian by hand. In
+/// the units of the case a larger ε is off by its size, and a smaller one by cancellation.
+#[test]
+fn nodal_differences_take_the_steps_of_newton() {
+    let settings =
+        [&MOVING[..], &["space.pressure=Q2", "newton.rate-max=0.2", "newton.tolerance=1e-8"]].concat();
+    let steps = |way: &[&str]| -> Vec<usize> {
+        run("fsi3", &settings, way).history.iter().map(|row| row.newton_steps).collect()
+    };
+    let nodal = |kind: &str, epsilon: &str| {
+        let sets = [format!("newton.difference={kind}"), format!("newton.epsilon={epsilon}")];
+        steps(&[WAYS[2], &[sets[0].as_str(), sets[1].as_str()]].concat())
+    };
+    let total = |steps: &[usize]| steps.iter().sum::<usize>();
+    let (by_hand, relative) = (steps(WAYS[1]), nodal("nodal", "1e-6"));
+    let absolute = ["1e-4", "1e-6", "1e-9", "1e-10"].map(|epsilon| total(&nodal("nodal-absolute", epsilon)));
+    println!("{by_hand:?}, nodal {relative:?}, in units of the case {absolute:?}");
+    assert!(by_hand.len() == 4 && by_hand.iter().zip(&relative).all(|(a, b)| a.abs_diff(*b) <= 1));
+    let [large, good, small, smaller] = absolute;
+    assert!(good < total(&by_hand) + 5 && large > 2 * good, "{absolute:?}");
+    assert!(good <= small && small < smaller, "{absolute:?}");
 }
 
 #[test]
@@ -142,7 +170,7 @@ fn report(case: &str, settings: &[&str], seed: u64) -> JacobianReport {
     compare(&mut simulation, At::Random { seed }).unwrap()
 }
 
-/// At random states of all kinds of problems all five agree with automatic differentiation.
+/// At random states of all kinds of problems all six agree with automatic differentiation.
 #[test]
 fn all_jacobians_agree() {
     let coupled = ["mesh.refine=0"];
@@ -152,9 +180,17 @@ fn all_jacobians_agree() {
         "fluid.body-force-at=current",
     ];
     let stationary = ["mesh.refine=0", "space.pressure=Q1"];
+    let stabilized = [
+        "mesh.refine=0",
+        "space.pressure=Q2",
+        "stabilization.transport=lps",
+        "stabilization.map=size",
+        "boundary.outflow.backflow=directional",
+    ];
     for (case, settings) in [
         ("fsi3", &coupled[..]),
         ("fsi3", &current),
+        ("fsi3", &stabilized),
         ("fsi1", &stationary),
         ("cfd2", &coupled),
         ("csm3", &coupled),
@@ -244,7 +280,8 @@ fn senseless_settings_are_refused_or_told() {
 /// What is written is read back as the same case.
 #[test]
 fn settings_survive_being_written() {
-    for way in WAYS {
+    let absolute: &[&str] = &["newton.jacobian=finite-difference", "newton.difference=nodal-absolute"];
+    for way in WAYS.into_iter().chain([absolute]) {
         let case = builtin("fsi3", &[way, &["newton.rate-max=0", "fluid.body-force-at=current"]].concat());
         let again = Case::from_toml(&case.to_toml(), "case.toml", &[]).unwrap();
         assert_eq!(case, again, "{}", case.to_toml());

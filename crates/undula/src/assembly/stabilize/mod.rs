@@ -15,12 +15,13 @@ use super::simd::Width;
 use super::test_functions::Trial;
 use crate::algebra::SolverError;
 use crate::math::{Lanes, Vector};
-use crate::physics::{Fluid, PressureTerm, Stabilization, TransportTerm};
+use crate::physics::{Fluid, Mapping, PressureTerm, Stabilization, TransportTerm};
 use crate::space::FsiSpace;
+use crate::tangent::Tangent;
 use patches::axes;
 pub use patches::patches;
 use tables::Tables;
-use tasks::{MatrixTask, ResidualTask, Scratch};
+use tasks::{DifferenceTask, MatrixTask, ResidualTask, Scratch};
 
 /// Which columns a matrix has.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -52,7 +53,9 @@ pub fn couplings(how: &Stabilization, deforms: bool) -> Vec<Coupling> {
         xi: how.pressure == PressureTerm::Pspg,
     }];
     if deforms {
-        list.push(Coupling { trial: Trial::U(0), phi: momentum, xi: divergence });
+        // Without the map u is in ∂_t u alone.
+        let xi = divergence && (how.map == Mapping::Full || how.pressure == PressureTerm::Pspg);
+        list.push(Coupling { trial: Trial::U(0), phi: momentum, xi });
     }
     list.push(Coupling { trial: Trial::P, phi: how.transport == TransportTerm::Supg, xi: divergence });
     list.retain(|c| c.phi || c.xi);
@@ -229,8 +232,9 @@ where
         self.row_copies = copies;
     }
 
-    /// Add the derivatives with respect to the new state to the entries `out` of a matrix.
-    pub fn matrix(&mut self, columns: Columns, step: &StepView<'_>, out: &mut [f64]) {
+    /// Add the derivatives with respect to the new state to the entries `out` of a matrix: by dual numbers, but by
+    /// differences in nodal values where the whole matrix is made of them.
+    pub fn matrix(&mut self, columns: Columns, step: &StepView<'_>, tangent: Tangent, out: &mut [f64]) {
         let mut copies = std::mem::take(&mut self.targets[columns as usize].copies);
         let shared = copies.share(out);
         let target = &self.targets[columns as usize];
@@ -240,7 +244,11 @@ where
                 let slots = &target.slots[batch * per_batch..(batch + 1) * per_batch];
                 let couplings = &target.couplings;
                 let out = &shared;
-                Lanes::<L>::dispatch(MatrixTask { of: self, step, couplings, slots, batch, scratch, out });
+                let task = MatrixTask { of: self, step, couplings, slots, batch, scratch, out };
+                match tangent.nodal() {
+                    Some(by) => Lanes::<L>::dispatch(DifferenceTask { by, task }),
+                    None => Lanes::<L>::dispatch(task),
+                }
             });
         });
         copies.gather(out);

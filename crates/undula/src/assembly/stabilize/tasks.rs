@@ -8,7 +8,8 @@ use crate::assembly::scatter::Shared;
 use crate::assembly::simd::Task;
 use crate::assembly::test_functions::Trial;
 use crate::math::{Dual, Lanes, Scalar, Tensor, Vector};
-use crate::physics::stabilization::{CellState, FineFields, FineTested, Parameters};
+use crate::physics::stabilization::{CellState, FineFields, FineTested, Mapping, Parameters};
+use crate::tangent::Difference;
 
 /// Work space of one thread.
 pub(super) struct Scratch<const D: usize, const L: usize> {
@@ -19,6 +20,8 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
     xi: Vec<Lanes<L>>,
     /// `[column][momentum rows, divergence rows]`.
     matrix: Vec<Lanes<L>>,
+    /// Rows of the iterate itself, for differences.
+    base: Vec<Lanes<L>>,
 }
 
 impl<const D: usize, const L: usize> Scratch<D, L> {
@@ -32,6 +35,7 @@ impl<const D: usize, const L: usize> Scratch<D, L> {
             phi: vectors(),
             xi: vec![Lanes::zero(); m],
             matrix: vec![Lanes::zero(); columns * (n * D + m)],
+            base: vec![Lanes::zero(); n * D + m],
         }
     }
 }
@@ -42,6 +46,8 @@ struct CellParameters<const L: usize> {
     alpha: Lanes<L>,
     delta: Lanes<L>,
     speed: Lanes<L>,
+    /// h/ĥ = J^(1/D).
+    stretch: Lanes<L>,
 }
 
 impl<const D: usize, const L: usize> Stabilizer<D, L> {
@@ -91,14 +97,19 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
             moved.add_product_lanes(t.weight[index], (Tensor::identity() + grad_u).det());
         }
         let size = t.size[batch * t.n_children + child];
-        let mut r = CellParameters { alpha: Lanes::zero(), delta: Lanes::zero(), speed: Lanes::zero() };
+        let zero = Lanes::zero();
+        let mut r = CellParameters { alpha: zero, delta: zero, speed: zero, stretch: Lanes::splat(1.0) };
         for l in 0..L {
             // Padded lanes have no volume.
-            let j = if volume.0[l] > 0.0 { moved.0[l] / volume.0[l] } else { 1.0 };
+            let present = volume.0[l] > 0.0 && self.how.map != Mapping::Off;
+            let j = if present { moved.0[l] / volume.0[l] } else { 1.0 };
             let cell = CellState { size: size.0[l], j, speed: speed[l].sqrt() };
             r.alpha.0[l] = self.how.alpha::<D>(&self.fluid, &cell);
             r.delta.0[l] = self.how.delta::<D>(&self.fluid, step.rule.per_k, &cell);
             r.speed.0[l] = cell.speed;
+            if self.how.map == Mapping::Size {
+                r.stretch.0[l] = j.max(0.0).powf(1.0 / D as f64);
+            }
         }
         r
     }
@@ -196,9 +207,12 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
                 force += weight * *f;
             }
         }
-        let axes = match self.tables.jacobian.get(index) {
-            Some(jacobian) => self.axes(jacobian, &(Tensor::identity() + old.at.grad_u), cell.speed),
-            None => Tensor::zero(),
+        let axes = match (self.tables.jacobian.get(index), self.how.map) {
+            (Some(jacobian), Mapping::Full) => {
+                self.axes(jacobian, &(Tensor::identity() + old.at.grad_u), cell.speed)
+            }
+            (Some(jacobian), _) => self.axes(&(*jacobian * cell.stretch), &Tensor::identity(), cell.speed),
+            (None, _) => Tensor::zero(),
         };
         Parameters { alpha: cell.alpha, delta: cell.delta, axes, force }
     }
@@ -225,21 +239,20 @@ pub(super) struct ResidualTask<'a, const D: usize, const L: usize> {
     pub(super) out: &'a Shared<'a>,
 }
 
-impl<const D: usize, const L: usize> Task for ResidualTask<'_, D, L> {
+impl<const D: usize, const L: usize> Stabilizer<D, L> {
+    /// The terms of a batch for all its test functions, from the unknowns that are loaded.
     #[inline(always)]
-    fn run(self) {
-        let (of, batch, s) = (self.of, self.batch, self.scratch);
-        let t = &of.tables;
-        of.load(self.step, batch, s);
+    fn rows(&self, step: &StepView<'_>, batch: usize, s: &mut Scratch<D, L>) {
+        let t = &self.tables;
         s.phi.fill(Vector::zero());
         s.xi.fill(Lanes::zero());
         for child in 0..t.n_children {
-            let cell = of.parameters(self.step, batch, child, s);
+            let cell = self.parameters(step, batch, child, s);
             for q in child * t.n_points..(child + 1) * t.n_points {
                 let index = batch * t.points() + q;
-                let (new, old) = (of.fields(batch, q, 0, s), of.fields(batch, q, 1, s));
-                let with = of.at_point(self.step, index, &cell, &old);
-                let r = of.how.terms(&of.fluid, &self.step.rule, &with, &new, &old);
+                let (new, old) = (self.fields(batch, q, 0, s), self.fields(batch, q, 1, s));
+                let with = self.at_point(step, index, &cell, &old);
+                let r = self.how.terms(&self.fluid, &step.rule, &with, &new, &old);
                 let (phi, xi) = (r.phi * t.weight[index], r.xi * t.weight[index]);
                 for (r, slope) in s.phi.iter_mut().zip(t.velocity.tested(index)) {
                     *r += phi * *slope;
@@ -249,6 +262,16 @@ impl<const D: usize, const L: usize> Task for ResidualTask<'_, D, L> {
                 }
             }
         }
+    }
+}
+
+impl<const D: usize, const L: usize> Task for ResidualTask<'_, D, L> {
+    #[inline(always)]
+    fn run(self) {
+        let (of, batch, s) = (self.of, self.batch, self.scratch);
+        let t = &of.tables;
+        of.load(self.step, batch, s);
+        of.rows(self.step, batch, s);
         let (n, m, active) = (t.velocity.n, t.pressure.n, t.active[batch]);
         scatter(&of.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
         for (rows, xi) in of.write_xi[batch * m..(batch + 1) * m].iter().zip(&s.xi) {
@@ -302,6 +325,70 @@ impl<const D: usize, const L: usize> Task for MatrixTask<'_, D, L> {
         }
         of.scatter(self.couplings, &matrix, self.slots, self.out);
         s.matrix = matrix;
+    }
+}
+
+/// The matrix by differences of the terms in nodal values, as [`crate::assembly::nodal`] has them.
+pub(super) struct DifferenceTask<'a, const D: usize, const L: usize> {
+    pub(super) by: &'a Difference,
+    pub(super) task: MatrixTask<'a, D, L>,
+}
+
+impl<const D: usize, const L: usize> Task for DifferenceTask<'_, D, L> {
+    #[inline(always)]
+    fn run(self) {
+        let MatrixTask { of, step, couplings, slots, batch, scratch: s, out } = self.task;
+        let (n, m) = (of.tables.velocity.n, of.tables.pressure.n);
+        let points = of.tables.points() * n;
+        let gradients = &of.tables.velocity.grad[batch * points..(batch + 1) * points];
+        let steps = self.by.steps(gradients.iter().flat_map(|g| (0..L).map(|l| g.map(|x| x.0[l]))));
+        let [h_v, h_u, h_p] = steps.map(Lanes::<L>::splat);
+        of.load(step, batch, s);
+        let (mut matrix, mut base) = (std::mem::take(&mut s.matrix), std::mem::take(&mut s.base));
+        // The first column stands for the iterate itself.
+        let columns = couplings.iter().flat_map(|coupling| {
+            let (nodes, components) = if coupling.trial == Trial::P { (m, 1) } else { (n, D) };
+            (0..nodes * components).map(move |at| Some((coupling.trial, at / components, at % components)))
+        });
+        let mut entries = matrix.chunks_exact_mut(n * D + m);
+        for column in std::iter::once(None).chain(columns) {
+            let mut h = Lanes::zero();
+            let mut before = Lanes::zero();
+            if let Some((trial, b, j)) = column {
+                h = match trial {
+                    Trial::V(_) => h_v,
+                    Trial::U(_) => h_u,
+                    Trial::P => h_p,
+                };
+                let value = s.unknown(trial, b, j);
+                before = *value;
+                *value += h;
+            }
+            of.rows(step, batch, s);
+            let rows = s.phi.iter().flat_map(|phi| phi.0).chain(s.xi.iter().copied());
+            let Some((trial, b, j)) = column else {
+                base.iter_mut().zip(rows).for_each(|(base, row)| *base = row);
+                continue;
+            };
+            let Some(entries) = entries.next() else { return };
+            for ((entry, row), base) in entries.iter_mut().zip(rows).zip(&base) {
+                *entry = (row - *base) / h;
+            }
+            *s.unknown(trial, b, j) = before;
+        }
+        of.scatter(couplings, &matrix, slots, out);
+        (s.matrix, s.base) = (matrix, base);
+    }
+}
+
+impl<const D: usize, const L: usize> Scratch<D, L> {
+    /// Component `j` of basis function `b` of a field of the iterate.
+    fn unknown(&mut self, trial: Trial, b: usize, j: usize) -> &mut Lanes<L> {
+        match trial {
+            Trial::V(_) => &mut self.v[0][b].0[j],
+            Trial::U(_) => &mut self.u[0][b].0[j],
+            Trial::P => &mut self.p[b],
+        }
     }
 }
 

@@ -181,6 +181,7 @@ mod tests {
                 n_pressure: 0,
                 n_points: self.m,
                 tensor: None,
+                nodal: None,
             };
             let mut blocks = [(); 2].map(|()| vec![Lanes::zero(); self.n * self.n]);
             tangents.contract(piece, &mut blocks[0], &mut []);

@@ -242,7 +242,7 @@ fn smallest_step(step: &Expression, start: f64, end: f64) -> (f64, f64) {
 /// How derivatives are computed: `jacobian`, `difference`, `epsilon`.
 fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> Tangent {
     let tangent = s.choice("jacobian", &TANGENTS, &[]).unwrap_or(Tangent::Automatic);
-    let central = s.choice("difference", &DIFFERENCES, &[]);
+    let stencil = s.choice("difference", &DIFFERENCES, &[]);
     let epsilon = s.number("epsilon", EPSILON, PERTURBATION);
     if tangent == Tangent::Analytic && linearization == Linearization::FixedPoint {
         let message = "Theorem 5.2 is the Jacobian of Newton's method, not the matrix of a fixed-point \
@@ -250,7 +250,7 @@ fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> Tangent {
         s.wrong("jacobian", message);
     }
     if let Tangent::Difference(default) = tangent {
-        return Tangent::Difference(Difference::new(central.unwrap_or(default.central), epsilon));
+        return Tangent::Difference(Difference::new(stencil.unwrap_or(default.stencil), epsilon));
     }
     for key in ["difference", "epsilon"].into_iter().filter(|key| s.has(key)) {
         let note = format!("newton.{key} has no effect: newton.jacobian is not `finite-difference`");

@@ -3,7 +3,7 @@
 use crate::case::element::{PressureElement, Stability};
 use crate::case::read::{POSITIVE, Section};
 use crate::case::schema::SpaceSpec;
-use crate::physics::stabilization::{PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::stabilization::{MAPPINGS, Mapping, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
 
 /// Pairs of equal order get local projections unless another term is asked for, stable ones nothing.
@@ -17,6 +17,7 @@ pub(super) fn stabilization(mut s: Section<'_, '_>, space: &SpaceSpec, fluid: bo
         delta: s.number("delta", 0.1, POSITIVE),
         projection: s.choice("projection", &PROJECTIONS, &[]).unwrap_or(Projection::Cell),
         directional: s.boolean("directional", false),
+        map: s.choice("map", &MAPPINGS, &[]).unwrap_or(Mapping::Full),
     };
     if fluid {
         refuse_pressure(&s, &how, space, equal);
@@ -60,6 +61,7 @@ fn refuse_without_effect(s: &Section<'_, '_>, how: &Stabilization) {
         ("alpha", pressure, "a `pressure` term"),
         ("directional", pressure, "a `pressure` term"),
         ("delta", transport, "a `transport` term"),
+        ("map", pressure || transport, "a `pressure` or a `transport` term"),
         ("projection", how.projects(), "`pressure` or `transport` = `lps`"),
     ] {
         if s.has(key) && !matters {

@@ -22,7 +22,7 @@ use crate::choice::Choice;
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::State;
-use crate::tangent::{Difference, LINEARIZATIONS, Linearization, Tangent};
+use crate::tangent::{Difference, LINEARIZATIONS, Linearization, Stencil, Tangent};
 use blocks::Blocks;
 use state::Setting;
 
@@ -135,15 +135,19 @@ fn matrices(
     assembler.zero_given(&mut given);
     let blocks = Blocks::new(&assembler.space, &exact, &given);
     let mut comparisons = vec![];
-    let points = |central, epsilon| Tangent::Difference(Difference::new(central, epsilon));
+    let by = |stencil, epsilon| Tangent::Difference(Difference::new(stencil, epsilon));
     for (name, tolerance, tangent) in [
         ("analytic", EXACT, Tangent::Analytic),
-        ("finite-difference, one-sided", ONE_SIDED_TOLERANCE, points(false, ONE_SIDED)),
-        ("finite-difference, central", CENTRAL_TOLERANCE, points(true, CENTRAL)),
+        ("finite-difference, one-sided", ONE_SIDED_TOLERANCE, by(Stencil::OneSided, ONE_SIDED)),
+        ("finite-difference, central", CENTRAL_TOLERANCE, by(Stencil::Central, CENTRAL)),
     ] {
         assembler.jacobian(&view, tangent, &mut other);
         comparisons.push(blocks.compare(name, tolerance, &exact, &other, None));
     }
+    let noise = noise(&exact, &setting.new, &setting.old);
+    assembler.jacobian(&view, by(Stencil::Nodal, ONE_SIDED), &mut other);
+    let (name, steps) = ("finite-difference, nodal", setting.steps(ONE_SIDED));
+    comparisons.push(blocks.compare(name, ONE_SIDED_TOLERANCE, &exact, &other, Some((&noise, &steps))));
     let mut differences = Differences::new(assembler);
     for (name, tolerance, central, h) in [
         ("whole residual, one-sided", ONE_SIDED_TOLERANCE, false, ONE_SIDED),
@@ -158,7 +162,6 @@ fn matrices(
             (&steps, central),
             &mut other,
         );
-        let noise = noise(&exact, &setting.new, &setting.old);
         comparisons.push(blocks.compare(name, tolerance, &exact, &other, Some((&noise, &steps))));
     }
     let mut left_out = vec![];

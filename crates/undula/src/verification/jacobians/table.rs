@@ -44,6 +44,7 @@ fn write_comparison(f: &mut Formatter<'_>, comparison: &Comparison) -> fmt::Resu
 
 /// `whole residual, central` as the head of a column.
 fn short(name: &str) -> String {
+    let name = name.replace("finite-difference, nodal", "nodal");
     name.replace("finite-difference", "points").replace("whole residual", "residual").replace(", ", " ")
 }
 
