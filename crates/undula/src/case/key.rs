@@ -38,6 +38,9 @@ pub(crate) fn parts(key: &str) -> Vec<&str> {
     parts
 }
 
+/// Keys of which `none` is a value like others: an override gives it and does not remove the key.
+pub const WITH_NONE: [&str; 1] = ["stabilization.map"];
+
 /// The parts of the key before the first `=` of an override, and the value behind it.
 ///
 /// # Errors

@@ -185,12 +185,13 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
     if value.is_empty() {
         return Err("expected a value after `=` (`none` removes the key)".into());
     }
+    let removes = value == "none" && !key::WITH_NONE.contains(&path.join(".").as_str());
     let mut table = root;
     for (depth, part) in tables.iter().enumerate() {
         let found = table.0.iter().position(|(k, _)| k == part);
         let position = match found {
             Some(position) => position,
-            None if value == "none" => return Ok(()),
+            None if removes => return Ok(()),
             None => {
                 let value = Value::Table(Table::default());
                 table.0.push((
@@ -208,7 +209,7 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
             }
         }
     }
-    if value == "none" {
+    if removes {
         table.0.retain(|(k, _)| k != last);
         return Ok(());
     }

@@ -76,7 +76,7 @@ pub static PROJECTIONS: [Choice<Projection>; 2] = [
 pub enum Mapping {
     /// Not at all: the terms of a domain that does not move, F = I and J = 1 but for ∂_t u in w. For small
     /// deformations.
-    Off,
+    None,
     /// Not at all, with parameters of the present size h = J^(1/D) ĥ, (5.32). For isotropic deformations.
     Size,
     /// With F, J and h = J^(1/D) ĥ: the terms of the moved domain.
@@ -85,7 +85,7 @@ pub enum Mapping {
 
 /// Their names in a case.
 pub static MAPPINGS: [Choice<Mapping>; 3] = [
-    choice("off", Mapping::Off, "F = I and J = 1 in the terms, sizes of the reference cells"),
+    choice("none", Mapping::None, "F = I and J = 1 in the terms, sizes of the reference cells"),
     choice(
         "size",
         Mapping::Size,

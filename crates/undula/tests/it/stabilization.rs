@@ -43,7 +43,7 @@ fn methods() -> Vec<Stabilization> {
 /// The same left out of the map, altogether or but for the sizes of the cells.
 fn unmapped() -> Vec<Stabilization> {
     let with = |map| methods().into_iter().map(move |how| Stabilization { map, ..how });
-    with(Mapping::Off).chain(with(Mapping::Size)).collect()
+    with(Mapping::None).chain(with(Mapping::Size)).collect()
 }
 
 /// Equal order on both kinds of cells, and a stable pair with bubbles.
@@ -246,7 +246,7 @@ fn sizes_are_enough_where_the_motion_is_isotropic() {
         let mut rows = |A: Tensor<f64, 2>, how: Stabilization| {
             state.u = nodal(&space, |x| (A * Vector(*x)).0);
             let step = StepView { rule: StepRule::theta(0.1, 0.6), new: &state, old: &state };
-            [Mapping::Off, Mapping::Size, Mapping::Full]
+            [Mapping::None, Mapping::Size, Mapping::Full]
                 .map(|map| added(&space, &Stabilization { map, ..how }, &step, [1.0, 2.0]))
         };
         for how in methods() {

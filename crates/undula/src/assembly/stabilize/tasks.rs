@@ -101,7 +101,7 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         let mut r = CellParameters { alpha: zero, delta: zero, speed: zero, stretch: Lanes::splat(1.0) };
         for l in 0..L {
             // Padded lanes have no volume.
-            let present = volume.0[l] > 0.0 && self.how.map != Mapping::Off;
+            let present = volume.0[l] > 0.0 && self.how.map != Mapping::None;
             let j = if present { moved.0[l] / volume.0[l] } else { 1.0 };
             let cell = CellState { size: size.0[l], j, speed: speed[l].sqrt() };
             r.alpha.0[l] = self.how.alpha::<D>(&self.fluid, &cell);
