@@ -166,7 +166,9 @@ impl Call {
         let mut reports: Vec<Report> = vec![];
         for (source, jobs) in all.iter().zip(&jobs) {
             if !self.quiet {
-                say(format_args!("{}: {} runs", source.study.name, jobs.len()));
+                let how =
+                    if source.study.timed { ", timed: one after the other, on one thread each" } else { "" };
+                say(format_args!("{}: {} runs{how}", source.study.name, jobs.len()));
             }
             let computed = match source.study.compute(jobs, &self.settings(directory, &source.study), &watch)
             {

@@ -118,6 +118,11 @@ fn mistakes_in_a_study_are_found_before_anything_is_computed() {
     );
     wrong("name = \"fine\"", "name = \"mu_1\"", &["run mu_1", "another run has this name"]);
     wrong("full-only = true", "from = \"mu\"", &["run fine: from = \"mu\"", "without `over`"]);
+    wrong(
+        "\"mesh.refine\" = 0",
+        "\"mesh.refine\" = 0\n\"functional.seconds\" = { kind = \"displacement\", point = [0.6, 0.2], component = \"x\" }",
+        &["functional.seconds", "every run has a result of this name"],
+    );
     place.run("study fsi3", &[]).expect(2, &["built-in case", "--converge"]);
     place.run("reproduce nonsense", &[]).expect(2, &["nonsense", "mesh-motion"]);
 }
@@ -150,6 +155,16 @@ fn refinement_gives_orders_and_extrapolated_values() {
     let value: f64 = line.split(": ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     let uncertainty: f64 = line.split("± ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
     assert!((value + 66.103e-3).abs() < uncertainty && uncertainty < 1e-4, "{line}");
+}
+
+/// A mesh whose run breaks down has no value, so that there is no order.
+#[test]
+fn refinement_takes_no_values_of_breakdowns() {
+    let place = Place::new("study-converge-breakdown");
+    let said = place
+        .run("study csm1 --converge", &["mesh.refine=0", "newton.max-steps=1"])
+        .expect(0, &["mesh_2 breakdown", "index.html"]);
+    assert!(!said.out.contains("order"), "{}", said.out);
 }
 
 #[test]

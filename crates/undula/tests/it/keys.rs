@@ -163,7 +163,8 @@ fn defaults_of_the_table_are_those_of_reading() {
 /// `none` removes a key, unless it is a value like others.
 #[test]
 fn none_is_given_where_it_is_no_default() {
-    let has_none = |key: &&Key| key.choices().iter().any(|(name, _)| *name == "none") && key.default != "none";
+    let has_none =
+        |key: &&Key| key.choices().iter().any(|(name, _)| *name == "none") && key.default != "none";
     let keys: Vec<&str> = KEYS.iter().filter(has_none).map(|key| key.key).collect();
     assert_eq!(keys, ["stabilization.map"]);
     let case = read(TEXT, &["space.pressure=Q2", "stabilization.map=none"]).unwrap();
