@@ -5,8 +5,9 @@
 //!
 //! | step | file |
 //! | --- | --- |
-//! | read a study | `file` |
-//! | make its cases and compute them, or take up what an earlier call left | `engine` |
+//! | read a study, and write out what stands for several entries | `file`, `template` |
+//! | make its cases | `job` |
+//! | compute them, or take up what an earlier call left | `engine` |
 //! | what is computed besides histories: modes, errors, inf-sup constants, matrices | `quantities` |
 //! | names of results in expressions | `known` |
 //! | tables, figures, statements with their numbers | `report` |
@@ -16,16 +17,19 @@ mod chapter;
 pub mod converge;
 mod engine;
 mod file;
+mod job;
 mod known;
 mod measures;
 mod quantities;
 mod report;
+mod template;
 
 pub use chapter::chapter;
-pub use engine::{Computed, Event, Job, Settings, Watch};
+pub use engine::{Computed, Event, Settings, Watch};
 pub use file::{
     Cell, CurveEntry, FigureEntry, PictureEntry, RunEntry, Statement, Study, StudyError, TableEntry,
 };
+pub use job::Job;
 pub use known::Known;
 pub use quantities::{Also, Compute, Numbers};
 pub use report::{Curve, Figure, Picture, Report, RunRow, Shown, Table, Verdict, Weighed};
