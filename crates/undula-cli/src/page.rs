@@ -347,7 +347,7 @@ fn results(report: &Report) -> serde_json::Value {
             serde_json::json!({
                 "text": statement.text, "section": statement.section, "number": number, "unit": statement.unit,
                 "published": statement.published(), "expression": statement.number, "holds": statement.holds,
-                "verdict": verdict.to_string(), "missing": missing,
+                "verdict": verdict.to_string(), "because": statement.because, "missing": missing,
             })
         })
         .collect();
