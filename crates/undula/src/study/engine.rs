@@ -81,6 +81,14 @@ impl Computed {
         self.results.is_some() || !self.numbers.is_empty()
     }
 
+    /// Whether it is no run and has none of its numbers.
+    pub(super) fn has_failed(&self) -> bool {
+        let names = self.job.compute.names();
+        !names.is_empty()
+            && self.is_there()
+            && names.iter().all(|name| self.numbers.get(name).is_none_or(|x| x.is_nan()))
+    }
+
     /// A run without results in a study in `directory`.
     fn absent(job: &Job, directory: &Path) -> Computed {
         let directory = directory.join(&job.name);
@@ -222,9 +230,7 @@ fn compute(
         let (numbers, status) = match job.compute.numbers(&job.case, threads) {
             Ok(numbers) => (numbers, Status::Completed),
             // As in a run, a breakdown is a result.
-            Err(Error::Breakdown(_)) => {
-                (job.compute.names().into_iter().map(|name| (name, f64::NAN)).collect(), Status::Breakdown)
-            }
+            Err(Error::Breakdown(_)) => (job.compute.without_numbers(), Status::Breakdown),
             Err(error) => return Err(error),
         };
         computed.numbers = numbers;

@@ -46,6 +46,14 @@ fn named<const N: usize>(pairs: [(&str, f64); N]) -> Numbers {
     pairs.into_iter().map(|(name, number)| (name.to_string(), number)).collect()
 }
 
+/// `numbers` with NaN for those of `names` that are missing.
+fn complete(names: Vec<String>, mut numbers: Numbers) -> Numbers {
+    for name in names {
+        numbers.entry(name).or_insert(f64::NAN);
+    }
+    numbers
+}
+
 fn owned<const N: usize>(names: [&str; N]) -> Vec<String> {
     names.map(String::from).into()
 }
@@ -64,11 +72,20 @@ impl Compute {
         }
     }
 
-    /// Its numbers.
+    /// Its numbers; NaN where the case does not have one of them.
     ///
     /// # Errors
     /// A case that has none, or that cannot be computed.
     pub fn numbers(self, case: &Case, threads: usize) -> Result<Numbers, Error> {
+        Ok(complete(self.names(), self.found(case, threads)?))
+    }
+
+    /// What stands for the numbers of a computation that failed.
+    pub(super) fn without_numbers(self) -> Numbers {
+        complete(self.names(), Numbers::new())
+    }
+
+    fn found(self, case: &Case, threads: usize) -> Result<Numbers, Error> {
         Ok(match self {
             Compute::Run => Numbers::new(),
             Compute::Modes => {
@@ -110,11 +127,15 @@ impl Also {
         }
     }
 
-    /// Its numbers at the present state of `simulation`.
+    /// Its numbers at the present state of `simulation`; NaN where it does not have one of them.
     ///
     /// # Errors
     /// A matrix that cannot be factorised.
     pub fn numbers(self, simulation: &mut Simulation) -> Result<Numbers, Error> {
+        Ok(complete(self.names(), self.found(simulation)?))
+    }
+
+    fn found(self, simulation: &mut Simulation) -> Result<Numbers, Error> {
         simulation.install(|simulation| match self {
             Also::InfSup => {
                 let Some(found) = constants(simulation, true)? else { return Ok(Numbers::new()) };

@@ -358,7 +358,7 @@ impl RunRow {
             settings: run.job.settings.clone(),
             status: match run.job.compute {
                 Compute::Run => summary.map(|summary| summary.status),
-                _ if run.numbers.values().any(|number| number.is_nan()) => Some(Status::Breakdown),
+                _ if run.has_failed() => Some(Status::Breakdown),
                 _ => run.is_there().then_some(Status::Completed),
             },
             time: time.and_then(|times| times.last().copied()),
