@@ -319,6 +319,7 @@ holds = "abs(it - 1) < 1e-3 and turn.present_J > 0.9"
     wrong("compute = \"modes\"", "compute = \"modals\"", &["unknown variant `modals`", "`newmark`"]);
     wrong("modes.fluid_1/", "modes.end_time/", &["unknown result `end_time`"]);
     wrong("each = [[\"v\", 3]", "each = [[\"v\"]", &["expected a value for {2}"]);
+    wrong("row = [\"{1}\", ", "rows = [] #", &["table \"Errors\"", "both `each` and `row`"]);
     wrong("run = \"turn\"", "run = \"turned\"", &["picture \"The bar\"", "no run is called \"turned\""]);
     wrong("field = \"pressure\"", "field = \"stress\"", &["`velocity`, `pressure`, `deformation`"]);
     wrong("cells = [4, 4]", "cells = [4, 4, 4]", &["cases.square", "cells"]);

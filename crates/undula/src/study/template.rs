@@ -31,6 +31,12 @@ impl Study {
     /// Makes the rows, curves, points, pictures and statements that stand for `each` of several values.
     pub(super) fn expand(&mut self) -> Result<(), String> {
         for table in &mut self.table {
+            if table.each.is_empty() != table.row.is_empty() {
+                return Err(format!(
+                    "table {:?}: expected both `each` and `row`, or none of them",
+                    table.title
+                ));
+            }
             for values in std::mem::take(&mut table.each) {
                 table
                     .rows
@@ -112,6 +118,9 @@ impl CurveEntry {
     /// Itself, with its points, or the curves that it stands for.
     fn expanded(&self) -> Result<Vec<CurveEntry>, String> {
         if let [x, y] = &self.point[..] {
+            if self.each.is_empty() {
+                return Err(format!("curve {:?}: point: expected `each` with its values", self.name));
+            }
             let mut curve = CurveEntry { each: vec![], point: vec![], ..self.clone() };
             for values in &self.each {
                 curve.points.push([filled_cell(x, values)?, filled_cell(y, values)?]);
