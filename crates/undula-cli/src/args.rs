@@ -181,6 +181,9 @@ pub struct Common {
     /// Replace runs that were computed with other settings
     #[arg(long)]
     pub force: bool,
+    /// Compute nothing: write the page from the runs that are there
+    #[arg(long, conflicts_with = "force")]
+    pub collect: bool,
     /// Number of threads [default: all cores]; runs are computed side by side
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub threads: Option<u16>,

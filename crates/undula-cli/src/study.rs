@@ -60,8 +60,8 @@ pub fn run(args: &StudyArgs) -> anyhow::Result<ExitCode> {
     }
     let all = [Source { study, file, base }];
     let heading = Heading { title: &title, about: &[], command: &command };
-    let Common { force, quiet, threads: asked, .. } = args.common;
-    Call { quick: args.common.quick, force, quiet, threads: threads(asked), converge: args.converge }
+    let Common { force, collect, quiet, threads: asked, .. } = args.common;
+    Call { quick: args.common.quick, force, collect, quiet, threads: threads(asked), converge: args.converge }
         .compute(&all, &directory, &heading)
 }
 
@@ -123,8 +123,8 @@ pub fn reproduce(args: &ReproduceArgs) -> anyhow::Result<ExitCode> {
         ],
         command: &command,
     };
-    let Common { force, quiet, threads: asked, .. } = args.common;
-    Call { quick: args.common.quick, force, quiet, threads: threads(asked), converge: false }
+    let Common { force, collect, quiet, threads: asked, .. } = args.common;
+    Call { quick: args.common.quick, force, collect, quiet, threads: threads(asked), converge: false }
         .compute(&all, &directory, &heading)
 }
 
@@ -140,6 +140,7 @@ struct Source {
 struct Call {
     quick: bool,
     force: bool,
+    collect: bool,
     quiet: bool,
     threads: usize,
     converge: bool,
@@ -207,6 +208,7 @@ impl Call {
             directory: directory.join(&study.name).join("runs"),
             threads: self.threads,
             commit: option_env!("UNDULA_COMMIT").map(String::from),
+            collect: self.collect,
         }
     }
 

@@ -135,6 +135,9 @@ fn runs_are_replaced_with_force_only() {
     place.write("stiff.toml", &STUDY.replace("[0.5e6, 1e6]", "[0.5e6, 2e6]"));
     place.run("study stiff.toml --quick -o s", &[]).expect(2, &["mu_1", "--force"]);
     place.run("study stiff.toml --quick -o s --force", &[]).expect(0, &["mu_0 is there already"]);
+    // Nothing is computed: the run that a quick study leaves out is missing in the full one.
+    let said = place.run("study stiff.toml -o s --collect", &[]).expect(0, &["1 undecided"]);
+    assert!(!said.err.contains("completed") && !place.file("s/stiff/runs/fine").exists(), "{}", said.err);
     // A directory of something else is left alone.
     place.write("other/file", "mine");
     place

@@ -23,6 +23,8 @@ pub struct Settings {
     pub threads: usize,
     /// Commit of the source of the program, which the summaries name.
     pub commit: Option<String>,
+    /// Nothing is computed: runs that are not there stay without results.
+    pub collect: bool,
 }
 
 impl Settings {
@@ -214,6 +216,9 @@ fn compute(
         watch.event(&Event::Kept(job));
         (computed.kept, computed.results) = (true, Some(Results::read(&directory)?));
         computed.numbers = job.numbers_after(settings, numbers, threads)?;
+        return Ok(computed);
+    }
+    if settings.collect {
         return Ok(computed);
     }
     watch.event(&Event::Begins(job, progress));
