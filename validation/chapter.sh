@@ -23,13 +23,21 @@ done
 python3 - "$to" <<'PYTHON'
 """Writes README.md from results.json."""
 import json
+import os
+import subprocess
 import sys
 import textwrap
+import time
 
 to = sys.argv[1]
 studies = json.load(open(f"{to}/results.json"))
+cpus = subprocess.run(["lscpu"], capture_output=True, text=True, check=True).stdout.splitlines()
+model = next((line.split(":")[1].strip() for line in cpus if line.startswith("Model name")), "unknown processor")
+date = time.strftime("%Y-%m-%d", time.gmtime(os.path.getmtime(f"{to}/results.json")))
 lines = [
     "# The studies of chapter 5",
+    "",
+    f"{date}, {model}, {os.cpu_count()} cores, shared with other work. Each run has its commit in `runs.csv`.",
     "",
     "Written by `validation/chapter.sh`, which runs `undula reproduce`. [index.html](index.html) is the page: download it",
     "and open it in a browser. CSV files of long signals are left out here; `undula reproduce` writes them.",
