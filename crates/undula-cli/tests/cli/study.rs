@@ -323,6 +323,22 @@ holds = "abs(it - 1) < 1e-3 and turn.present_J > 0.9"
     wrong("modes.fluid_1/", "modes.end_time/", &["unknown result `end_time`"]);
     wrong("each = [[\"v\", 3]", "each = [[\"v\"]", &["expected a value for {2}"]);
     wrong("row = [\"{1}\", ", "rows = [] #", &["table \"Errors\"", "both `each` and `row`"]);
+    wrong(
+        "compute = \"modes\"",
+        "compute = \"modes\"\nalso = [\"matrix\"]",
+        &["run modes", "nor with `also`"],
+    );
+    let refused = |from: &str, to: &str, words: &[&str]| {
+        place.write("refused.toml", &study.replace(from, to));
+        place.run("study refused.toml -o r --force", &[]).expect(2, words);
+    };
+    let short = "\"time.end\" = 0.05, ";
+    refused(short, "\"time.end\" = 0.05, \"time.step\" = \"0.005+t\", ", &["time.step", "equal steps"]);
+    refused(
+        short,
+        "\"time.end\" = 0.05, \"solid.body-force\" = [0, \"-2*t\"], ",
+        &["solid.body-force", "depend on t"],
+    );
     wrong("run = \"turn\"", "run = \"turned\"", &["picture \"The bar\"", "no run is called \"turned\""]);
     wrong("field = \"pressure\"", "field = \"stress\"", &["`velocity`, `pressure`, `deformation`"]);
     wrong("cells = [4, 4]", "cells = [4, 4, 4]", &["cases.square", "cells"]);

@@ -327,8 +327,17 @@ impl Study {
         if let Some(run) = study.run.iter().find(|run| run.case.is_empty() && study.case.is_empty()) {
             return Err(error(format!("run {}: expected `case`, here or for the whole study", run.name)));
         }
+        let is_more = |run: &&RunEntry| !run.from.is_empty() || !run.also.is_empty();
+        if let Some(run) = study.run.iter().filter(|run| run.compute != Compute::Run).find(is_more) {
+            return Err(error(format!(
+                "run {}: `compute` goes neither with `from` nor with `also`",
+                run.name
+            )));
+        }
         let first = |name: &str| {
-            study.run.iter().any(|run| run.name == name && run.from.is_empty() && run.over.is_empty())
+            let is_first =
+                |run: &RunEntry| run.from.is_empty() && run.over.is_empty() && run.compute == Compute::Run;
+            study.run.iter().any(|run| run.name == name && is_first(run))
         };
         if let Some(run) = study.run.iter().find(|run| !run.from.is_empty() && !first(&run.from)) {
             return Err(error(format!(

@@ -10,3 +10,20 @@ pub mod matrix;
 pub mod newmark;
 pub mod stability;
 pub mod unit_square;
+
+use crate::case::Case;
+use crate::error::Error;
+
+/// The length of the steps of `case` \[s\], all of which are equal.
+///
+/// # Errors
+/// [`Error::Case`] for steps that change, with time or by an estimate of the error.
+fn equal_steps(case: &Case) -> Result<Option<f64>, Error> {
+    let Some(time) = &case.time else { return Ok(None) };
+    if time.adaptive.is_some() || time.step.depends_on_time() {
+        let message =
+            "the comparison with a known solution takes equal steps: expected a number, without control";
+        return Err(case.refuse("time.step", message.into()));
+    }
+    Ok(Some(time.step.eval(&[0.0; 3], time.start)))
+}

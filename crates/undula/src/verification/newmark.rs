@@ -8,7 +8,8 @@
 //! length h from the deformation û and the velocity 0. The first acceleration is that of a step of the explicit Euler
 //! scheme, M (v − v⁻)/k + A(u⁻) = F.
 
-use crate::case::Case;
+use super::equal_steps;
+use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::time::{Scheme, Stepper};
 
@@ -37,6 +38,17 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
             "Newmark's method is that of an elastic body alone in time: expected a case such as `csm3`";
         return Err(case.refuse("fluid", message.into()));
     };
+    let k = equal_steps(case)?.unwrap_or(1.0);
+    let force = case.solid.iter().flat_map(|solid| &solid.body_force);
+    if force.into_iter().any(|force| force.depends_on_time()) {
+        let message = "Newmark's method is compared under a force that does not depend on t";
+        return Err(case.refuse("solid.body-force", message.into()));
+    }
+    let moves = |condition: &&Condition| matches!(condition, Condition::Velocity(_));
+    if case.boundary.values().find(moves).is_some() {
+        let message = "Newmark's method is compared with boundaries that are held or free";
+        return Err(case.refuse("boundary", message.into()));
+    }
     let mut steppers = vec![];
     for scheme in [Scheme::CrankNicolson, Scheme::BackwardEuler, Scheme::Theta { theta: 0.0 }] {
         let mut stepper = case.build_stepper(threads)?;
@@ -47,7 +59,6 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
         steppers.push(stepper);
     }
     let [mixed, newmark, explicit] = &mut steppers[..] else { unreachable!("three were made") };
-    let k = time.step.eval(&[0.0; 3], time.start);
     explicit.step(k)?;
     let mut a: Vec<f64> = explicit.new.v.iter().map(|v| v / k).collect();
     let (mut u, mut v) = (newmark.new.u.clone(), newmark.new.v.clone());

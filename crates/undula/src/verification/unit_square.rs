@@ -3,6 +3,7 @@
 //! A case gives the spaces, the materials, the extension and the scheme; its boundary conditions decide where the flow
 //! leaves. Its data are replaced by those of the known solution.
 
+use super::equal_steps;
 use super::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin};
 use crate::assembly::Options;
 use crate::case::{Case, Condition};
@@ -89,6 +90,7 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
         let message = "the known solution lives on the unit square: expected a mesh of (0, 1)²";
         return Err(case.refuse("mesh", message.into()));
     }
+    let k = equal_steps(case)?.unwrap_or(1.0);
     let in_time = case.time.as_ref();
     if in_time.is_none() {
         bend(&mut mesh);
@@ -124,7 +126,6 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
     let mut stepper = problem.stepper(time.scheme, 0.0, false, &options);
     stepper.assembler.stabilize(&case.stabilization, &options)?;
     stepper.settings.domain_motion = time.domain_motion;
-    let k = time.step.eval(&[0.0; 3], 0.0);
     let steps = (time.end / k).round().max(1.0) as usize;
     let mut worst = Errors { unknowns, ..Errors::default() };
     for _ in 0..steps {

@@ -12,6 +12,7 @@ use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Region};
 use undula::time::Scheme;
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sin};
+use undula::verification::unit_square::in_the_spaces;
 
 fn rubber(lambda: f64) -> Solid {
     Solid { rho: 2.1, material: Material::incompressible(1.1, 0.4, lambda) }
@@ -118,18 +119,6 @@ fn coupled_with_a_jump_of_pressure_has_full_order_in_space() {
 fn nearly_incompressible_body_has_full_order_in_space() {
     let (name, physics, cells) = ("nearly incompressible", body(1e3), Cells::Curved);
     InSpace { name, physics, pressure: P1DC, cells, jump: 0.0, steps: 0, levels: [8, 16] }.check();
-}
-
-fn in_the_spaces() -> Exact {
-    Arc::new(|[x, y], t| {
-        let w = bubble([x, y]);
-        let (one, a, b) = (number(1.0), sin(t * 2.0 + number(0.4)), cos(t * 1.5));
-        Values {
-            v: [(one + x + y * y) * cos(t) + x * y * a, (x * x - y) * b + x * y * y * 0.5 + sin(t * 3.0)],
-            u: [w * a * 0.09, w * b * -0.07],
-            p: x * cos(t * 2.0) - y * a + sin(t) * 2.0,
-        }
-    })
 }
 
 /// Largest errors of v, u and p at t⁻ + θ k from 0 to 1.2 s; p from the third step on, because exact values are
