@@ -6,7 +6,6 @@ mod row;
 pub use initial::with_start;
 pub use row::Row;
 
-use crate::assembly::StepView;
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
@@ -17,6 +16,7 @@ use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
 use crate::space::State;
+use crate::system::StepView;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -295,7 +295,7 @@ impl Simulation {
                 new,
                 old,
                 fluid_residual: &self.fluid_residual,
-                outflow: Some(assembler.outflow()),
+                system: Some(&*assembler),
             };
             for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
                 // Forces are means over the parts of a step, all else belongs to its end.

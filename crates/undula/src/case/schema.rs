@@ -3,12 +3,13 @@
 //! `Case` is what the TOML file means. It is made by [`Case::from_toml`] only, so that code further down
 //! never meets an invalid one, and it is written back as `case.toml` into the output directory.
 
+pub use super::conditions::Condition;
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
 pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
 pub use crate::algebra::{LinearSolverKind, Precision};
-use crate::choice::{Choice, choice, row_of};
+use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
@@ -252,42 +253,6 @@ impl MotionSpec {
             exponent: self.exponent,
             scale: self.scale.unwrap_or(1.0),
         }
-    }
-}
-
-/// What holds on a boundary.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Condition {
-    /// Given velocity, expressions of x, y, t \[m/s\]; the boundary does not move. It must vanish on the solid.
-    Velocity([Expression; 2]),
-    /// v = 0, u = 0.
-    NoSlip,
-    /// ρν ∇v n − p n = 0 for the fluid; its boundary moves where a free end of the solid meets it, else it does not. For the
-    /// solid σ n = 0.
-    DoNothing,
-    /// σ n = 0. The boundary of the fluid moves as with `DoNothing`; that of the solid is free.
-    TractionFree,
-    /// A clamped solid: v = 0, u = 0.
-    Clamped,
-}
-
-/// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 5] = [
-    choice(
-        "velocity",
-        Condition::Velocity([Expression::EMPTY, Expression::EMPTY]),
-        "prescribed velocity; the boundary does not move",
-    ),
-    choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
-    choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
-    choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
-    choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
-];
-
-impl Condition {
-    /// The name in a case.
-    pub fn name(&self) -> &'static str {
-        row_of(&CONDITIONS, self).map_or("", |row| row.name)
     }
 }
 

@@ -4,8 +4,6 @@ use super::names::MeshNames;
 use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
-use crate::assembly::force::CurrentForce;
-use crate::assembly::{self, Assembler, Physics};
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{
@@ -19,6 +17,8 @@ use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gm
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::system::CurrentForce;
+use crate::system::{self, Assembler, Physics};
 use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -174,7 +174,7 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        if !needed || system::patches(space).is_some() {
             return Ok(());
         }
         let message =
@@ -215,13 +215,17 @@ impl Case {
     fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
-        let mut options = assembly::Options::serial(self.space.quadrature);
+        let mut options = system::Options::serial(self.space.quadrature);
         options.threads = threads;
         let mut assembler =
             Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
-        assembler.current_force = current.and_then(|f| current_force(&f.body_force));
+        let current = current.and_then(|f| current_force(&f.body_force));
+        let follows = current.is_some();
+        if let Some(force) = current {
+            assembler.follow(force);
+        }
         assembler.stabilize(&self.stabilization, &options)?;
         let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
@@ -256,10 +260,7 @@ impl Case {
             assembler.constraints.apply(&space, start, v, u);
         }
         let force = [
-            self.fluid
-                .as_ref()
-                .filter(|_| assembler.current_force.is_none())
-                .and_then(|f| body_force(&f.body_force)),
+            self.fluid.as_ref().filter(|_| !follows).and_then(|f| body_force(&f.body_force)),
             self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
         ];
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))

@@ -2,10 +2,10 @@
 
 use super::system::StepSystem;
 use crate::algebra::{Kind, SolverError, Unknown};
-use crate::assembly::Worst;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{Newton, NewtonError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region};
+use crate::system::Worst;
 use std::fmt;
 
 /// A place of the reference domain.
@@ -67,6 +67,11 @@ pub enum DataKind {
     },
     /// The body force of a region \[m/s²\].
     Force(Region),
+    /// Data of the condition on a boundary.
+    Condition {
+        /// Its number in the mesh.
+        boundary: u16,
+    },
 }
 
 /// How an iteration ended without a solution.
@@ -162,6 +167,7 @@ impl fmt::Display for Cause {
                 let data = match kind {
                     DataKind::Velocity { .. } => "the velocity of the boundary",
                     DataKind::Force(_) => "the body force",
+                    DataKind::Condition { .. } => "the data of a boundary condition",
                 };
                 write!(f, "{data} is not finite: {value:?} at {at:?} m, t = {time} s")
             }

@@ -8,10 +8,10 @@ use super::report::Attempt;
 use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use crate::assembly::{Assembler, End};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
+use crate::system::{Assembler, DataTime, End, NotFinite};
 use crate::tangent::Tangent;
 use std::cell::Cell;
 
@@ -133,7 +133,12 @@ impl<const D: usize> Stepper<D> {
 
     /// Set the body forces of `end` to those at `t` \[s\], times `load`, and note where they are not finite.
     pub(super) fn set_forces(&mut self, end: End, t: f64, load: f64) {
-        self.assembler.set_current_force(end, t, load);
+        if let Err(NotFinite { boundary, at, value }) =
+            self.assembler.set_data(&DataTime { end, time: t, load })
+        {
+            let kind = DataKind::Condition { boundary };
+            self.fault = Some(DataFault { kind, at: at.to_vec(), time: t, value: value.to_vec() });
+        }
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
                 let wrong = Cell::new(None);
