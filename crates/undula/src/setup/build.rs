@@ -18,7 +18,7 @@ use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::system::CurrentForce;
-use crate::system::{self, Assembler, Physics};
+use crate::system::{self, Assembler, Operator, Physics};
 use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -227,6 +227,7 @@ impl Case {
             assembler.follow(force);
         }
         assembler.stabilize(&self.stabilization, &options)?;
+        self.terms(&space).into_iter().for_each(|term| assembler.add(term));
         let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
         // What is left of data on the solid is rounding, see `check_ends`.
@@ -291,19 +292,13 @@ impl Case {
     pub(crate) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
-            Some(Condition::Velocity(v)) => {
-                let v = v.clone();
-                BoundaryCondition::Velocity(Arc::new(move |x: &[f64; 2], t| {
-                    let x = [x[0], x[1], 0.0];
-                    [v[0].eval(&x, t), v[1].eval(&x, t)]
-                }))
-            }
+            Some(Condition::Velocity(v)) => BoundaryCondition::Velocity(Arc::from(function(v))),
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::DoNothing) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            // On the solid it is the same as free.
-            Some(Condition::TractionFree) => {
+            // The traction, if there is one, is among the terms of the equations. The solid is free.
+            Some(_) => {
                 BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
             }
             // The interface: inside the domain, or the surface of the region that is left.
@@ -312,6 +307,29 @@ impl Case {
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
+    }
+
+    /// The terms that the conditions on boundaries add to the equations.
+    fn terms(&self, space: &FsiSpace<2>) -> Vec<Box<dyn Operator<2>>> {
+        let mut terms = vec![];
+        for (boundary, name) in (0..).zip(&space.mesh.boundaries) {
+            for body in [Region::Fluid, Region::Solid] {
+                let condition = self.boundary.get(name);
+                terms.extend(condition.and_then(|condition| self.term(condition, space, boundary, body)));
+            }
+        }
+        terms
+    }
+
+    /// The term of a condition on the facets of `body` at a boundary of the mesh.
+    fn term(
+        &self,
+        _condition: &Condition,
+        _space: &FsiSpace<2>,
+        _boundary: u16,
+        _body: Region,
+    ) -> Option<Box<dyn Operator<2>>> {
+        None
     }
 
     /// E_e(x) with the distance to the interface, and its largest value.
@@ -347,11 +365,16 @@ fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
     if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
         return None;
     }
+    Some(function(f))
+}
+
+/// Two expressions as a function of position and time.
+fn function(f: &[Expression; 2]) -> Force<2> {
     let f = f.clone();
-    Some(Box::new(move |x, t| {
+    Box::new(move |x, t| {
         let x = [x[0], x[1], 0.0];
         [f[0].eval(&x, t), f[1].eval(&x, t)]
-    }))
+    })
 }
 
 /// The same with its gradient, to be taken at current positions.

@@ -8,6 +8,7 @@ mod common;
 #[path = "../common/manufactured.rs"]
 mod manufactured;
 
+mod apply;
 mod assembly;
 mod bench;
 mod case_errors;

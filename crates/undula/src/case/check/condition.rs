@@ -23,7 +23,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "pressure", "traction", "periodic", "symmetry"];
+        let later = ["sliding", "pressure", "periodic", "symmetry"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         s.require_choice("condition", &CONDITIONS);
         let condition = read_data(&mut s, condition);

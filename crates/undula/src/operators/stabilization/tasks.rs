@@ -44,7 +44,7 @@ impl<const D: usize, const L: usize> Scratch<D, L> {
 
 /// α and δ of a cell in each lane.
 #[derive(Copy, Clone)]
-struct CellParameters<const L: usize> {
+pub(super) struct CellParameters<const L: usize> {
     alpha: Lanes<L>,
     delta: Lanes<L>,
     speed: Lanes<L>,
