@@ -23,24 +23,35 @@ pub enum Condition {
     TractionFree,
     /// A clamped solid: v = 0, u = 0.
     Clamped,
+    /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
+    Traction(Pair),
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 5] = [
+pub static CONDITIONS: [Choice<Condition>; 6] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
     choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
     choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
+    choice("traction", Condition::Traction(EMPTY), "prescribed force per area of the reference boundary"),
 ];
 
 /// Keys of data, two expressions each: the name of a key in the table of a boundary is that of its condition.
-pub static DATA: [Key; 1] = [Key::data(
-    "boundary.NAME.velocity",
-    "m/s",
-    "velocity: required",
-    "two expressions of x, y, t, as [\"1.5*y\", 0]",
-)];
+pub static DATA: [Key; 2] = [
+    Key::data(
+        "boundary.NAME.velocity",
+        "m/s",
+        "velocity: required",
+        "two expressions of x, y, t, as [\"1.5*y\", 0]",
+    ),
+    Key::data(
+        "boundary.NAME.traction",
+        "N/m²",
+        "traction: required",
+        "two expressions of x, y, t at the reference position, as [\"3.2\", 0]",
+    ),
+];
 
 impl Condition {
     /// The name in a case.
@@ -51,14 +62,14 @@ impl Condition {
     /// Its data, for the key with the name of the condition.
     pub fn data(&self) -> Option<&Pair> {
         match self {
-            Condition::Velocity(data) => Some(data),
+            Condition::Velocity(data) | Condition::Traction(data) => Some(data),
             Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => None,
         }
     }
 
     pub(super) fn data_mut(&mut self) -> Option<&mut Pair> {
         match self {
-            Condition::Velocity(data) => Some(data),
+            Condition::Velocity(data) | Condition::Traction(data) => Some(data),
             Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => None,
         }
     }

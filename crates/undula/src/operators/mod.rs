@@ -10,6 +10,7 @@ pub mod biharmonic;
 pub mod outflow;
 pub mod region;
 pub mod stabilization;
+pub mod traction;
 
 use crate::algebra::SolverError;
 pub use crate::loops::slots::Entries;

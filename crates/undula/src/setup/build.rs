@@ -15,6 +15,7 @@ use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
+use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::system::CurrentForce;
@@ -324,12 +325,16 @@ impl Case {
     /// The term of a condition on the facets of `body` at a boundary of the mesh.
     fn term(
         &self,
-        _condition: &Condition,
-        _space: &FsiSpace<2>,
-        _boundary: u16,
-        _body: Region,
+        condition: &Condition,
+        space: &FsiSpace<2>,
+        boundary: u16,
+        body: Region,
     ) -> Option<Box<dyn Operator<2>>> {
-        None
+        let n = self.space.quadrature;
+        match condition {
+            Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
+            _ => None,
+        }
     }
 
     /// E_e(x) with the distance to the interface, and its largest value.
