@@ -19,7 +19,7 @@ use crate::mesh::Side;
 use crate::physics::{Fluid, Solid, StepRule};
 use crate::space::{FsiSpace, Region, State};
 use crate::tangent::{Linearization, Tangent};
-use region::body_force::CurrentForce;
+use region::current_force::CurrentForce;
 
 /// The equations of the regions; an absent one is `None`.
 #[derive(Copy, Clone, Debug)]

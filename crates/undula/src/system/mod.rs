@@ -10,7 +10,7 @@ use crate::math::Vector;
 use crate::mesh::Side;
 use crate::operators::biharmonic::Biharmonic;
 use crate::operators::outflow::OutflowFacets;
-pub use crate::operators::region::body_force::CurrentForce;
+pub use crate::operators::region::current_force::CurrentForce;
 use crate::operators::region::regions;
 use crate::operators::stabilization::Stabilizer;
 pub use crate::operators::stabilization::patches;

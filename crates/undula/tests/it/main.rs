@@ -45,4 +45,5 @@ mod stability;
 mod stabilization;
 mod statistics;
 mod studies;
+mod traction;
 mod transfer;

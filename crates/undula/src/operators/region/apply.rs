@@ -1,6 +1,6 @@
 //! The product of the derivative with a vector, without a matrix: one pass with dual numbers at each point.
 
-use super::kernel::{Kernel, Scratch};
+use super::kernel::{Direction, Kernel, Scratch};
 use crate::loops::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar, pull_back};
 use crate::loops::scatter::Shared;
 use crate::loops::width::{Task, Width};
@@ -8,14 +8,6 @@ use crate::math::{Lanes, Scalar, Vector};
 use crate::operators::{Matrix, StepView};
 use crate::physics::Fields;
 use crate::tangent::{ByHand, automatic};
-
-/// Coefficients of the direction in the cells of a batch.
-#[derive(Default)]
-pub(super) struct Direction<const D: usize, const L: usize> {
-    v: Vec<Vector<Lanes<L>, D>>,
-    u: Vec<Vector<Lanes<L>, D>>,
-    p: Vec<Lanes<L>>,
-}
 
 impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where

@@ -1,7 +1,6 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
-use super::apply::Direction;
-use super::body_force::CurrentForce;
+use super::current_force::CurrentForce;
 use super::interior::Interior;
 use super::nodal::Nodal;
 use crate::algebra::SolverError;
@@ -22,6 +21,14 @@ pub type ForceField<const D: usize, const L: usize> = Vec<Vector<Lanes<L>, D>>;
 
 /// Its gradient \[1/s²\]; empty: none.
 pub type SlopeField<const D: usize, const L: usize> = Vec<Tensor<Lanes<L>, D>>;
+
+/// Coefficients of the direction in the cells of a batch.
+#[derive(Default)]
+pub(super) struct Direction<const D: usize, const L: usize> {
+    pub(super) v: Vec<Vector<Lanes<L>, D>>,
+    pub(super) u: Vec<Vector<Lanes<L>, D>>,
+    pub(super) p: Vec<Lanes<L>>,
+}
 
 /// Work space of one thread.
 pub(super) struct Scratch<const D: usize, const L: usize> {

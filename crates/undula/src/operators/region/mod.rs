@@ -1,8 +1,9 @@
 //! The volume terms of a region: E B D Bᵀ over its cells, `L` at a time.
 
 mod apply;
-pub mod body_force;
+mod body_force;
 mod condensed;
+pub mod current_force;
 mod differences;
 mod extension;
 mod fields;
@@ -27,7 +28,7 @@ use crate::loops::width::{available, best_lanes, compiled};
 use crate::math::Lanes;
 use crate::space::{FsiSpace, Region};
 use crate::tangent::{ByHand, Tangent};
-use body_force::CurrentForce;
+use current_force::CurrentForce;
 use kernel::Kernel;
 
 /// The operators of all regions, fluid first.
