@@ -1,7 +1,7 @@
 //! Conditions on boundaries, with the keys of their data.
 
 use super::expression::Expression;
-use super::keys::Key;
+use super::key::Key;
 use crate::choice::{Choice, choice, row_of};
 
 /// Two components, expressions of x, y, t.

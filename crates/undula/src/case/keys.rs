@@ -8,6 +8,7 @@ use super::conditions::{CONDITIONS, DATA};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
+pub use super::key::Key;
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -21,33 +22,8 @@ use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::sync::LazyLock;
 
-/// A key of a case.
-pub struct Key {
-    /// Its tables and its name, with dots between them. `NAME` stands for a name that the case chooses.
-    pub key: &'static str,
-    /// SI unit; empty for words and pure numbers.
-    pub unit: &'static str,
-    /// The value that holds without the key, or where it comes from; `none`: nothing; `required`: there is none.
-    pub default: &'static str,
-    /// What it is, in one line.
-    pub about: &'static str,
-    choices: Option<&'static dyn Table>,
-}
-
-impl Key {
-    /// A key with numbers or expressions.
-    pub(super) const fn data(
-        key: &'static str,
-        unit: &'static str,
-        default: &'static str,
-        about: &'static str,
-    ) -> Key {
-        number(key, unit, default, about)
-    }
-}
-
 const fn number(key: &'static str, unit: &'static str, default: &'static str, about: &'static str) -> Key {
-    Key { key, unit, default, about, choices: None }
+    Key::data(key, unit, default, about)
 }
 
 const fn text(key: &'static str, default: &'static str, about: &'static str) -> Key {
