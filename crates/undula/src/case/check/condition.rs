@@ -25,8 +25,8 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         }
         let later = ["sliding", "pressure", "periodic", "symmetry"];
         let condition = s.choice("condition", &CONDITIONS, &later);
-        s.require_choice("condition", &CONDITIONS);
         let condition = read_data(&mut s, condition);
+        s.require_choice("condition", &CONDITIONS);
         let against = s.choice("backflow", &BACKFLOW, &[]);
         let outlet = condition.as_ref().is_none_or(Condition::is_natural);
         if against == Some(true) && outlet {
