@@ -163,6 +163,8 @@ pub mod error;
 #[doc(hidden)]
 pub mod functional;
 #[doc(hidden)]
+pub mod linear;
+#[doc(hidden)]
 pub mod math;
 #[doc(hidden)]
 pub mod mesh;

@@ -7,6 +7,7 @@ use crate::algebra::FaerLu;
 use crate::assembly::facets::{FacetPoint, facet_points};
 use crate::assembly::sampling::for_each_point;
 use crate::assembly::{Assembler, Options, Physics};
+use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::kinematics::cofactor;
@@ -14,9 +15,7 @@ use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, 
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{
-    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{DomainMotion, Linearization, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.

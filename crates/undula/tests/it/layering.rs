@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 24] = [
+const LAYERS: [(&str, &str); 25] = [
     ("choice", ""),
     ("math", ""),
     ("algebra", "choice"),
@@ -26,15 +26,16 @@ const LAYERS: [(&str, &str); 24] = [
     ("space", "choice math element mesh algebra"),
     ("assembly", "math physics tangent element mesh space algebra"),
     ("functional", "choice math physics element mesh space assembly"),
+    ("linear", "physics tangent algebra nonlinear space assembly"),
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
-    ("time", "choice math physics tangent algebra nonlinear space assembly"),
+    ("time", "choice math physics tangent algebra nonlinear space assembly linear"),
     ("case", "choice math physics tangent algebra element mesh space functional output time"),
     // The errors of all layers, those of reading a case among them.
     ("error", "algebra mesh nonlinear output time case"),
     (
         "setup",
-        "choice math physics tangent algebra element mesh nonlinear space assembly functional time case error",
+        "choice math physics tangent algebra element mesh nonlinear space assembly functional linear time case error",
     ),
     ("builder", "physics mesh case error"),
     ("simulation", "*"),
