@@ -106,7 +106,7 @@ fn remembered(name: &str, sets: &[&str], stop: u64) -> Memory {
 /// Every piece of memory is there in one of the runs.
 #[test]
 fn a_checkpoint_forgets_nothing() {
-    let kept = remembered("memory-kept", &["time.scheme=bdf2"], 9);
+    let kept = remembered("memory-kept", &["time.step=0.005"], 9);
     let point = kept.stepper.point.unwrap();
     assert!(point.age.solves > 0 && point.age.iterations > 0 && point.age.last > 0, "{:?}", point.age);
     assert!(kept.stepper.newton.worsening > 1.0, "{:?}", kept.stepper.newton);
@@ -120,14 +120,14 @@ fn a_checkpoint_forgets_nothing() {
     let damping = remembered("memory-damping", &damped, 6).stepper.clock.damping;
     assert!(damping.interval > 0 && damping.left > 0, "{damping:?}");
 
-    let strict = ["newton.rate-max=0", "newton.max-steps=3", "solid.body-force=[0,-20]"];
+    let strict = ["newton.rate-max=0", "newton.max-steps=2"];
     let detour = remembered("memory-detour", &strict, 3).stepper.detour;
     assert!(detour > 0, "no detour");
 
     let steered =
         ["time.step=0.004", "time.adaptive.tolerance=1e-3", "time.adaptive.min-step=0.001", "time.end=0.1"];
-    let adaptive = remembered("memory-adaptive", &steered, 7).adaptive.unwrap();
-    assert!(adaptive.past.len() == 3 && adaptive.next > 0.0 && adaptive.scales[0] > 0.0);
+    let adaptive = remembered("memory-adaptive", &steered, 14).adaptive.unwrap();
+    assert!(adaptive.past.len() == 3 && adaptive.rejected > 0, "{} rejected", adaptive.rejected);
 }
 
 /// Before, within and after the damping steps.
