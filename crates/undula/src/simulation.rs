@@ -6,7 +6,6 @@ mod row;
 pub use initial::with_start;
 pub use row::Row;
 
-use crate::assembly::StepView;
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
@@ -16,6 +15,7 @@ use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
+use crate::system::StepView;
 use crate::time::{self, Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper, adaptive};
 use std::collections::BTreeMap;
 use std::sync::Arc;

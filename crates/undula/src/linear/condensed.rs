@@ -7,9 +7,9 @@ use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
 use crate::algebra::SolverError;
-use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, CondensedSystem, StepView};
 use std::sync::Arc;
 
 /// The matrix of (v, p), and what follows from (v, p).

@@ -3,9 +3,9 @@
 use super::factors::Factored;
 use super::price::Work;
 use crate::algebra::SolverError;
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 
 /// Where a matrix is taken, what it leaves out, and how derivatives are computed.

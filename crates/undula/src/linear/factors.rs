@@ -6,8 +6,8 @@ use super::price::Work;
 use super::relation;
 use super::scales::Scales;
 use crate::algebra::{Cost, Csr, LinearSolver, Pattern, Sizes, SolverError, Unknown};
-use crate::assembly::Assembler;
 use crate::physics::StepRule;
+use crate::system::Assembler;
 use std::sync::Arc;
 
 /// Makes linear solvers of the kind that the case asks for.

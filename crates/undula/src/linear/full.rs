@@ -5,9 +5,9 @@ use super::factors::{Factored, scale_pressure, scale_rows};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use crate::algebra::{LinearSolver, SolverError};
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::space::FsiSpace;
+use crate::system::{Assembler, StepView};
 
 /// The matrix of [v, u, p].
 pub(super) struct Full {

@@ -16,10 +16,10 @@ pub use krylov::KrylovSettings;
 pub use scales::{BlockNorms, Scales};
 
 use crate::algebra::{Sizes, SolverError};
-use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 use condensed::Condensed;
 use correction::{At, Correction};

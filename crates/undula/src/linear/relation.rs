@@ -1,8 +1,8 @@
 //! The velocity-deformation relation u − u⁻ = k (θ v + (1 − θ) v⁻) at the nodes of the solid.
 
-use crate::assembly::Assembler;
 use crate::physics::StepRule;
 use crate::space::{PsiOwner, State};
+use crate::system::Assembler;
 
 /// Nodes of the solid whose deformation is not given.
 pub(super) fn nodes<const D: usize>(assembler: &Assembler<D>) -> impl Iterator<Item = usize> + '_ {

@@ -4,8 +4,6 @@ use super::names::MeshNames;
 use super::overview::Overview;
 use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
-use crate::assembly::force::CurrentForce;
-use crate::assembly::{self, Assembler, Physics};
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{
@@ -20,6 +18,8 @@ use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gm
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::system::CurrentForce;
+use crate::system::{self, Assembler, Physics};
 use crate::time::{Force, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -175,7 +175,7 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        if !needed || system::patches(space).is_some() {
             return Ok(());
         }
         let message =

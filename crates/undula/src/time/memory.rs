@@ -4,9 +4,9 @@ use super::kept::{Before, JacobianPoint};
 use super::scheme::Damping;
 use super::solver::Moment;
 use super::stepper::Stepper;
-use crate::assembly::End;
 use crate::nonlinear::{self, NewtonError};
 use crate::space::State;
+use crate::system::End;
 
 /// Where a run stands in time.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -2,10 +2,10 @@
 
 use super::cause::{Cause, Ended};
 use crate::algebra::SolverError;
-use crate::assembly::Worst;
 use crate::linear::BlockNorms;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{NewtonError, NewtonReport};
+use crate::system::Worst;
 use std::fmt;
 
 /// How a step went.

@@ -6,10 +6,10 @@ use super::scheme::{Formula, Past, multistep};
 use super::solver::{Moment, States};
 use super::stepper::Stepper;
 use super::system::StepSystem;
-use crate::assembly::{End, StepView};
 use crate::linear::BlockNorms;
 use crate::nonlinear::{GROWTH, Newton, NewtonError, NewtonReport};
 use crate::space::State;
+use crate::system::{End, StepView};
 use std::time::Instant;
 
 /// How the iteration of a step begins.

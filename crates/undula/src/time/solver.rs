@@ -3,11 +3,11 @@
 use super::kept::JacobianPoint;
 use super::stepper::{Stepper, StepperSettings};
 use super::system::StepSystem;
-use crate::assembly::Assembler;
 use crate::linear::{BlockNorms, Linear};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::Assembler;
 
 /// Which step it is.
 pub(super) struct Moment {

@@ -4,11 +4,11 @@ use super::cause::{self, Cause, Ended};
 use super::report::{StepFailure, StepReport, keep};
 use super::solver::Moment;
 use super::stepper::Stepper;
-use crate::assembly::End;
 use crate::linear::BlockNorms;
 use crate::nonlinear::{NewtonError, NewtonReport};
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::End;
 use crate::tangent::Linearization;
 
 /// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of

@@ -6,11 +6,11 @@ use super::kept::{Before, JacobianPoint, Parts};
 use super::report::Attempt;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use crate::assembly::{Assembler, End};
 use crate::linear::{Linear, Scales};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
+use crate::system::{Assembler, End};
 use crate::tangent::Tangent;
 use std::cell::Cell;
 
