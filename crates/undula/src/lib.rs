@@ -161,6 +161,8 @@ pub mod element;
 pub mod error;
 #[doc(hidden)]
 pub mod functional;
+#[doc(hidden)]
+pub mod linear;
 mod loops;
 #[doc(hidden)]
 pub mod math;

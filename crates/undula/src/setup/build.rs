@@ -13,6 +13,7 @@ use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
+use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
 use crate::nonlinear::{Newton, Settings};
 use crate::operators::traction::Traction;
@@ -20,7 +21,7 @@ use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
-use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
+use crate::time::{Force, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.

@@ -1,10 +1,10 @@
 //! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
 
 use crate::case::{Case, MeshSpec, MotionModel, MotionSpec};
+use crate::linear::Scales;
 use crate::math::rounded;
 use crate::mesh::Mesh;
 use crate::space::FsiSpace;
-use crate::time::Scales;
 
 /// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0
 /// is much smaller, a few cells far away take all of the motion; where it is larger than the body is thick, those at

@@ -1,12 +1,12 @@
 //! A start from the last state of another run, `initial.from`.
 
-use super::Simulation;
+use super::{Memory, Simulation};
 use crate::case::Case;
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
 use crate::space::{FsiSpace, State};
-use crate::time::{Clock, Damping};
+use crate::time::{self, Clock, Damping};
 use std::path::PathBuf;
 
 /// What a directory must be.
@@ -149,5 +149,6 @@ pub(super) fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), 
         former.step
     ));
     let clock = Clock { time, last_step, damping: Damping::default() };
-    simulation.restore(clock, new, old, None, 0)
+    let stepper = time::Memory::of(clock, new, old);
+    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })
 }

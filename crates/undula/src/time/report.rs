@@ -1,8 +1,8 @@
 //! How a step went.
 
 use super::cause::{Cause, Ended};
-use super::scales::BlockNorms;
 use crate::algebra::SolverError;
+use crate::linear::BlockNorms;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{NewtonError, NewtonReport};
 use crate::system::Worst;

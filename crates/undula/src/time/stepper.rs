@@ -1,13 +1,12 @@
 //! The solution at one time, and all that carries it on: steps in `retry.rs` and `single_step.rs`, stationary
-//! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
+//! solutions in `stationary.rs`, what a checkpoint keeps in `memory.rs`.
 
 use super::cause::{DataFault, DataKind};
 use super::kept::{Before, JacobianPoint, Parts};
-use super::linear::Linear;
 use super::report::Attempt;
-use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
+use crate::linear::{Linear, Scales};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
@@ -53,7 +52,7 @@ pub struct Stepper<const D: usize> {
     /// Nonlinear solver.
     pub newton: Newton,
     /// Matrices and their factors.
-    pub linear: Linear,
+    pub linear: Linear<D>,
     /// Settings.
     pub settings: StepperSettings,
     /// Time of `new` \[s\].
@@ -95,7 +94,7 @@ impl<const D: usize> Stepper<D> {
     pub fn new(
         assembler: Assembler<D>,
         newton: Newton,
-        linear: Linear,
+        linear: Linear<D>,
         settings: StepperSettings,
         time: f64,
         initial: State,

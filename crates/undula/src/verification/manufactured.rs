@@ -4,6 +4,7 @@
 //! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
 
 use crate::algebra::FaerLu;
+use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::kinematics::cofactor;
@@ -14,9 +15,7 @@ use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, 
 use crate::system::{Assembler, Options, Physics};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{
-    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{DomainMotion, Linearization, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.

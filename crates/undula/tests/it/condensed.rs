@@ -4,6 +4,7 @@ use crate::common::{SCHEMES, builtin};
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
+use undula::linear::{Linear, Purpose};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
 use undula::physics::rule::{MIDPOINT, SECANT};
@@ -12,8 +13,8 @@ use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
 use undula::system::{Assembler, Options, Physics, StepView};
 use undula::tangent::Tangent;
+use undula::time::Linearization;
 use undula::time::scheme::FRACTIONAL;
-use undula::time::{Linear, Linearization, Purpose};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] };
@@ -37,11 +38,11 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
     State { v: list(space.n_v(), sizes[0]), u: list(space.n_u(), sizes[1]), p: list(space.n_p(), sizes[2]) }
 }
 
-fn linear(kind: Linearization) -> Linear {
+fn linear(kind: Linearization) -> Linear<2> {
     linear_with(kind, |_| {})
 }
 
-fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> Linear {
+fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> Linear<2> {
     let options = LinearOptions::default();
     let make = move |purpose| {
         told(purpose);
@@ -336,10 +337,7 @@ fn a_detour_outlives_a_restart() {
         first.step().unwrap();
     }
     let mut second = new();
-    let stepper = &first.stepper;
-    second.stepper.linear.set_detour(stepper.linear.detour);
-    let point = stepper.jacobian_point().cloned();
-    second.restore(stepper.clock(), stepper.new.clone(), stepper.old.clone(), point, first.steps).unwrap();
+    second.restore(first.save()).unwrap();
     for _ in 0..2 {
         first.step().unwrap();
         second.step().unwrap();

@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 27] = [
+const LAYERS: [(&str, &str); 28] = [
     ("choice", ""),
     ("math", ""),
     ("algebra", "choice"),
@@ -29,15 +29,16 @@ const LAYERS: [(&str, &str); 27] = [
     ("operators", "math physics tangent element mesh space algebra sampling loops"),
     ("system", "math physics tangent mesh space algebra loops operators"),
     ("functional", "choice math physics element mesh space sampling system"),
+    ("linear", "physics tangent algebra nonlinear space system"),
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
-    ("time", "choice math physics tangent algebra nonlinear space system"),
+    ("time", "choice math physics tangent algebra nonlinear space system linear"),
     ("case", "choice math physics tangent algebra element mesh space functional output time"),
     // The errors of all layers, those of reading a case among them.
     ("error", "algebra mesh nonlinear output time case"),
     (
         "setup",
-        "choice math physics tangent algebra element mesh nonlinear space sampling operators system functional time case error",
+        "choice math physics tangent algebra element mesh nonlinear space sampling operators system functional linear time case error",
     ),
     ("builder", "physics mesh case error"),
     ("simulation", "*"),

@@ -1,7 +1,7 @@
 //! GMRES for one matrix, preconditioned by the factors of another.
 
 use super::scales::Scales;
-use crate::algebra::{Csr, Gmres, LinearSolver, SolverError};
+use crate::algebra::{Gmres, LinearOperator, SolverError};
 
 /// What GMRES is asked for.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -14,12 +14,12 @@ pub struct KrylovSettings {
     pub scales: Scales,
 }
 
-/// GMRES for the matrices of one pattern.
+/// GMRES for operators of one size.
 pub(super) struct Krylov {
     gmres: Gmres,
-    pub(super) scales: Scales,
+    scales: Scales,
     /// Of the rows.
-    pub(super) weights: Vec<f64>,
+    weights: Vec<f64>,
     /// Whether the factors are of an older matrix than the one at hand.
     pub(super) active: bool,
 }
@@ -30,26 +30,21 @@ impl Krylov {
         Krylov { gmres: Gmres::new(tolerance, size), scales, weights: vec![1.0; rows], active: false }
     }
 
-    /// The matrix is new, the factors are not.
-    pub(super) fn begin(&mut self) {
+    /// The operator is new, the factors are not; `set` sets the weights of the rows.
+    pub(super) fn begin(&mut self, set: impl FnOnce(&Scales, &mut [f64])) {
+        set(&self.scales, &mut self.weights);
         self.gmres.clear();
         self.active = true;
     }
 
-    /// x ← A⁻¹ b; `before` and `after` make the factors those of a step with another k.
+    /// x ← A⁻¹ b; `precondition(r, z)` sets z ← P r, and may spoil `r`. Returns the number of iterations.
     pub(super) fn solve(
         &mut self,
-        solver: &mut dyn LinearSolver,
-        a: &Csr,
-        (before, after): (impl Fn(&mut [f64]), impl Fn(&mut [f64])),
+        a: &dyn LinearOperator,
+        precondition: impl FnMut(&mut [f64], &mut [f64]),
         b: &[f64],
         x: &mut [f64],
     ) -> Result<usize, SolverError> {
-        let precondition = |r: &mut [f64], z: &mut [f64]| {
-            before(r);
-            solver.apply(r, z);
-            after(z);
-        };
         Ok(self.gmres.solve(a, &self.weights, precondition, b, x)?.iterations)
     }
 }
