@@ -15,7 +15,7 @@ use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
-use crate::system::StepView;
+use crate::system::{Operator, StepView};
 use crate::time::{self, Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper, adaptive};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -100,7 +100,7 @@ impl Simulation {
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);
-        let fluid_residual = vec![0.0; stepper.assembler.space.n_unknowns()];
+        let fluid_residual = vec![0.0; stepper.assembler.n_unknowns()];
         let adaptive = case.time.as_ref().and_then(|time| {
             let first = time.step.eval(&[0.0; 3], time.start);
             time.adaptive.map(|settings| Adaptive::new(settings, first))
@@ -170,6 +170,17 @@ impl Simulation {
         assert!(!self.names.iter().any(|n| n == name), "there is a functional `{name}` already");
         self.functionals.push((name.into(), Box::new(OwnFunctional { unit, value })));
         self.names = names_of(&self.functionals);
+    }
+
+    /// Add a term to the equations.
+    ///
+    /// # Panics
+    /// If a step was taken already.
+    #[doc(hidden)]
+    pub fn add_term(&mut self, term: Box<dyn Operator<2>>) {
+        assert!(self.history.is_empty() && self.steps == 0, "terms are added before the first step");
+        self.stepper.add_term(term);
+        self.fluid_residual.resize(self.stepper.assembler.n_unknowns(), 0.0);
     }
 
     /// Units of the functionals, empty for a pure number.

@@ -101,7 +101,7 @@ impl Start {
     /// As [`Simulation::restore`].
     pub fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
         simulation.history.clear();
-        let newton = simulation.case.build_newton(&simulation.stepper.assembler.space);
+        let newton = simulation.case.build_newton(&simulation.stepper.assembler);
         simulation.stepper.newton = newton;
         (simulation.stepper.linear.active, simulation.stepper.linear.detour) = (self.linearization, 0);
         simulation.restore(self.memory.clone())

@@ -224,7 +224,7 @@ mod tests {
         u: impl Fn([f64; 2]) -> [f64; 2],
     ) -> State {
         let of = |f: &dyn Fn([f64; 2]) -> [f64; 2]| space.nodes.points.iter().flat_map(|&x| f(x)).collect();
-        State { v: of(&v), u: of(&u), p: vec![0.0; space.n_p()] }
+        State { v: of(&v), u: of(&u), p: vec![0.0; space.n_p()], s: vec![] }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Corrections of Newton's method: with the whole Jacobian (`full.rs`), or condensed to (v, p) (`condensed.rs`); both
 //! by factors of the matrix, or by GMRES with older ones (`krylov.rs`).
 
+mod border;
 mod condensed;
 mod correction;
 mod extension;
@@ -17,10 +18,12 @@ pub use scales::{BlockNorms, Scales};
 
 use crate::algebra::{Sizes, SolverError};
 use crate::nonlinear::Seconds;
+use crate::operators::Matrix;
 use crate::physics::StepRule;
 use crate::space::State;
 use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
+use border::Bordered;
 use condensed::Condensed;
 use correction::{At, Correction};
 use full::Full;
@@ -44,13 +47,24 @@ pub struct Linear<const D: usize> {
     krylov: Option<KrylovSettings>,
     /// With the whole matrix and with the condensed one.
     made: [Option<Box<dyn Correction<D>>>; 2],
+    /// Far couplings and scalar unknowns of the one in use.
+    bordered: Bordered,
 }
 
 impl<const D: usize> Linear<D> {
     /// Nothing is prepared yet.
     pub fn new(chosen: Linearization, make: MakeSolver) -> Linear<D> {
         let (sizes, made) = (Sizes::default(), [None, None]);
-        Linear { active: chosen, chosen, detour: 0, make, sizes, krylov: None, made }
+        Linear {
+            active: chosen,
+            chosen,
+            detour: 0,
+            make,
+            sizes,
+            krylov: None,
+            made,
+            bordered: Bordered::default(),
+        }
     }
 
     /// With GMRES: factors are kept longer than matrices.
@@ -77,7 +91,8 @@ impl<const D: usize> Linear<D> {
     /// What a checkpoint keeps: the steps to go with the whole Jacobian.
     pub fn save(&self) -> u32 {
         // The rest is asked for by the case, follows from it, or is made anew.
-        let Linear { active: _, chosen: _, detour, make: _, sizes: _, krylov: _, made: _ } = *self;
+        let Linear { active: _, chosen: _, detour, make: _, sizes: _, krylov: _, made: _, bordered: _ } =
+            *self;
         detour
     }
 
@@ -150,7 +165,8 @@ impl<const D: usize> Linear<D> {
         seconds.assembly += (assembled - start).as_secs_f64();
         let factored = made.factored().factor(view.rule, sizes);
         seconds.factorization += assembled.elapsed().as_secs_f64();
-        factored
+        factored?;
+        self.take_borders(assembler, view)
     }
 
     /// Assemble at the iterate of `view`, and keep the factors.
@@ -169,10 +185,21 @@ impl<const D: usize> Linear<D> {
         made.assemble(&mut At { assembler: &mut *assembler, view, linearization, tangent });
         made.precondition(&assembler.space, view.rule.per_k);
         seconds.assembly += start.elapsed().as_secs_f64();
-        Ok(())
+        self.take_borders(assembler, view)
     }
 
-    /// δ from the residual `r` \[v, u, p\] by the factors at hand; with `settled` the condensed system takes the
+    /// Take far couplings and scalar unknowns at the iterate of `view`.
+    fn take_borders(&mut self, assembler: &mut Assembler<D>, view: &StepView<'_>) -> Result<(), SolverError> {
+        let matrix = match self.active {
+            Linearization::Condensed => Matrix::Condensed,
+            Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => Matrix::Whole,
+        };
+        let slot = self.slot();
+        let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
+        self.bordered.renew(&mut **made, matrix, assembler, view).map(|_| ())
+    }
+
+    /// δ from the residual `r`, both \[v, u, p, s\], by the factors at hand; with `settled` the condensed system takes the
     /// residual of the extension for zero, which is cheaper. Returns how many times factors were applied.
     ///
     /// # Errors
@@ -185,7 +212,9 @@ impl<const D: usize> Linear<D> {
         r: &[f64],
         delta: &mut [f64],
     ) -> Result<usize, SolverError> {
-        self.at_hand()?.correct(assembler, view, settled, r, delta)
+        let slot = self.slot();
+        let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
+        self.bordered.correct(&mut **made, assembler, view, settled, r, delta)
     }
 
     /// What a new Jacobian costs, in iterations, or with GMRES its factors in those.

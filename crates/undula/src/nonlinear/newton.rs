@@ -110,6 +110,12 @@ impl Newton {
         }
     }
 
+    /// For a system of `n` unknowns from now on.
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.residual.resize(n, 0.0);
+        self.delta.resize(n, 0.0);
+    }
+
     /// Forget the kept Jacobian, as after a change of the step size.
     pub fn forget(&mut self) {
         self.kept.usable = false;

@@ -7,6 +7,7 @@
 #![cfg_attr(test, allow(dead_code))]
 
 pub mod biharmonic;
+pub mod border;
 pub mod outflow;
 pub mod region;
 pub mod stabilization;
@@ -19,6 +20,7 @@ use crate::mesh::Side;
 use crate::physics::{Fluid, Solid, StepRule};
 use crate::space::{FsiSpace, Region, State};
 use crate::tangent::{Linearization, Tangent};
+use border::Borders;
 use region::current_force::CurrentForce;
 
 /// The equations of the regions; an absent one is `None`.
@@ -157,6 +159,18 @@ pub trait Operator<const D: usize>: Send + Sync {
 
     /// Add the product of the derivative with `x` to `y`, both `[v, u, p]`, without a matrix.
     fn apply(&mut self, _matrix: Matrix, _step: &StepView<'_>, _x: &[f64], _y: &mut [f64]) {}
+
+    /// How many scalar unknowns the term has. Their equations are scaled like a rate of volume \[m^D/s\].
+    fn scalars(&self) -> usize {
+        0
+    }
+
+    /// Told once, where there are some: the number of the first one in `s` of a state, and its row in `[v, u, p, s]`.
+    fn number_scalars(&mut self, _first: usize, _row: usize) {}
+
+    /// What the derivative has besides its entries: couplings that would fill the matrix, equations of scalar unknowns.
+    /// In the condensed matrix columns have rows of v and p alone.
+    fn borders(&mut self, _matrix: Matrix, _step: &StepView<'_>, _borders: &mut Borders) {}
 
     /// Cells in which the term adds to the condensed matrix before unknowns inside of them are eliminated, each with its
     /// number of velocities.

@@ -98,9 +98,12 @@ pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint,
     if let Some(point) = point {
         states.extend([("jacobian_new", point.new), ("jacobian_old", point.old)]);
     }
-    for (name, State { v, u, p }) in states {
+    for (name, State { v, u, p, s }) in states {
         for (field, values) in [("v", v), ("u", u), ("p", p)] {
             put(format!("{name}_{field}"), values);
+        }
+        if !s.is_empty() {
+            put(format!("{name}_s"), s);
         }
     }
     for (n, (_, [v, u])) in adaptive.into_iter().flat_map(|memory| memory.past).enumerate() {
@@ -199,7 +202,8 @@ pub(super) fn restore(
 /// What a checkpoint says, for `simulation`.
 fn memory(simulation: &Simulation, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<Memory, Error> {
     let Stepper { assembler, settings, .. } = &simulation.stepper;
-    let sizes = Sizes { v: assembler.space.n_v(), u: assembler.space.n_u(), p: assembler.space.n_p() };
+    let (space, s) = (&assembler.space, simulation.stepper.new.s.len());
+    let sizes = Sizes { v: space.n_v(), u: space.n_u(), p: space.n_p(), s };
     let state = |name: &str| sizes.state(checkpoint, name);
     let (interval, left) = metadata.damping;
     let [time, last_step] = metadata.clock;
@@ -240,12 +244,14 @@ struct Sizes {
     v: usize,
     u: usize,
     p: usize,
+    s: usize,
 }
 
 impl Sizes {
     fn state(&self, checkpoint: &Checkpoint, name: &str) -> Result<State, Error> {
         let field = |field: &str, size| array(checkpoint, format!("{name}_{field}"), size);
-        Ok(State { v: field("v", self.v)?, u: field("u", self.u)?, p: field("p", self.p)? })
+        let s = if self.s == 0 { vec![] } else { field("s", self.s)? };
+        Ok(State { v: field("v", self.v)?, u: field("u", self.u)?, p: field("p", self.p)?, s })
     }
 
     fn adaptive(&self, from: &Checkpoint, metadata: &OfAdaptive) -> Result<adaptive::Memory, Error> {

@@ -247,7 +247,7 @@ impl Case {
         let scales = self.scales(&space, largest);
         let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
         let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
-        let newton = self.build_newton(&space);
+        let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),
             domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
@@ -257,7 +257,7 @@ impl Case {
             scales,
         };
         let start = self.time.as_ref().map_or(self.at_time, |t| t.start);
-        let mut initial = State::zero(space.n_v(), space.n_u(), space.n_p());
+        let mut initial = assembler.zero();
         let State { v, u, .. } = &mut initial;
         if self.time.is_some() {
             assembler.constraints.apply(&space, start, v, u);
@@ -269,9 +269,9 @@ impl Case {
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
     }
 
-    /// Newton's method on `space`, with nothing kept.
-    pub fn build_newton(&self, space: &FsiSpace<2>) -> Newton {
-        Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v())
+    /// Newton's method for `assembler`, with nothing kept.
+    pub fn build_newton(&self, assembler: &Assembler<2>) -> Newton {
+        Newton::new(self.newton_settings(), assembler.n_unknowns(), assembler.space.n_v())
     }
 
     fn newton_settings(&self) -> Settings {

@@ -89,7 +89,12 @@ impl Former {
                 )
             })
         };
-        Ok(State { v: field("v", space.n_v())?, u: field("u", space.n_u())?, p: field("p", space.n_p())? })
+        Ok(State {
+            v: field("v", space.n_v())?,
+            u: field("u", space.n_u())?,
+            p: field("p", space.n_p())?,
+            s: vec![],
+        })
     }
 
     /// Solution, the solution before it, and the length of the step between them; 0 if there is none before.

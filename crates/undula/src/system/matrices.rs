@@ -103,7 +103,7 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// y ← A x with the Jacobian A of [`Assembler::residual`], without a matrix: `x` and `y` are `[v, u, p]`, and rows of
+    /// y ← A x with the Jacobian A of [`Assembler::residual`], without a matrix: `x` and `y` are `[v, u, p, s]`, and rows of
     /// given unknowns read y = x. `work` is overwritten.
     pub fn apply(&mut self, step: &StepView<'_>, x: &[f64], y: &mut [f64], work: &mut Vec<f64>) {
         self.product(Matrix::Whole, step, x, y, work);
@@ -130,6 +130,20 @@ impl<const D: usize> Assembler<D> {
         for operator in self.operators_mut() {
             operator.apply(matrix, step, work, y);
         }
+        let mut borders = std::mem::take(&mut self.borders);
+        self.borders(matrix, step, &mut borders);
+        let first = self.space.n_unknowns();
+        for border in borders.iter() {
+            let product = border.product(work);
+            match border.scalar {
+                Some(scalar) => {
+                    border.add_column(work[first + scalar], y);
+                    y[first + scalar] = product + border.corner * work[first + scalar];
+                }
+                None => border.add_column(product, y),
+            }
+        }
+        self.borders = borders;
         self.given.iter().for_each(|&row| y[row as usize] = x[row as usize]);
     }
 

@@ -9,12 +9,13 @@ pub use crate::loops::width::{available, best_lanes};
 use crate::math::Vector;
 use crate::mesh::Side;
 use crate::operators::biharmonic::Biharmonic;
+use crate::operators::border::Borders;
 use crate::operators::outflow::OutflowFacets;
 pub use crate::operators::region::current_force::CurrentForce;
 use crate::operators::region::regions;
 use crate::operators::stabilization::Stabilizer;
 pub use crate::operators::stabilization::patches;
-use crate::operators::{Blocks, RegionOperator};
+use crate::operators::{Blocks, Matrix, RegionOperator};
 pub use crate::operators::{DataTime, End, ForceAt, NotFinite, Operator, Options, Physics, StepView};
 use crate::physics::{Extension, Stabilization};
 use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, Region, State};
@@ -54,6 +55,10 @@ pub struct Assembler<const D: usize> {
     condensed: Option<Arc<CondensedSystem>>,
     blocks: Blocks,
     stabilized: bool,
+    /// Number of scalar unknowns.
+    scalars: usize,
+    /// Borders of a product without a matrix.
+    borders: Borders,
 }
 
 impl Assembler<2> {
@@ -109,14 +114,37 @@ impl Assembler<2> {
             condensed: None,
             blocks: Blocks::default(),
             stabilized: false,
+            scalars: 0,
+            borders: Borders::default(),
         })
     }
 }
 
 impl<const D: usize> Assembler<D> {
-    /// Add a term to the equations; before any matrix is asked for.
-    pub fn add(&mut self, term: Box<dyn Operator<D>>) {
+    /// Add a term to the equations; before any matrix is asked for and any state is made.
+    pub fn add(&mut self, mut term: Box<dyn Operator<D>>) {
+        if term.scalars() > 0 {
+            term.number_scalars(self.scalars, self.n_unknowns());
+            self.scalars += term.scalars();
+        }
         self.terms.push(term);
+    }
+
+    /// Number of all unknowns `[v, u, p, s]`, those of the fields and scalar ones.
+    pub fn n_unknowns(&self) -> usize {
+        self.space.n_unknowns() + self.scalars
+    }
+
+    /// Rest.
+    pub fn zero(&self) -> State {
+        let space = &self.space;
+        State { s: vec![0.0; self.scalars], ..State::zero(space.n_v(), space.n_u(), space.n_p()) }
+    }
+
+    /// Take what the Jacobian at the iterate of `step` has besides `matrix`.
+    pub fn borders(&mut self, matrix: Matrix, step: &StepView<'_>, borders: &mut Borders) {
+        borders.clear();
+        self.operators_mut().for_each(|operator| operator.borders(matrix, step, borders));
     }
 
     /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.
@@ -191,7 +219,7 @@ impl<const D: usize> Assembler<D> {
         of_region.for_each(|operator| operator.set_force(end, force));
     }
 
-    /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p]`, given rows included.
+    /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p, s]`, given rows included.
     pub fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
         out.fill(0.0);
         if step.rule.has_explicit() {
@@ -199,7 +227,7 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// The residual `[v, u, p]` of the step; `out` holds the explicit part on entry. Given rows are 0, but for those of
+    /// The residual `[v, u, p, s]` of the step; `out` holds the explicit part on entry. Given rows are 0, but for those of
     /// [`Assembler::close`].
     ///
     /// Returns the smallest J at the quadrature points of the regions whose map must not fold.

@@ -10,7 +10,7 @@ use crate::linear::{Linear, Scales};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
-use crate::system::{Assembler, DataTime, End, NotFinite};
+use crate::system::{Assembler, DataTime, End, NotFinite, Operator};
 use crate::tangent::Tangent;
 use std::cell::Cell;
 
@@ -100,7 +100,7 @@ impl<const D: usize> Stepper<D> {
         initial: State,
         force: [Option<Force<D>>; 2],
     ) -> Stepper<D> {
-        let n = assembler.space.n_unknowns();
+        let n = assembler.n_unknowns();
         let mut stepper = Stepper {
             assembler,
             newton,
@@ -128,6 +128,19 @@ impl<const D: usize> Stepper<D> {
         stepper.set_forces(End::New, time, 1.0);
         stepper.set_forces(End::Old, time, 1.0);
         stepper
+    }
+
+    /// Add a term to the equations, before the first step.
+    pub(crate) fn add_term(&mut self, term: Box<dyn Operator<D>>) {
+        self.assembler.add(term);
+        let like = self.assembler.zero();
+        for state in [&mut self.new, &mut self.old, &mut self.older, &mut self.base] {
+            state.s.clone_from(&like.s);
+        }
+        self.explicit.resize(self.assembler.n_unknowns(), 0.0);
+        self.newton.resize(self.assembler.n_unknowns());
+        self.set_forces(End::New, self.time, 1.0);
+        self.set_forces(End::Old, self.time, 1.0);
     }
 
     /// Set the body forces of `end` to those at `t` \[s\], times `load`, and note where they are not finite.

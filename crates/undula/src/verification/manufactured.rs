@@ -137,7 +137,7 @@ impl Manufactured {
             max_steps: 30,
             line_search: 8,
         };
-        let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
+        let newton = Newton::new(settings, assembler.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
             domain_motion: DomainMotion::Secant,

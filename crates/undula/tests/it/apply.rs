@@ -33,7 +33,12 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
     let (space, mut random) = (&problem.space, Random(seed));
     let closer = 2.0 / space.nodes.degree as f64;
     let mut list = |n: usize, size: f64| (0..n).map(|_| closer * size * random.next()).collect();
-    State { v: list(space.n_v(), sizes[0]), u: list(space.n_u(), sizes[1]), p: list(space.n_p(), sizes[2]) }
+    State {
+        v: list(space.n_v(), sizes[0]),
+        u: list(space.n_u(), sizes[1]),
+        p: list(space.n_p(), sizes[2]),
+        s: vec![],
+    }
 }
 
 fn largest(x: &[f64]) -> f64 {
@@ -48,7 +53,7 @@ fn gap(a: &[f64], b: &[f64]) -> f64 {
 fn check(problem: &Manufactured, assembler: &mut Assembler<2>, rule: StepRule) {
     let (new, old) = (random(problem, 77, [2.0, 0.02, 4.0]), random(problem, 78, [2.0, 0.02, 4.0]));
     let step = StepView { rule, new: &new, old: &old };
-    let State { v, u, p } = random(problem, 5, [1.0; 3]);
+    let State { v, u, p, .. } = random(problem, 5, [1.0; 3]);
     let (x, mut work) = ([v, u, p].concat(), vec![]);
     let n = x.len();
     let (mut by_matrix, mut product) = (vec![0.0; n], vec![0.0; n]);

@@ -37,7 +37,7 @@ fn random(problem: &Manufactured, seed: u64) -> State {
     let mut list = |n: usize, size: f64| (0..n).map(|_| size * random.next()).collect();
     // Gradients grow with the square of the degree.
     let small = 0.02f64.min(0.06 / (space.nodes.degree as f64).powi(2));
-    State { v: list(space.n_v(), 2.0), u: list(space.n_u(), small), p: list(space.n_p(), 4.0) }
+    State { v: list(space.n_v(), 2.0), u: list(space.n_u(), small), p: list(space.n_p(), 4.0), s: vec![] }
 }
 
 fn assembled(

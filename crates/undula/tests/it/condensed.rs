@@ -35,7 +35,12 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
     let (space, mut random) = (&problem.space, Random(seed));
     let closer = 2.0 / space.nodes.degree as f64;
     let mut list = |n: usize, size: f64| (0..n).map(|_| closer * size * random.next()).collect();
-    State { v: list(space.n_v(), sizes[0]), u: list(space.n_u(), sizes[1]), p: list(space.n_p(), sizes[2]) }
+    State {
+        v: list(space.n_v(), sizes[0]),
+        u: list(space.n_u(), sizes[1]),
+        p: list(space.n_p(), sizes[2]),
+        s: vec![],
+    }
 }
 
 fn linear(kind: Linearization) -> Linear<2> {
@@ -61,7 +66,7 @@ fn largest(x: &[f64]) -> f64 {
 /// A right-hand side `[v, u, p]` without given rows and without the velocity-deformation relation.
 fn right_hand_side(problem: &Manufactured, assembler: &Assembler<2>) -> Vec<f64> {
     let space = &problem.space;
-    let State { v, u, p } = random(problem, 5, [1.0, 1.0, 1.0]);
+    let State { v, u, p, .. } = random(problem, 5, [1.0, 1.0, 1.0]);
     let mut r = [v, u, p].concat();
     assembler.zero_given(&mut r);
     for node in (0..space.nodes.len()).filter(|&n| space.deforms && space.owner[n] == PsiOwner::Relation) {

@@ -11,6 +11,7 @@ mod manufactured;
 mod apply;
 mod assembly;
 mod bench;
+mod borders;
 mod case_errors;
 mod case_files;
 mod cases;
