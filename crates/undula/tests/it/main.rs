@@ -23,6 +23,7 @@ mod derivatives;
 mod elements;
 mod examples;
 mod extension;
+mod hierarchy;
 mod incompressible;
 mod keys;
 mod krylov;
