@@ -28,6 +28,7 @@ mod incompressible;
 mod keys;
 mod krylov;
 mod layering;
+mod lengths;
 mod linearization;
 mod materials;
 mod mesh;
