@@ -6,7 +6,6 @@ mod row;
 pub use initial::with_start;
 pub use row::Row;
 
-use crate::assembly::StepView;
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
@@ -17,6 +16,7 @@ use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
 use crate::space::State;
+use crate::system::StepView;
 use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -24,10 +24,10 @@ pub use matrices::write_matrices;
 pub use steps::Start;
 pub use steps::{Parts, Spread, Steps};
 
-use crate::assembly::simd;
 use crate::error::Error;
 use crate::output::{Unknowns, peak_memory, processor};
 use crate::simulation::Simulation;
+use crate::system::simd;
 use serde::Serialize;
 
 /// What is measured.

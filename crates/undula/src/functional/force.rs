@@ -2,11 +2,11 @@
 #![allow(non_snake_case)]
 
 use super::{Functional, Snapshot};
-use crate::assembly::facets::{FacetPoint, facet_points, fields_at};
 use crate::math::{Tensor, Vector};
 use crate::mesh::Side;
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Kinematics};
+use crate::sampling::{FacetPoint, facet_points, fields_at};
 use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
 use std::collections::BTreeMap;
 

@@ -9,10 +9,10 @@ mod signal;
 pub mod statistics;
 pub mod transfer;
 
-use crate::assembly::facets::OutflowFacets;
-use crate::assembly::{Physics, StepView};
+use crate::operators::outflow::OutflowFacets;
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
+use crate::system::{Physics, StepView};
 
 /// What a functional may look at after a step.
 pub struct Snapshot<'a, const D: usize> {

@@ -1,9 +1,9 @@
 //! Flow that comes back in through an outlet, the usual cause of a breakdown there.
 
-use crate::assembly::facets::{facet_points, fields_at};
 use crate::case::{Case, Condition};
 use crate::math::Vector;
 use crate::physics::kinematics::cofactor;
+use crate::sampling::{facet_points, fields_at};
 use crate::space::{FsiSpace, Region, State};
 use crate::time::StepFailure;
 

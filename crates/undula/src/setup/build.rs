@@ -3,8 +3,6 @@
 use super::mesh::Marked;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
-use crate::assembly::force::CurrentForce;
-use crate::assembly::{self, Assembler, Physics};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, KrylovSpec, Precision, PressureElement, VelocityElement};
 use crate::error::Error;
@@ -14,6 +12,8 @@ use crate::mesh::{FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::system::CurrentForce;
+use crate::system::{self, Assembler, Physics};
 use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -77,7 +77,7 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        if !needed || system::patches(space).is_some() {
             return Ok(());
         }
         let message =

@@ -2,10 +2,10 @@
 
 use super::system::StepSystem;
 use crate::algebra::{Kind, SolverError, Unknown};
-use crate::assembly::Worst;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{Newton, NewtonError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region};
+use crate::system::Worst;
 use std::fmt;
 
 /// A place of the reference domain.

@@ -4,8 +4,8 @@ use super::extension::Extension;
 use super::factors::{MakeSolver, Purpose, ratio, relation, scale_pressure, scale_rows};
 use super::krylov::{Krylov, KrylovSettings};
 use crate::algebra::{Csr, LinearSolver, SolverError};
-use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::physics::StepRule;
+use crate::system::{Assembler, CondensedSystem, StepView};
 use std::sync::Arc;
 
 /// The matrix of (v, p), its factors, and what follows from (v, p).

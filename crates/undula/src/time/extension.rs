@@ -2,8 +2,8 @@
 
 use super::factors::{MakeSolver, Purpose};
 use crate::algebra::{Cost, LinearSolver, SolverError};
-use crate::assembly::extension::ExtensionSystem;
-use crate::assembly::{Assembler, StepView};
+use crate::system::extension::ExtensionSystem;
+use crate::system::{Assembler, StepView};
 
 /// Difference of two entries of the extension, relative to their diagonals, that is rounding.
 const SYMMETRIC: f64 = 1e-10;

@@ -1,9 +1,9 @@
 //! What all linear systems of a step share: how their solvers are made, and how factors serve a step with another k.
 
 use crate::algebra::LinearSolver;
-use crate::assembly::Assembler;
 use crate::physics::StepRule;
 use crate::space::PsiOwner;
+use crate::system::Assembler;
 
 /// Makes linear solvers of the kind that the case asks for.
 pub type MakeSolver = Box<dyn Fn(Purpose) -> Box<dyn LinearSolver> + Send>;

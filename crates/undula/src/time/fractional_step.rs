@@ -7,7 +7,7 @@ use super::kept::Parts;
 use super::report::{StepFailure, StepReport};
 use super::scheme::FRACTIONAL;
 use super::stepper::Stepper;
-use crate::assembly::{Assembler, End, StepView};
+use crate::system::{Assembler, End, StepView};
 
 impl<const D: usize> Stepper<D> {
     /// A step of three parts to the time `end` \[s\]; on failure everything is as before.

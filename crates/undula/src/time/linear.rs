@@ -5,10 +5,10 @@ use super::extension::Extension;
 use super::factors::{MakeSolver, Purpose, ratio, relation, scale_pressure, scale_rows};
 use super::krylov::{Krylov, KrylovSettings};
 use crate::algebra::{Cost, Csr, LinearSolver, Sizes, SolverError};
-use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 use std::time::Instant;
 

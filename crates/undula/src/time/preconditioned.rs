@@ -4,9 +4,9 @@ use super::condensed::Condensed;
 use super::factors::{ratio, scale_pressure, scale_rows};
 use super::linear::{Full, Linear};
 use crate::algebra::SolverError;
-use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 use std::time::Instant;
 

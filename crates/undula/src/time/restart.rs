@@ -5,9 +5,9 @@ use super::scales::BlockNorms;
 use super::scheme::Damping;
 use super::stepper::Stepper;
 use super::system::StepSystem;
-use crate::assembly::End;
 use crate::nonlinear::NewtonError;
 use crate::space::State;
+use crate::system::End;
 
 /// Where a run stands in time.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -6,10 +6,10 @@ use super::scales::BlockNorms;
 use super::scheme::{Formula, Past, multistep};
 use super::stepper::Stepper;
 use super::system::StepSystem;
-use crate::assembly::{End, StepView};
 use crate::nonlinear::newton::GROWTH;
 use crate::nonlinear::{Newton, NewtonError, NewtonReport};
 use crate::space::State;
+use crate::system::{End, StepView};
 use std::time::Instant;
 
 /// How the iteration of a step begins.

@@ -5,9 +5,9 @@ use super::report::{StepFailure, StepReport, keep};
 use super::scales::BlockNorms;
 use super::stepper::Stepper;
 use super::system::StepSystem;
-use crate::assembly::End;
 use crate::nonlinear::NewtonError;
 use crate::physics::StepRule;
+use crate::system::End;
 use crate::tangent::Linearization;
 
 /// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of

@@ -8,10 +8,10 @@ use super::report::Attempt;
 use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use crate::assembly::{Assembler, End};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
+use crate::system::{Assembler, End};
 use crate::tangent::Tangent;
 use std::cell::Cell;
 

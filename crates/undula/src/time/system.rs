@@ -4,11 +4,11 @@ use super::kept::JacobianPoint;
 use super::linear::Linear;
 use super::scales::{BlockNorms, Scales};
 use crate::algebra::{self, SolverError};
-use crate::assembly::{Assembler, StepView};
 use crate::nonlinear::newton::Age;
 use crate::nonlinear::{NonlinearSystem, Seconds};
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 
 /// Share of the largest residual below which that of the extension is left for a later iteration. It is linear

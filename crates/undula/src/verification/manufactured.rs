@@ -4,14 +4,14 @@
 //! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
 
 use crate::algebra::FaerLu;
-use crate::assembly::facets::{FacetPoint, facet_points};
-use crate::assembly::sampling::for_each_point;
-use crate::assembly::{Assembler, Options, Physics};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Dots, FacetForm, Fields, Fluid, Outflow, Place, StepRule, Tested, WeakForm};
+use crate::sampling::for_each_point;
+use crate::sampling::{FacetPoint, facet_points};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
+use crate::system::{Assembler, Options, Physics};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
 use crate::time::{

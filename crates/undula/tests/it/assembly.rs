@@ -3,10 +3,10 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
-use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State, Walls};
+use undula::system::{Assembler, Options, Physics, StepView};
 use undula::tangent::Stencil::{Central, Nodal, OneSided};
 use undula::tangent::{Difference, Linearization, Tangent};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};

@@ -5,13 +5,13 @@
 
 use crate::manufactured::*;
 use std::sync::Arc;
-use undula::assembly::Physics;
-use undula::assembly::force::CurrentForce;
-use undula::assembly::sampling::for_each_point;
 use undula::math::Tensor;
 use undula::physics::{Extension, Fluid, Material, PressureTerm, Solid, Stabilization, TransportTerm};
+use undula::sampling::for_each_point;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
+use undula::system::CurrentForce;
+use undula::system::Physics;
 use undula::time::stepper::Source;
 use undula::time::{Scheme, Stepper};
 use undula::verification::manufactured::{

@@ -1,10 +1,10 @@
 //! States at which Jacobians are compared.
 
 use super::At;
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, StepView};
 use crate::tangent::Sizes;
 
 /// A step between two states.
