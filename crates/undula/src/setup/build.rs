@@ -1,20 +1,15 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::names::MeshNames;
+use super::mesh::Marked;
 use super::overview::Overview;
-use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
-use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::{
-    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
-};
-use crate::element::Shape;
+use crate::case::{Case, Condition, KrylovSpec, Precision, PressureElement, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
-use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::mesh::{FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::{Newton, Settings};
 use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
@@ -29,105 +24,6 @@ pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
 #[doc(hidden)]
 impl Case {
-    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
-    ///
-    /// # Errors
-    /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
-    pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
-        Ok(self.marked_mesh()?.0)
-    }
-
-    /// The same with what should be known of it.
-    fn marked_mesh(&self) -> Result<(Mesh<2>, Vec<String>), Error> {
-        let (mut mesh, curves) = self.complete_mesh()?;
-        let mut notes = self.assign_regions(&mut mesh)?;
-        let unfit = self.check_regions(&mesh.regions);
-        if !unfit.is_empty() {
-            return Err(Error::Case(CaseErrors(unfit)));
-        }
-        notes.extend(self.mark_sides(&mut mesh)?);
-        let names = MeshNames::of(&mesh);
-        self.check_mesh(&names)?;
-        notes.extend(self.outer_interface(&names));
-        let blame = |e| self.blame(mesh_key(self), e);
-        mesh.check_kept(&self.regions()).map_err(blame)?;
-        if let [fluid, solid] = self.regions()[..]
-            && mesh.boundary(INTERFACE).is_some()
-        {
-            mesh.check_interface(fluid, solid).map_err(blame)?;
-        }
-        mesh.check_curves(&curves).map_err(blame)?;
-        Ok((mesh, notes))
-    }
-
-    /// The mesh as it is made or read, with the curves that its boundaries follow.
-    fn complete_mesh(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
-        self.check_memory(None)?;
-        let spec = &self.mesh;
-        let triangles = self.space.velocity.shape() == Shape::Triangle;
-        // Triangles are refined after they are made.
-        let refine = if triangles { 0 } else { spec.refine as usize };
-        let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
-            MeshSource::TurekHron => {
-                (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
-            }
-            MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
-            MeshSource::Rotor => (generate::rotor(refine, spec.grading as usize), vec![]),
-            MeshSource::Box { lower, upper, cells } => {
-                (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
-            }
-            MeshSource::File(path) => {
-                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
-                self.check_memory(Some(&mesh))?;
-                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
-                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
-                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
-                }
-                (mesh.refined(refine, &[]), vec![])
-            }
-            MeshSource::Own(OwnMesh(mesh)) => {
-                self.check_memory(Some(mesh))?;
-                (Mesh::clone(mesh).refined(refine, &[]), vec![])
-            }
-        };
-        if triangles {
-            if !matches!(spec.source, MeshSource::File(_) | MeshSource::Own(_)) {
-                mesh = mesh.triangulated();
-            }
-            mesh = mesh.refined(spec.refine as usize, &curves);
-        }
-        self.check_shape(&mesh)?;
-        Ok((mesh, curves))
-    }
-
-    /// Refuses cells on which the velocity does not live.
-    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
-        let velocity = self.space.velocity;
-        if mesh.shape == velocity.shape() {
-            return Ok(());
-        }
-        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
-        let reason = format!(
-            "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
-            velocity.name(),
-            velocity.shape().name(),
-            mesh.shape.name(),
-            velocity.shape().name()
-        );
-        Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
-    }
-
-    /// An error of the mesh, told with the place of the `key` of the case that is to blame.
-    pub(super) fn blame(&self, key: &str, error: MeshError) -> Error {
-        self.refuse(key, error.to_string())
-    }
-
-    /// An error of the input with the place of the `key` that is to blame.
-    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
-        let place = self.place_of(key);
-        Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
-    }
-
     fn solid_region(&self) -> &str {
         self.solid.as_ref().map_or("", |s| s.region.as_str())
     }
@@ -137,10 +33,17 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
-        self.space_on(&self.build_mesh()?)
+        self.space_of(&self.marked_mesh()?)
     }
 
-    /// Spaces on the regions of the complete `mesh` that take part.
+    /// Spaces with the hierarchy of their mesh.
+    fn space_of(&self, marked: &Marked) -> Result<FsiSpace<2>, Error> {
+        let mut space = self.space_on(&marked.mesh)?;
+        space.hierarchy = marked.hierarchy.restrict(&self.regions());
+        Ok(space)
+    }
+
+    /// Spaces on the regions of the complete `mesh` that take part; coarser meshes are not known.
     pub(crate) fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
@@ -206,9 +109,9 @@ impl Case {
     /// # Errors
     /// As [`Case::build_stepper`].
     pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
-        let (mesh, mut notes) = self.marked_mesh()?;
-        let space = Arc::new(self.space_on(&mesh)?);
-        drop(mesh);
+        let marked = self.marked_mesh()?;
+        let space = Arc::new(self.space_of(&marked)?);
+        let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         Ok((self.stepper_on(space, threads)?, notes))
@@ -401,8 +304,9 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
-        let (mesh, mut notes) = self.marked_mesh()?;
-        let space = self.space_on(&mesh)?;
+        let marked = self.marked_mesh()?;
+        let space = self.space_of(&marked)?;
+        let Marked { mesh, mut notes, .. } = marked;
         self.check_data(&space)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
