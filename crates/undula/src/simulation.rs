@@ -1,22 +1,25 @@
 //! The computation: step by step, with its functionals. No files; see [`crate::run`] for those.
 
 mod initial;
+mod memory;
 mod row;
 
 pub use initial::with_start;
+#[doc(hidden)]
+pub use memory::Memory;
 pub use row::Row;
 
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
-use crate::functional::balance::{Balance, Largest};
+use crate::functional::balance::Balance;
 use crate::functional::fields::{Fields, OwnFunctional};
 use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
 use crate::system::{Operator, StepView};
-use crate::time::{self, Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper, adaptive};
+use crate::time::{Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -57,20 +60,6 @@ pub struct Simulation {
     needs_residual: bool,
     threads: usize,
     pool: Option<rayon::ThreadPool>,
-}
-
-/// All that a simulation needs to go on with the same bits: what a checkpoint keeps of it.
-#[doc(hidden)]
-#[derive(Clone, Debug, PartialEq)]
-pub struct Memory {
-    /// Steps done.
-    pub steps: u64,
-    /// Solutions, Jacobian, counters.
-    pub stepper: time::Memory,
-    /// Of step-size control.
-    pub adaptive: Option<adaptive::Memory>,
-    /// Largest flows so far.
-    pub balance: Option<Largest>,
 }
 
 /// The times that the steps of `case` land on.
@@ -340,57 +329,6 @@ impl Simulation {
             jacobians: report.jacobians,
             names: self.names.clone(),
         }
-    }
-
-    /// What a checkpoint keeps.
-    #[doc(hidden)]
-    pub fn save(&self) -> Memory {
-        let Simulation {
-            case: _,
-            stepper,
-            history: _,
-            steps,
-            report: _,
-            adaptive,
-            balance,
-            functionals: _,
-            names: _,
-            fluid_residual: _,
-            needs_residual: _,
-            threads: _,
-            pool: _,
-        } = self;
-        Memory {
-            steps: *steps,
-            stepper: stepper.save(),
-            adaptive: adaptive.as_ref().map(|adaptive| adaptive.memory.clone()),
-            balance: balance.as_ref().map(|balance| balance.largest),
-        }
-    }
-
-    /// Go on from a checkpoint.
-    ///
-    /// # Errors
-    /// If the kept Jacobian cannot be factorised.
-    #[doc(hidden)]
-    pub fn restore(&mut self, memory: Memory) -> Result<(), Error> {
-        self.steps = memory.steps;
-        if let Some(adaptive) = &mut self.adaptive {
-            match memory.adaptive {
-                Some(memory) => adaptive.memory = memory,
-                None => adaptive.memory.past.clear(),
-            }
-        }
-        let stepper = &mut self.stepper;
-        match &self.pool {
-            None => stepper.restore(memory.stepper)?,
-            Some(pool) => pool.install(|| stepper.restore(memory.stepper))?,
-        }
-        if let Some(balance) = &mut self.balance {
-            balance.restart(&stepper.new, stepper.time);
-            balance.largest = memory.balance.unwrap_or(balance.largest);
-        }
-        Ok(())
     }
 
     /// Number of the functional that is asked for a period first, see [`statistics::ranking`].

@@ -8,10 +8,8 @@
 
 use super::correction::Correction;
 use crate::algebra::SolverError;
-use crate::operators::Matrix;
-use crate::operators::border::Borders;
 use crate::physics::StepRule;
-use crate::system::{Assembler, StepView};
+use crate::system::{Assembler, Borders, Matrix, StepView};
 
 /// Borders at the Jacobian at hand.
 #[derive(Default)]

@@ -18,10 +18,9 @@ pub use scales::{BlockNorms, Scales};
 
 use crate::algebra::{Sizes, SolverError};
 use crate::nonlinear::Seconds;
-use crate::operators::Matrix;
 use crate::physics::StepRule;
 use crate::space::State;
-use crate::system::{Assembler, StepView};
+use crate::system::{Assembler, Matrix, StepView};
 use crate::tangent::{Linearization, Tangent};
 use border::Bordered;
 use condensed::Condensed;

@@ -81,6 +81,8 @@ pub struct Writes<'a> {
 /// Copies of the entries at which chunks meet.
 #[derive(Debug, Default)]
 pub struct Copies {
+    /// Entries of the array that has copies; others behind them are not touched.
+    n: usize,
     values: Vec<f64>,
     /// Entries with copies, ascending.
     targets: Vec<u32>,
@@ -94,6 +96,22 @@ pub struct Copies {
 const FREE: u32 = u32::MAX;
 const SHARED: u32 = COPY - 1;
 const COPY: u32 = 1 << 31;
+
+/// The chunk that writes each of `n` entries, [`FREE`] or [`SHARED`].
+fn owners(n: usize, chunks: &[Range<usize>], writes: &[Writes<'_>]) -> Vec<u32> {
+    let mut owner = vec![FREE; n];
+    for (c, chunk) in chunks.iter().enumerate() {
+        for w in writes.iter() {
+            for &at in &w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
+                if at != DROP {
+                    let owner = &mut owner[at as usize];
+                    *owner = if *owner == FREE || *owner == c as u32 { c as u32 } else { SHARED };
+                }
+            }
+        }
+    }
+    owner
+}
 
 impl Copies {
     /// Redirect `writes` into an array of `n` entries: an index beyond n is a copy.
@@ -118,17 +136,7 @@ impl Copies {
         if n >= limit as usize {
             return too_many(n as u64);
         }
-        let mut owner = vec![FREE; n];
-        for (c, chunk) in chunks.iter().enumerate() {
-            for w in writes.iter() {
-                for &at in &w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
-                    if at != DROP {
-                        let owner = &mut owner[at as usize];
-                        *owner = if *owner == FREE || *owner == c as u32 { c as u32 } else { SHARED };
-                    }
-                }
-            }
-        }
+        let mut owner = owners(n, chunks, writes);
         // From now on `owner` of a shared entry is where its copy for the present chunk is.
         let mut found: Vec<(u32, u32)> = vec![];
         let mut next: u32 = 0;
@@ -161,30 +169,35 @@ impl Copies {
             }
             found.extend(of_chunk);
         }
+        Ok(Copies::of(n, next as usize, found))
+    }
+
+    /// `copies` copies of the entries `found`, each with its target and its place.
+    fn of(n: usize, copies: usize, mut found: Vec<(u32, u32)>) -> Copies {
         found.sort_by_key(|&(target, _)| target);
-        let mut copies = Copies { values: vec![0.0; next as usize], ..Copies::default() };
+        let mut all = Copies { n, values: vec![0.0; copies], ..Copies::default() };
         for (target, place) in found {
-            if copies.targets.last() != Some(&target) {
-                copies.targets.push(target);
-                copies.ends.push(copies.places.len() as u32);
+            if all.targets.last() != Some(&target) {
+                all.targets.push(target);
+                all.ends.push(all.places.len() as u32);
             }
-            copies.places.push(place);
-            if let Some(end) = copies.ends.last_mut() {
+            all.places.push(place);
+            if let Some(end) = all.ends.last_mut() {
                 *end += 1;
             }
         }
-        Ok(copies)
+        all
     }
 
     /// Share `out` and the copies among the chunks.
     pub fn share<'a>(&'a mut self, out: &'a mut [f64]) -> Shared<'a> {
-        Shared::with_copies(out, &mut self.values)
+        Shared::with_copies(&mut out[..self.n], &mut self.values)
     }
 
     /// Add all copies to `out`, and make them zero again.
     pub fn gather(&mut self, out: &mut [f64]) {
-        let Copies { values, targets, ends, places } = self;
-        let (out, values) = (Shared::new(out), Shared::new(values));
+        let Copies { n, values, targets, ends, places } = self;
+        let (out, values) = (Shared::new(&mut out[..*n]), Shared::new(values));
         let sum = |(task, targets): (usize, &[u32])| {
             let first = task * TARGETS;
             let mut start = if first == 0 { 0 } else { ends[first - 1] };

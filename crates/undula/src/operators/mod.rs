@@ -8,6 +8,7 @@
 
 pub mod biharmonic;
 pub mod border;
+mod columns;
 pub mod outflow;
 pub mod region;
 pub mod stabilization;

@@ -1,5 +1,6 @@
 //! The outflow terms on boundary facets. There are few, so they are done one by one in `f64`.
 
+use super::columns::Columns;
 use super::{Entries, How, Matrix, Operator, StepView};
 use crate::algebra::SolverError;
 use crate::loops::scatter::DROP;
@@ -376,38 +377,5 @@ impl<const D: usize> FacetTangent<'_, D> {
                 facet.difference((step, *lagged), p, (field, b, j), steps[field])
             }
         }
-    }
-}
-
-/// Derivatives of the traction in the directions of value and gradient of v and u: `[field][j]`,
-/// `[field][j][d]`.
-struct Columns<const D: usize> {
-    value: [[Vector<f64, D>; D]; 2],
-    grad: [[[Vector<f64, D>; D]; D]; 2],
-}
-
-impl<const D: usize> Columns<D> {
-    /// Add the derivative in every direction; it is told whether the direction is that of the value of u.
-    fn add(&mut self, derivative: impl Fn(&Fields<f64, D>, bool) -> Vector<f64, D>) {
-        let column = |n: usize, of_u: bool| {
-            let mut w = Fields::zero();
-            *w.component(n) = 1.0;
-            derivative(&w, of_u)
-        };
-        for field in 0..2 {
-            let first = field * (D + D * D);
-            for j in 0..D {
-                self.value[field][j] += column(first + j, field == 1);
-                for d in 0..D {
-                    self.grad[field][j][d] += column(first + D + j * D + d, false);
-                }
-            }
-        }
-    }
-
-    /// d(traction) for basis function `b` in component `j` of field 0 (v) or 1 (u).
-    fn of(&self, p: &FacetPoint<D>, field: usize, b: usize, j: usize) -> Vector<f64, D> {
-        let value = self.value[field][j] * p.value[b];
-        (0..D).fold(value, |sum, d| sum + self.grad[field][j][d] * p.grad[b][d])
     }
 }

@@ -8,23 +8,6 @@ use std::path::Path;
 const FILE: usize = 400;
 const FUNCTION: usize = 60;
 
-/// Files that may be longer, and files with functions that may be, until they are written anew. What is no longer needed
-/// must go.
-const LONG_FILES: [&str; 4] = [
-    "undula/src/assembly/facets.rs",
-    "undula/src/assembly/mod.rs",
-    "undula/src/assembly/stabilize/tasks.rs",
-    "undula/src/nonlinear/newton.rs",
-];
-const LONG_FUNCTIONS: [(&str, &str); 6] = [
-    ("undula/src/assembly/chunks.rs", "within"),
-    ("undula/src/assembly/interior.rs", "run"),
-    ("undula/src/assembly/kernel.rs", "new"),
-    ("undula/src/nonlinear/newton.rs", "solve"),
-    ("undula/src/run/checkpoint.rs", "restore"),
-    ("undula/src/time/stationary.rs", "stationary_at"),
-];
-
 /// Where the comment or literal at the beginning of `text` ends; 0 if there is none.
 fn skipped(text: &str, before: Option<char>) -> usize {
     let behind = |end: &str, from: usize| text[from..].find(end).map_or(text.len(), |n| from + n + end.len());
@@ -116,32 +99,20 @@ fn files_and_functions_are_short() {
     files.retain(|file| file.extension().is_some_and(|ending| ending == "rs"));
     files.sort();
     let (mut n_functions, mut wrong) = (0, vec![]);
-    let (mut long_files, mut long_functions) = (LONG_FILES.to_vec(), LONG_FUNCTIONS.to_vec());
     for path in &files {
         let file = path.strip_prefix(crates).unwrap().to_str().unwrap().replace('\\', "/");
         let text = fs::read_to_string(path).unwrap();
         let (n, code) = (text.lines().count(), code(&text));
         if n > FILE {
-            match long_files.iter().position(|known| *known == file) {
-                Some(known) => drop(long_files.remove(known)),
-                None => wrong.push(format!("{file}: {n} lines: expected at most {FILE}")),
-            }
+            wrong.push(format!("{file}: {n} lines: expected at most {FILE}"));
         }
         for (name, line, n) in functions(&code) {
             n_functions += 1;
             if n > FUNCTION {
-                match long_functions.iter().position(|known| *known == (file.as_str(), name)) {
-                    Some(known) => drop(long_functions.remove(known)),
-                    None => {
-                        wrong.push(format!("{file}:{line}: {name}: {n} lines: expected at most {FUNCTION}"))
-                    }
-                }
+                wrong.push(format!("{file}:{line}: {name}: {n} lines: expected at most {FUNCTION}"));
             }
         }
     }
-    let short = "is short enough now: take it from the list of this test";
-    wrong.extend(long_files.iter().map(|file| format!("{file}: {short}")));
-    wrong.extend(long_functions.iter().map(|(file, name)| format!("{file}: {name}: {short}")));
     assert!(files.len() > 200 && n_functions > 2000, "{} files, {n_functions} functions", files.len());
     assert!(wrong.is_empty(), "\n{}", wrong.join("\n"));
 }

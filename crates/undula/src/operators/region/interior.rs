@@ -128,14 +128,15 @@ pub(super) struct CondenseTask<'a, const D: usize, const L: usize> {
     pub(super) out: &'a Shared<'a>,
 }
 
-impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L>
+impl<const D: usize, const L: usize> CondenseTask<'_, D, L>
 where
     Lanes<L>: Width,
 {
+    /// The matrix of the cells, and what is added to it.
     #[inline(always)]
-    fn run(self) {
-        let Layout { node, pressure, outer, all } = self.layout;
-        let (n, m, outer, all) = (self.tangents.n_basis, self.tangents.n_pressure, *outer, *all);
+    fn fill(&mut self) {
+        let Layout { node, pressure, all, .. } = self.layout;
+        let (n, m, all) = (self.tangents.n_basis, self.tangents.n_pressure, *all);
         let matrix = &mut self.matrix[..all * all];
         matrix.fill(Lanes::zero());
         for piece in self.pieces {
@@ -164,7 +165,14 @@ where
                 matrix[row * all + column].0[lane as usize] += value;
             }
         }
-        let mut kept = self.factors;
+    }
+
+    /// Eliminate the inner unknowns, and keep the factors.
+    #[inline(always)]
+    fn eliminate(&mut self) {
+        let (outer, all) = (self.layout.outer, self.layout.all);
+        let matrix = &mut self.matrix[..all * all];
+        let mut kept = &mut *self.factors;
         for k in outer..all {
             let others = self.layout.others(k);
             let (now, rest) = kept.split_at_mut(1 + 2 * others);
@@ -193,7 +201,19 @@ where
                 }
             }
         }
-        for (slots, line) in self.slots.chunks_exact(outer).zip(matrix.chunks_exact(all)) {
+    }
+}
+
+impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(mut self) {
+        self.fill();
+        self.eliminate();
+        let (outer, all) = (self.layout.outer, self.layout.all);
+        for (slots, line) in self.slots.chunks_exact(outer).zip(self.matrix.chunks_exact(all)) {
             for (slot, value) in slots.iter().zip(line) {
                 for l in 0..L {
                     self.out.add(slot[l], value.0[l]);

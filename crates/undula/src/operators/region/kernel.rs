@@ -51,6 +51,33 @@ pub(super) struct Scratch<const D: usize, const L: usize> {
     pub(super) direction: Direction<D, L>,
 }
 
+impl<const D: usize, const L: usize> Scratch<D, L> {
+    /// For the cells of a region.
+    fn new(batches: &Batches<D, L>) -> Scratch<D, L> {
+        let (n, m, q) = (batches.n_basis, batches.n_pressure, batches.n_points);
+        let components = Fields::<f64, D>::COMPONENTS;
+        let vectors = || vec![Vector::zero(); n];
+        let scalars = || vec![Lanes::zero(); m];
+        Scratch {
+            v: vectors(),
+            u: vectors(),
+            v_old: vectors(),
+            u_old: vectors(),
+            p: scalars(),
+            phi: vectors(),
+            psi: vectors(),
+            xi: scalars(),
+            tangent: vec![Lanes::zero(); q * components * components],
+            piece: vec![Lanes::zero(); n * n.max(m)],
+            matrix: vec![Lanes::zero(); (n * D + m).pow(2)],
+            outer: vec![Lanes::zero(); n * D + m],
+            tensor: TensorScratch::new(batches.tensor.as_ref()),
+            nodal: Nodal::default(),
+            direction: Direction::default(),
+        }
+    }
+}
+
 /// A region with its equations `F`, `L` cells at a time.
 pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) form: F,
@@ -114,27 +141,8 @@ where
         batches: Batches<D, L>,
         threads: usize,
     ) -> Result<Kernel<F, D, L>, SolverError> {
-        let (n, m, q) = (batches.n_basis, batches.n_pressure, batches.n_points);
-        let components = Fields::<f64, D>::COMPONENTS;
-        let vectors = || vec![Vector::zero(); n];
-        let scalars = || vec![Lanes::zero(); m];
-        let scratch = PerThread::new(threads, || Scratch {
-            v: vectors(),
-            u: vectors(),
-            v_old: vectors(),
-            u_old: vectors(),
-            p: scalars(),
-            phi: vectors(),
-            psi: vectors(),
-            xi: scalars(),
-            tangent: vec![Lanes::zero(); q * components * components],
-            piece: vec![Lanes::zero(); n * n.max(m)],
-            matrix: vec![Lanes::zero(); (n * D + m).pow(2)],
-            outer: vec![Lanes::zero(); n * D + m],
-            tensor: TensorScratch::new(batches.tensor.as_ref()),
-            nodal: Nodal::default(),
-            direction: Direction::default(),
-        });
+        let (n, m) = (batches.n_basis, batches.n_pressure);
+        let scratch = PerThread::new(threads, || Scratch::new(&batches));
         let (n_v, n_u) = (space.n_v() as u32, space.n_u() as u32);
         let owner = if region == Region::Solid { PsiOwner::Relation } else { PsiOwner::Extension };
         let psi_row = |node: u32| {

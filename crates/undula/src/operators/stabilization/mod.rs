@@ -6,6 +6,7 @@
 
 mod apply;
 mod differences;
+mod parameters;
 mod patches;
 pub mod tables;
 mod tasks;
