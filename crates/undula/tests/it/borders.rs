@@ -94,7 +94,7 @@ fn channel(p: f64, q: f64, more: &[&str]) -> Case {
 generator = "box"
 lower = [0, 0]
 upper = [4, 1]
-cells = [16, 8]
+cells = [32, 4]
 [fluid]
 density = 1
 kinematic-viscosity = 0.1

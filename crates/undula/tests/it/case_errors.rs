@@ -100,7 +100,7 @@ own.toml:27:9: motion.walls = "slide": expected one of `fixed`, `sliding`
 own.toml:31:18: boundary.inflow.velocity[0] = "1.5*sinn(y)": unknown function `sinn`; did you mean `sin`? (at byte 4)
 own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expression in quotes, not true or false
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`, `traction`; did you mean `do-nothing`?
-own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
+own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`, `traction`
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
 own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0

@@ -151,7 +151,6 @@ where
         let rows_phi: Vec<[u32; L]> = batches.nodes.iter().map(|l| l.map(|node| node * D as u32)).collect();
         let rows_psi: Vec<[u32; L]> = batches.nodes.iter().map(|l| l.map(psi_row)).collect();
         let rows_xi: Vec<[u32; L]> = batches.pressure.iter().map(|l| l.map(|p| n_v + n_u + p)).collect();
-        let min_j = vec![f64::INFINITY; batches.len() * L];
         let (mut write_phi, mut write_psi, mut write_xi) =
             (rows_phi.clone(), rows_psi.clone(), rows_xi.clone());
         let mut writes = [(&mut write_phi, n, D), (&mut write_psi, n, D), (&mut write_xi, m, 1)].map(
@@ -162,8 +161,9 @@ where
             },
         );
         let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes)?;
-        let pieces = pieces(&form.couplings(), D, space.deforms);
         Ok(Kernel {
+            min_j: vec![f64::INFINITY; batches.len() * L],
+            pieces: pieces(&form.couplings(), D, space.deforms),
             form,
             region,
             guards,
@@ -172,7 +172,6 @@ where
             force: vec![],
             force_slope: vec![],
             force_old: vec![],
-            pieces,
             slots: Slots::default(),
             write_phi,
             write_psi,
@@ -187,7 +186,6 @@ where
             condensed: vec![],
             interior: None,
             scratch,
-            min_j,
             corners: None,
             watched: vec![],
             only_watched: false,
