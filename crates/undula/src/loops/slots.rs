@@ -15,16 +15,26 @@ pub struct Entries<'a> {
 }
 
 /// The places of the entries of all element matrices, with the copies of those at which chunks meet.
+///
+/// Entries may come in runs: the columns of the D components of a node follow each other, so that one place stands for D
+/// entries. In three dimensions the places of single entries would need more memory than the matrix.
 #[derive(Debug, Default)]
 pub struct Slots<const L: usize> {
-    places: Vec<[u32; L]>,
-    per_batch: usize,
+    lists: Vec<List<L>>,
     copies: Copies,
 }
 
+/// Places of runs of one length.
+#[derive(Debug)]
+struct List<const L: usize> {
+    places: Vec<[u32; L]>,
+    per_batch: usize,
+}
+
 impl<const L: usize> Slots<L> {
-    /// For `batches` batches in `chunks`; `visit` calls back with (lane, row, column) for each entry of each batch, all
-    /// lanes of an entry one after the other, [`DROP`] as row where a lane has none.
+    /// For `batches` batches in `chunks`, with one list of runs for each of the `lengths`; `visit` calls back with (list,
+    /// lane, row, first column) for each run of each batch, all lanes of a run one after the other, [`DROP`] as row where a
+    /// lane has none.
     ///
     /// # Errors
     /// [`SolverError::TooLarge`] if they are too many to be numbered.
@@ -32,27 +42,38 @@ impl<const L: usize> Slots<L> {
         batches: usize,
         chunks: &[Range<usize>],
         entries: &Entries<'_>,
-        visit: impl FnOnce(&mut dyn FnMut(usize, u32, u32)),
+        lengths: &[usize],
+        visit: impl FnOnce(&mut dyn FnMut(usize, usize, u32, u32)),
     ) -> Result<Slots<L>, SolverError> {
-        let mut places: Vec<[u32; L]> = vec![];
-        visit(&mut |lane, row, column| {
+        let mut lists: Vec<Vec<[u32; L]>> = vec![vec![]; lengths.len()];
+        visit(&mut |list, lane, row, column| {
+            let places = &mut lists[list];
             if lane == 0 {
                 places.push([DROP; L]);
             }
             if let (Some(last), true) = (places.last_mut(), row != DROP) {
-                last[lane] = (entries.find)(row, column);
+                let place = (entries.find)(row, column);
+                let follows = |j: u32| (entries.find)(row, column + j) == place + j;
+                debug_assert!((1..lengths[list] as u32).all(follows), "row {row}, run from column {column}");
+                last[lane] = place;
             }
         });
-        let per_batch = places.len() / batches.max(1);
-        let mut writes = [Writes { indices: places.as_flattened_mut(), per_batch: per_batch * L, width: 1 }];
+        let of_batch = |places: &Vec<[u32; L]>| places.len() / batches.max(1);
+        let per_batch: Vec<usize> = lists.iter().map(of_batch).collect();
+        let mut writes: Vec<Writes<'_>> = vec![];
+        for ((places, per_batch), &width) in lists.iter_mut().zip(&per_batch).zip(lengths) {
+            writes.push(Writes { indices: places.as_flattened_mut(), per_batch: per_batch * L, width });
+        }
         let copies = Copies::new(entries.n, chunks, &mut writes)?;
-        Ok(Slots { places, per_batch, copies })
+        let list = |(places, per_batch)| List { places, per_batch };
+        Ok(Slots { lists: lists.into_iter().zip(per_batch).map(list).collect(), copies })
     }
 
-    /// Those of one batch, in the order in which they were visited.
+    /// Those of a list in one batch, in the order in which they were visited.
     #[inline(always)]
-    pub fn of(&self, batch: usize) -> &[[u32; L]] {
-        &self.places[batch * self.per_batch..(batch + 1) * self.per_batch]
+    pub fn of(&self, list: usize, batch: usize) -> &[[u32; L]] {
+        let List { places, per_batch } = &self.lists[list];
+        &places[batch * per_batch..(batch + 1) * per_batch]
     }
 
     /// Let `add` add to the entries `out` of the matrix from several threads.

@@ -61,7 +61,7 @@ where
         let (shape, degree) = (space.mesh.shape, space.nodes.degree);
         let mut layout = Layout::new(shape, degree, b.n_basis, b.n_pressure, space.pressure.kind);
         if !eliminate {
-            layout.outer = layout.all;
+            layout.set_outer(layout.all);
         }
         let mut interior = Interior::new(layout, b.len());
         for (batch, cells) in b.cells.iter().enumerate() {
@@ -86,9 +86,9 @@ where
         }
     }
 
-    /// Call `visit(lane, row, column)` for every entry of the outer matrix, in the numbers that `number` gives
-    /// to places in `[v, u, p]`; [`DROP`]ped ones included, for all lanes.
-    pub(super) fn condensed_entries(&self, number: &[u32], visit: &mut dyn FnMut(usize, u32, u32)) {
+    /// Call `visit(list, lane, row, first column)` for every run of entries of the outer matrix, in the numbers that
+    /// `number` gives to places in `[v, u, p]`; [`DROP`]ped ones included, for all lanes. Lists are those of [`super::interior::runs`].
+    pub(super) fn condensed_runs(&self, number: &[u32], visit: &mut dyn FnMut(usize, usize, u32, u32)) {
         let Some(interior) = &self.interior else { return };
         let outer = interior.layout.outer;
         let mut list = vec![[DROP; L]; outer];
@@ -101,11 +101,13 @@ where
                 }
             });
             for rows in &list {
-                for columns in &list {
-                    for l in 0..L {
-                        let there = rows[l] != DROP && columns[l] != DROP;
-                        let (row, column) = if there { (rows[l], columns[l]) } else { (DROP, DROP) };
-                        visit(l, row, column);
+                for (n, places) in interior.layout.runs.iter().enumerate() {
+                    for columns in places.iter().map(|&place| &list[place]) {
+                        for l in 0..L {
+                            let there = rows[l] != DROP && columns[l] != DROP;
+                            let (row, column) = if there { (rows[l], columns[l]) } else { (DROP, DROP) };
+                            visit(n, l, row, column);
+                        }
                     }
                 }
             }
@@ -165,7 +167,7 @@ where
                         layout: &interior.layout,
                         added: &interior.blocks[of_batch(batch as u32)..of_batch(batch as u32 + 1)],
                         blocks,
-                        slots: slots.of(batch),
+                        slots: [slots.of(0, batch), slots.of(1, batch)],
                         piece: &mut s.piece,
                         work: &mut s.tensor.matrices,
                         matrix: &mut s.matrix,

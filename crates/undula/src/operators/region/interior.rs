@@ -14,13 +14,18 @@
 
 use crate::element::Shape;
 use crate::loops::batch::Batches;
-use crate::loops::scatter::Shared;
+use crate::loops::scatter::{DROP, Shared};
 use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar};
 use crate::operators::Blocks;
 use crate::space::PressureKind;
+
+/// Entries in a run of columns: the components of a node, and a pressure.
+pub(super) const fn runs<const D: usize>() -> [usize; 2] {
+    [D, 1]
+}
 
 /// Where the (v, p) unknowns of a cell stand in its matrix: outer ones first.
 #[derive(Clone, Debug)]
@@ -33,6 +38,8 @@ pub struct Layout {
     pub outer: usize,
     /// Number of all.
     pub all: usize,
+    /// Places of the outer nodes, and of the outer pressures.
+    pub runs: [Vec<usize>; 2],
 }
 
 impl Layout {
@@ -44,7 +51,13 @@ impl Layout {
         // Pressures without velocities that feel them stay: their matrix is singular.
         let felt = n_pressure <= 1 + dim * (0..n_basis).filter(|&a| inside(a)).count();
         let own = |b: usize| matches!(kind, PressureKind::Pdc(_)) && felt && b > 0;
-        let mut layout = Layout { node: vec![0; n_basis], pressure: vec![0; n_pressure], outer: 0, all: 0 };
+        let mut layout = Layout {
+            node: vec![0; n_basis],
+            pressure: vec![0; n_pressure],
+            outer: 0,
+            all: 0,
+            runs: [vec![], vec![]],
+        };
         for inner in [false, true] {
             for (_, place) in layout.node.iter_mut().enumerate().filter(|(a, _)| inside(*a) == inner) {
                 *place = layout.all;
@@ -58,7 +71,15 @@ impl Layout {
                 layout.outer = layout.all;
             }
         }
+        layout.set_outer(layout.outer);
         layout
+    }
+
+    /// Eliminate the unknowns from place `outer` on.
+    pub fn set_outer(&mut self, outer: usize) {
+        self.outer = outer;
+        let before = |places: &[usize]| places.iter().copied().filter(|&place| place < outer).collect();
+        self.runs = [before(&self.node), before(&self.pressure)];
     }
 
     /// Numbers kept per cell: for each inner unknown its row and column of the factors behind it.
@@ -82,7 +103,7 @@ impl Layout {
 pub struct Interior<const D: usize, const L: usize> {
     /// Places in the element matrix.
     pub layout: Layout,
-    /// Where the outer entries go, `[batch][row][column]`.
+    /// Where the outer entries go, `[batch][row][run]`, see [`runs`].
     pub slots: Slots<L>,
     /// Blocks to be added before the elimination: (batch, lane, block), by batch.
     pub blocks: Vec<(u32, u32, u32)>,
@@ -119,7 +140,8 @@ pub(super) struct CondenseTask<'a, const D: usize, const L: usize> {
     /// (batch, lane, block) to be added.
     pub(super) added: &'a [(u32, u32, u32)],
     pub(super) blocks: &'a Blocks,
-    pub(super) slots: &'a [[u32; L]],
+    /// Of the runs of each list, row by row.
+    pub(super) slots: [&'a [[u32; L]]; 2],
     pub(super) piece: &'a mut [Lanes<L>],
     /// For sums over one coordinate after the other.
     pub(super) work: &'a mut [Lanes<L>],
@@ -213,10 +235,16 @@ where
         self.fill();
         self.eliminate();
         let (outer, all) = (self.layout.outer, self.layout.all);
-        for (slots, line) in self.slots.chunks_exact(outer).zip(self.matrix.chunks_exact(all)) {
-            for (slot, value) in slots.iter().zip(line) {
-                for l in 0..L {
-                    self.out.add(slot[l], value.0[l]);
+        for (list, length) in runs::<D>().into_iter().enumerate() {
+            let places = &self.layout.runs[list];
+            let slots = self.slots[list].chunks_exact(places.len().max(1));
+            for (slots, line) in slots.zip(self.matrix[..outer * all].chunks_exact(all)) {
+                for (slot, &place) in slots.iter().zip(places) {
+                    for l in (0..L).filter(|&l| slot[l] != DROP) {
+                        for (j, value) in line[place..place + length].iter().enumerate() {
+                            self.out.add(slot[l] + j as u32, value.0[l]);
+                        }
+                    }
                 }
             }
         }

@@ -29,6 +29,7 @@ use crate::math::Lanes;
 use crate::space::{FsiSpace, Region};
 use crate::tangent::{ByHand, Tangent};
 use current_force::CurrentForce;
+use interior::runs;
 use kernel::Kernel;
 
 /// The operators of all regions, fluid first.
@@ -133,29 +134,36 @@ where
     }
 
     fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
-        let mut visit = |_: usize, row: u32, column: u32| {
-            if row != DROP {
-                visit(row, column);
-            }
-        };
         match matrix {
-            Matrix::Whole => self.whole_entries(number, &mut visit),
-            Matrix::Condensed => self.condensed_entries(number, &mut visit),
+            Matrix::Whole => self.whole_entries(number, &mut |_, row, column| {
+                if row != DROP {
+                    visit(row, column);
+                }
+            }),
+            Matrix::Condensed => self.condensed_runs(number, &mut |list, _, row, column| {
+                if row != DROP {
+                    (0..runs::<D>()[list] as u32).for_each(|j| visit(row, column + j));
+                }
+            }),
         }
     }
 
     fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
         let (batches, chunks) = (self.batches.len(), &self.batches.chunks);
-        let slots = match matrix {
-            Matrix::Whole => Slots::new(batches, chunks, entries, |put| self.whole_entries(number, put)),
-            Matrix::Condensed => {
-                Slots::new(batches, chunks, entries, |put| self.condensed_entries(number, put))
+        match matrix {
+            Matrix::Whole => {
+                self.slots = Slots::new(batches, chunks, entries, &[1], |put| {
+                    self.whole_entries(number, &mut |lane, row, column| put(0, lane, row, column));
+                })?;
             }
-        }?;
-        match (matrix, &mut self.interior) {
-            (Matrix::Whole, _) => self.slots = slots,
-            (Matrix::Condensed, Some(interior)) => interior.slots = slots,
-            (Matrix::Condensed, None) => {}
+            Matrix::Condensed => {
+                let slots = Slots::new(batches, chunks, entries, &runs::<D>(), |put| {
+                    self.condensed_runs(number, put)
+                })?;
+                if let Some(interior) = &mut self.interior {
+                    interior.slots = slots;
+                }
+            }
         }
         Ok(())
     }

@@ -66,7 +66,7 @@ where
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
-                    let slots = slots.of(batch);
+                    let slots = slots.of(0, batch);
                     JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, slots, out }
                         .run();
                 });

@@ -216,7 +216,9 @@ where
 
     fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
         let (batches, chunks) = (self.tables.n_batches(), &self.tables.chunks);
-        let slots = Slots::new(batches, chunks, entries, |put| self.all_entries(matrix, number, put))?;
+        let slots = Slots::new(batches, chunks, entries, &[1], |put| {
+            self.all_entries(matrix, number, &mut |lane, row, column| put(0, lane, row, column));
+        })?;
         self.targets[matrix as usize].slots = slots;
         Ok(())
     }
@@ -228,7 +230,7 @@ where
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
-                    let slots = slots.of(batch);
+                    let slots = slots.of(0, batch);
                     let task = MatrixTask { of: self, step, couplings, slots, batch, scratch, out };
                     match how.tangent.nodal() {
                         Some(by) => Lanes::<L>::dispatch(DifferenceTask { by, task }),
