@@ -4,12 +4,16 @@
 //! ```text
 //!     x = A⁻¹ r,   S λ = r_λ − bᵀ x,   δ = x − Z λ.
 //! ```
-//! A renewal costs one correction more for each border, and a correction costs nothing but products of vectors.
+//! A renewal costs one correction more for each border, and so does the first correction of a step with another rule. All
+//! other corrections cost nothing more but products of vectors.
 
 use super::correction::Correction;
 use crate::algebra::SolverError;
 use crate::physics::StepRule;
 use crate::system::{Assembler, Borders, Matrix, StepView};
+
+/// Part of a row of S that is rounding.
+const DEPENDENT: f64 = 1e-13;
 
 /// Borders at the Jacobian at hand.
 #[derive(Default)]
@@ -21,12 +25,13 @@ pub(super) struct Bordered {
     small: Vec<f64>,
     /// Row that was exchanged with each row of S.
     pivots: Vec<usize>,
-    rule: Option<StepRule>,
+    /// What they belong to, once they are solved.
+    of: Option<(Matrix, StepRule)>,
     lambda: Vec<f64>,
 }
 
 impl Bordered {
-    /// Take the borders at the iterate of `view`. Returns how many times factors were applied.
+    /// Take the borders at the iterate of `view`.
     ///
     /// # Errors
     /// If a correction fails, or if the borders are dependent.
@@ -36,27 +41,18 @@ impl Bordered {
         matrix: Matrix,
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
-    ) -> Result<usize, SolverError> {
+    ) -> Result<(), SolverError> {
+        self.of = None;
         assembler.borders(matrix, view, &mut self.borders);
-        self.solve(correction, assembler, view)
-    }
-
-    fn solve<const D: usize>(
-        &mut self,
-        correction: &mut dyn Correction<D>,
-        assembler: &mut Assembler<D>,
-        view: &StepView<'_>,
-    ) -> Result<usize, SolverError> {
         let (n, fields) = (self.borders.len(), assembler.space.n_unknowns());
-        self.rule = Some(view.rule);
         self.solved.resize(n, vec![]);
-        let (mut column, mut applied) = (vec![0.0; if n > 0 { fields } else { 0 }], 0);
+        let mut column = vec![0.0; if n > 0 { fields } else { 0 }];
         for (border, z) in self.borders.iter().zip(&mut self.solved) {
             column.fill(0.0);
             z.resize(fields, 0.0);
             border.add_column(1.0, &mut column);
             assembler.zero_given(&mut column);
-            applied += correction.correct(assembler, view, true, &column, z)?;
+            correction.correct(assembler, view, true, &column, z)?;
         }
         self.small.clear();
         for (i, border) in self.borders.iter().enumerate() {
@@ -65,7 +61,8 @@ impl Bordered {
             }
         }
         self.factor()?;
-        Ok(applied)
+        self.of = Some((matrix, view.rule));
+        Ok(())
     }
 
     /// δ from the residual `r`, both `[v, u, p, s]`.
@@ -81,12 +78,12 @@ impl Bordered {
         let fields = assembler.space.n_unknowns();
         let (r, r_scalar) = r.split_at(fields);
         let (delta, scalars) = delta.split_at_mut(fields);
-        let mut applied = 0;
-        if !self.borders.is_empty() && self.rule != Some(view.rule) {
+        let Some((matrix, rule)) = self.of else { return Err(SolverError::NotFactored) };
+        if !self.borders.is_empty() && rule != view.rule {
             // The factors serve another step of the same kθ.
-            applied += self.solve(correction, assembler, view)?;
+            self.renew(correction, matrix, assembler, view)?;
         }
-        applied += correction.correct(assembler, view, settled, r, delta)?;
+        let applied = correction.correct(assembler, view, settled, r, delta)?;
         scalars.fill(0.0);
         self.lambda.clear();
         for border in self.borders.iter() {
@@ -107,13 +104,17 @@ impl Bordered {
     fn factor(&mut self) -> Result<(), SolverError> {
         let n = self.borders.len();
         let a = &mut self.small;
+        let largest = |row: &[f64]| row.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
+        let mut scales: Vec<f64> = a.chunks_exact(n.max(1)).map(largest).collect();
         self.pivots.clear();
         for k in 0..n {
             let pivot =
                 (k..n).max_by(|&i, &j| a[i * n + k].abs().total_cmp(&a[j * n + k].abs())).unwrap_or(k);
             self.pivots.push(pivot);
             (0..n).for_each(|j| a.swap(k * n + j, pivot * n + j));
-            if a[k * n + k] == 0.0 || !a[k * n + k].is_finite() {
+            // Against the size of its row before the elimination.
+            scales.swap(k, pivot);
+            if !(a[k * n + k].abs() > DEPENDENT * scales[k]) {
                 return Err(SolverError::DependentBorders);
             }
             for i in k + 1..n {

@@ -165,7 +165,7 @@ impl<const D: usize> Linear<D> {
         let factored = made.factored().factor(view.rule, sizes);
         seconds.factorization += assembled.elapsed().as_secs_f64();
         factored?;
-        self.take_borders(assembler, view)
+        self.take_borders(assembler, view, seconds)
     }
 
     /// Assemble at the iterate of `view`, and keep the factors.
@@ -184,18 +184,26 @@ impl<const D: usize> Linear<D> {
         made.assemble(&mut At { assembler: &mut *assembler, view, linearization, tangent });
         made.precondition(&assembler.space, view.rule.per_k);
         seconds.assembly += start.elapsed().as_secs_f64();
-        self.take_borders(assembler, view)
+        self.take_borders(assembler, view, seconds)
     }
 
     /// Take far couplings and scalar unknowns at the iterate of `view`.
-    fn take_borders(&mut self, assembler: &mut Assembler<D>, view: &StepView<'_>) -> Result<(), SolverError> {
+    fn take_borders(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        seconds: &mut Seconds,
+    ) -> Result<(), SolverError> {
+        let start = Instant::now();
         let matrix = match self.active {
             Linearization::Condensed => Matrix::Condensed,
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => Matrix::Whole,
         };
         let slot = self.slot();
         let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
-        self.bordered.renew(&mut **made, matrix, assembler, view).map(|_| ())
+        self.bordered.renew(&mut **made, matrix, assembler, view)?;
+        seconds.solve += start.elapsed().as_secs_f64();
+        Ok(())
     }
 
     /// δ from the residual `r`, both \[v, u, p, s\], by the factors at hand; with `settled` the condensed system takes the

@@ -54,7 +54,7 @@ impl<const L: usize> Slots<L> {
             if let (Some(last), true) = (places.last_mut(), row != DROP) {
                 let place = (entries.find)(row, column);
                 let follows = |j: u32| (entries.find)(row, column + j) == place + j;
-                debug_assert!((1..lengths[list] as u32).all(follows), "row {row}, run from column {column}");
+                assert!((1..lengths[list] as u32).all(follows), "row {row}, run from column {column}");
                 last[lane] = place;
             }
         });

@@ -1,4 +1,5 @@
-//! What is summed: one file is one term of the residual, discretised, and implements [`Operator`].
+//! What is summed: one file is one term of the residual, discretised, and implements [`Operator`]. (`border` and `columns`
+//! are what several of them need.)
 //!
 //! The volume terms of a region are a [`RegionOperator`]: its cells are where J is seen and where unknowns are
 //! eliminated. Two fluids or three solids would be more values of it, each with its own equations. All others only add.
@@ -15,6 +16,7 @@ pub mod stabilization;
 pub mod traction;
 
 use crate::algebra::SolverError;
+pub use crate::loops::scatter::DROP;
 pub use crate::loops::slots::Entries;
 use crate::math::Vector;
 use crate::mesh::Side;
@@ -71,7 +73,7 @@ pub struct StepView<'a> {
     pub rule: StepRule,
     /// The iterate.
     pub new: &'a State,
-    /// The solution at the old time.
+    /// What the difference is taken from: the solution at the old time, or that of a multistep formula.
     pub old: &'a State,
 }
 
@@ -80,14 +82,16 @@ pub struct StepView<'a> {
 pub enum Matrix {
     /// Of all unknowns v, u, p.
     Whole,
-    /// Of v and p, from which u is eliminated: the condensed system.
+    /// Of v and p alone, the condensed system. In the solid u = kθ v is eliminated, so that a column of v has
+    /// ∂R/∂v + kθ ∂R/∂u. In the fluid ∂R/∂u is left out.
     Condensed,
 }
 
 /// Which derivatives, and how they are computed.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct How {
-    /// Which of them an iteration takes.
+    /// All of them, or without those that an iteration leaves out: momentum and divergence with respect to u. The whole
+    /// matrix is never asked for as `Condensed`.
     pub linearization: Linearization,
     /// How they are computed.
     pub tangent: Tangent,
@@ -117,10 +121,17 @@ pub struct NotFinite<const D: usize> {
 
 /// One term of the residual, discretised.
 ///
-/// A term needs [`Operator::body`] and [`Operator::residual`]. One with a part at the old time has
-/// [`Operator::explicit`]. One that depends on the solution has a derivative: [`Operator::entries`],
-/// [`Operator::place`], [`Operator::linearise`] and [`Operator::apply`], of which a term within cells replaces those
-/// for the condensed matrix by [`Operator::blocks`].
+/// The residual is A(U) − F, so that a load has a minus sign. A step by a θ-scheme has θ times the term at the new time
+/// in [`Operator::residual`] and (1 − θ) times that at the old time in [`Operator::explicit`]. A step that integrates in
+/// time has the points of [`StepRule::transport_points`] in `residual`, and no explicit part.
+///
+/// - A load that does not depend on the solution has [`Operator::body`], [`Operator::residual`] and, on a boundary,
+///   [`Operator::force_through`], without which the functional `force` is wrong there: `traction.rs`.
+/// - A term that depends on the solution has its derivative besides: [`Operator::entries`], [`Operator::place`],
+///   [`Operator::linearise`] and [`Operator::apply`]. Unknowns inside of a cell are eliminated from the condensed matrix.
+///   A term of single cells that sees them therefore gives [`Operator::blocks`] in place of entries there: `outflow.rs`.
+///   One that couples them to other cells says so in [`Operator::spans_cells`]: `stabilization`.
+/// - A scalar unknown, or a far coupling, is in [`Operator::borders`]: the resistance in `tests/it/borders.rs`.
 pub trait Operator<const D: usize>: Send + Sync {
     /// Whose balance of momentum the term belongs to: the force of a body is the sum of its terms.
     fn body(&self) -> Region;
@@ -136,15 +147,15 @@ pub trait Operator<const D: usize>: Send + Sync {
     /// Take a body force of the body at one end of the step; `None`: no force.
     fn set_force(&mut self, _end: End, _force: Option<ForceAt<'_, D>>) {}
 
-    /// Add the part (1 − θ) A(U⁻) to `out` \[v, u, p\].
+    /// Add the part (1 − θ) A(U⁻) to `out` \[v, u, p, s\]; not called where a step has none.
     fn explicit(&mut self, _step: &StepView<'_>, _out: &mut [f64]) {}
 
-    /// Add the other terms of the step to `out` \[v, u, p\]; returns the smallest J of a map that must not fold,
+    /// Add the other terms of the step to `out` \[v, u, p, s\]; returns the smallest J of a map that must not fold,
     /// infinity where none is seen.
     fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64;
 
     /// Call `visit(row, column)` for all entries of the derivative, in the numbers that `number` gives to places in
-    /// `[v, u, p]`. What has no number has no entry.
+    /// `[v, u, p]`. A row or column whose number is [`DROP`] has no entry.
     fn entries(&self, _matrix: Matrix, _number: &[u32], _visit: &mut dyn FnMut(u32, u32)) {}
 
     /// Remember where the entries are.
@@ -170,16 +181,17 @@ pub trait Operator<const D: usize>: Send + Sync {
     fn number_scalars(&mut self, _first: usize, _row: usize) {}
 
     /// What the derivative has besides its entries: couplings that would fill the matrix, equations of scalar unknowns.
-    /// In the condensed matrix columns have rows of v and p alone.
+    /// With the condensed matrix their columns a have entries in rows of v and p alone; their rows b may have u.
     fn borders(&mut self, _matrix: Matrix, _step: &StepView<'_>, _borders: &mut Borders) {}
 
-    /// Cells in which the term adds to the condensed matrix before unknowns inside of them are eliminated, each with its
-    /// number of velocities.
+    /// Cells to whose condensed matrix the term adds before unknowns inside of them are eliminated, each with D times the
+    /// number of its nodes.
     fn blocks(&self) -> Vec<(u32, usize)> {
         vec![]
     }
 
-    /// Add the derivatives with respect to v to dense blocks `[a, i][b, j]` of those cells.
+    /// Add the derivatives with respect to v, as [`Matrix::Condensed`] has them, to dense blocks `[a, i][b, j]` of those
+    /// cells.
     fn fill_blocks(&mut self, _step: &StepView<'_>, _how: How, _blocks: &mut [f64]) {}
 
     /// Whether the term couples unknowns inside of a cell to other cells, so that none can be eliminated.

@@ -227,11 +227,12 @@ impl<const D: usize> Operator<D> for OutflowFacets<D> {
         for facet in self.facets.iter().filter(|facet| sides.contains(&facet.side)) {
             for point in &facet.points {
                 for &(weight, tau) in &times {
-                    let at = fields_between(&facet.nodes, point, step, tau);
                     if let Some(form) = &facet.correction {
+                        let at = fields_between(&facet.nodes, point, step, tau);
                         sum += form.traction(&at, &point.normal, weight * point.weight);
                     }
                     if let Some(form) = &facet.backflow {
+                        let at = fields_with_motion(&facet.nodes, point, step, tau);
                         sum += form.traction(&at, &point.normal, weight * point.weight);
                     }
                 }

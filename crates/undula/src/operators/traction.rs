@@ -50,9 +50,11 @@ impl<const D: usize> Traction<D> {
         weight: f64,
         mut visit: impl FnMut(Side, &[u32], &FacetPoint<D>, Vector<f64, D>),
     ) {
-        let mut values = self.values[end as usize].iter();
+        let mut rest = &self.values[end as usize][..];
         for (side, nodes, points) in &self.facets {
-            for (point, g) in points.iter().zip(&mut values) {
+            let (values, behind) = rest.split_at(points.len());
+            rest = behind;
+            for (point, g) in points.iter().zip(values) {
                 visit(*side, nodes, point, *g * (-weight * point.weight));
             }
         }

@@ -44,16 +44,17 @@ impl<const D: usize> Assembler<D> {
         }
         let mut number: Vec<u32> = (0..self.space.n_unknowns() as u32).collect();
         self.given.iter().for_each(|&row| number[row as usize] = DROP);
-        let pattern = self.number(Matrix::Whole, &number, number.len(), &self.given.clone())?;
-        let find = |row: u32| pattern.find(row as usize, row as usize).map_or(DROP, |at| at as u32);
-        let diagonals = self.given.iter().map(|&row| find(row)).collect();
+        let pattern = self.place(Matrix::Whole, &number, number.len(), &self.given.clone())?;
+        let find =
+            |row: u32| pattern.find(row as usize, row as usize).expect("given rows have a diagonal entry");
+        let diagonals = self.given.iter().map(|&row| find(row) as u32).collect();
         self.whole = Some(Whole { pattern: Arc::clone(&pattern), diagonals });
         Ok(pattern)
     }
 
     /// The pattern of a matrix of `n` rows, where every operator remembers its entries; the rows `alone` have a diagonal
     /// entry.
-    fn number(
+    fn place(
         &mut self,
         matrix: Matrix,
         number: &[u32],
@@ -110,7 +111,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The same with the matrix of (v, p) before unknowns inside of cells are eliminated: u = kθ v in the solid, and the
-    /// domain of the fluid does not move. Rows of u are 0.
+    /// domain of the fluid does not move. Rows of free u are 0. Equations of scalar unknowns take u of `x`.
     pub fn apply_condensed(&mut self, step: &StepView<'_>, x: &[f64], y: &mut [f64], work: &mut Vec<f64>) {
         self.product(Matrix::Condensed, step, x, y, work);
     }
@@ -183,15 +184,18 @@ impl<const D: usize> Assembler<D> {
                 unknowns.push(all[place]);
             }
         }
-        let pattern = self.number(Matrix::Condensed, &number, places.len(), &[])?;
+        let pattern = self.place(Matrix::Condensed, &number, places.len(), &[])?;
         let system = Arc::new(CondensedSystem { pattern, places, unknowns });
         self.condensed = Some(Arc::clone(&system));
         Ok(system)
     }
 
-    /// The matrix of [`Assembler::condensed`], which must have been asked for; the factors of the inner
-    /// blocks are kept.
+    /// The matrix of [`Assembler::condensed`]; the factors of the inner blocks are kept.
+    ///
+    /// # Panics
+    /// If the system was not asked for before.
     pub fn condensed_matrix(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+        assert!(self.condensed.is_some(), "the condensed system is asked for first");
         out.values.fill(0.0);
         let how = How { linearization: Linearization::Condensed, tangent: sized(tangent, step) };
         self.blocks.fill(&mut self.terms, step, how);

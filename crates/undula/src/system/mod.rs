@@ -44,7 +44,7 @@ pub struct Assembler<const D: usize> {
     pub physics: Physics,
     /// Volume terms of the regions, fluid first.
     regions: Vec<Box<dyn RegionOperator<D>>>,
-    /// All other terms, in the order in which they are added.
+    /// All other terms, the stabilisation first.
     terms: Vec<Box<dyn Operator<D>>>,
     /// Rows that read δ = 0.
     given: Vec<u32>,
@@ -121,8 +121,12 @@ impl Assembler<2> {
 }
 
 impl<const D: usize> Assembler<D> {
-    /// Add a term to the equations; before any matrix is asked for and any state is made.
+    /// Add a term to the equations; before any state is made.
+    ///
+    /// # Panics
+    /// If a matrix was asked for already.
     pub fn add(&mut self, mut term: Box<dyn Operator<D>>) {
+        self.assert_open();
         if term.scalars() > 0 {
             term.number_scalars(self.scalars, self.n_unknowns());
             self.scalars += term.scalars();
@@ -147,14 +151,15 @@ impl<const D: usize> Assembler<D> {
         self.operators_mut().for_each(|operator| operator.borders(matrix, step, borders));
     }
 
-    /// Add stabilisation to the equations of the fluid, section 5.3.3; before any matrix is asked for.
+    /// Add stabilisation to the equations of the fluid, section 5.3.3.
     ///
     /// # Panics
-    /// If π projects on patches that the mesh does not have: cells that come from refining one in four.
+    /// If a matrix was asked for already, or if π projects on patches that the mesh does not have: cells that come from refining one in four.
     ///
     /// # Errors
     /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
     pub fn stabilize(&mut self, how: &Stabilization, options: &Options) -> Result<(), SolverError> {
+        self.assert_open();
         if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
             // One cell at a time: for every vector width it would take minutes to compile.
             let term = Stabilizer::<D, 1>::new(how, fluid, &self.space, options)?;
@@ -166,15 +171,19 @@ impl<const D: usize> Assembler<D> {
 
     /// Take the body force of the fluid at the current position x + u.
     pub fn follow(&mut self, force: CurrentForce<D>) {
-        if let Some(fluid) = self.regions.iter_mut().find(|region| region.body() == Region::Fluid) {
+        if let Some(fluid) = self.fluids().next() {
             fluid.follow(force);
         }
     }
 
-    /// Determine the pressures of `closed`, which the equations leave open by a constant; before any matrix is asked
-    /// for. Corrections leave one unknown of each alone, but the residual keeps its row, which is that of the data
-    /// being in balance.
+    /// Determine the pressures of `closed`, which the equations leave open by a constant; once. Corrections leave one
+    /// unknown of each alone, but the residual keeps its row, which is that of the data being in balance.
+    ///
+    /// # Panics
+    /// If a matrix was asked for already, or there are closed parts already.
     pub fn close(&mut self, closed: Vec<ClosedPressure>) {
+        self.assert_open();
+        assert!(self.closed.is_empty(), "closed parts are told once");
         let first = self.space.n_v() + self.space.n_u();
         self.constraints.p = vec![false; if closed.is_empty() { 0 } else { self.space.n_p() }];
         for part in &closed {
@@ -194,6 +203,14 @@ impl<const D: usize> Assembler<D> {
         self.stabilized
     }
 
+    /// Patterns have all terms.
+    fn assert_open(&self) {
+        assert!(
+            self.whole.is_none() && self.condensed.is_none(),
+            "terms are added before matrices are asked for"
+        );
+    }
+
     /// All operators, the regions first.
     fn operators(&self) -> impl Iterator<Item = &dyn Operator<D>> {
         let regions = self.regions.iter().map(|region| &**region as &dyn Operator<D>);
@@ -210,6 +227,7 @@ impl<const D: usize> Assembler<D> {
     /// # Errors
     /// If they are not finite.
     pub fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
+        // All of them take their data, whatever is wrong with one.
         self.operators_mut().map(|operator| operator.set_data(at)).fold(Ok(()), Result::and)
     }
 
@@ -259,7 +277,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The residual of one region alone with its explicit part, given rows not zeroed: its φ rows are the
-    /// forces that the region exerts on the nodes, per unit time of the step.
+    /// forces that the region exerts on the nodes, in the mean over the step \[N/m\].
     pub fn region_residual(&mut self, step: &StepView<'_>, region: Region, out: &mut [f64]) {
         out.fill(0.0);
         let explicit = step.rule.has_explicit();

@@ -3,6 +3,9 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
+use undula::mesh::Side;
+use undula::operators::Operator;
+use undula::operators::outflow::OutflowFacets;
 use undula::physics::rule::SECANT;
 use undula::physics::{Extension, Fluid, PressureTerm, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::{Continuous, Pdc};
@@ -122,5 +125,33 @@ fn products_have_all_terms() {
     })));
     for rule in RULES {
         check(&problem, &mut assembler, rule);
+    }
+}
+
+/// What an outlet adds to all test functions is what its facets add: φ sum up to 1. With both terms, in motion.
+#[test]
+fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
+    let problem = coupled(quadrilaterals(2, Pdc(1)), AUXETIC);
+    let mut outflow =
+        OutflowFacets::new(&problem.space, Some(AUXETIC), &problem.conditions, problem.quadrature);
+    assert!(!outflow.is_empty());
+    let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));
+    let sides: Vec<Side> = problem.space.mesh.facets.iter().map(|facet| facet.side()).collect();
+    for rule in [RULES[0], StepRule::galerkin(0.05), StepRule::theta(0.05, 1.0)] {
+        let step = StepView { rule, new: &new, old: &old };
+        let mut rows = vec![0.0; problem.space.n_unknowns()];
+        outflow.residual(&step, &mut rows);
+        if rule.has_explicit() {
+            outflow.explicit(&step, &mut rows);
+        }
+        let sum = outflow.force_through(&step, &sides);
+        for i in 0..2 {
+            let expected: f64 = rows[..problem.space.n_v()].iter().skip(i).step_by(2).sum();
+            assert!(
+                (sum.0[i] - expected).abs() < 1e-12 * largest(&rows),
+                "{}, {expected}: {rule:?}",
+                sum.0[i]
+            );
+        }
     }
 }

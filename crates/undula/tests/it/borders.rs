@@ -134,7 +134,7 @@ fn run(simulation: &mut Simulation) -> f64 {
     simulation.fields().integrate(|at| at.velocity[0]) / 4.0
 }
 
-const STEPS: [&str; 2] = ["time.step=0.5", "time.end=20"];
+const STEPS: [&str; 2] = ["time.step=0.5", "time.end=40"];
 
 /// p = (4.8 + R) Q, with every linearisation and with GMRES; the matrix has no entry more.
 #[test]
@@ -146,8 +146,14 @@ fn a_resistance_is_a_coupling_of_rank_one() {
     let entries = stationary.stepper.assembler.pattern().nnz();
     assert!((run(&mut stationary) / q - 1.0).abs() < 1e-9);
     assert_eq!(entries, Simulation::new(channel(p, q, &[]), 1).unwrap().stepper.assembler.pattern().nnz());
-    // Newton's method is quadratic with it.
-    assert!(stationary.stepper.newton.counters.newton_steps <= 5, "{:?}", stationary.stepper.newton.counters);
+    // Newton's method converges with the square as it does without: the digits double from step to step.
+    let mut exact = with(channel(p, q, &["newton.rate-max=0"]), resist);
+    run(&mut exact);
+    let norms = &exact.stepper.newton.counters;
+    let mut plain = Simulation::new(channel(p, q, &["newton.rate-max=0"]), 1).unwrap();
+    run(&mut plain);
+    let steps = plain.stepper.newton.counters.newton_steps;
+    assert!(norms.newton_steps <= steps, "{norms:?}, {steps} without");
     let linear = [&["newton.linearization=newton"][..], &["linear.krylov=gmres"]];
     let others = linear.map(|linear| ("time.scheme=bdf2", linear));
     for (scheme, linear) in SCHEMES.map(|scheme| (scheme, &[][..])).into_iter().chain(others) {

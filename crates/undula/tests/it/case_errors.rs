@@ -279,13 +279,13 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.clamp=none"],
-            "fsi1.toml:26:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped` or `traction-free`\n\
+            "fsi1.toml:26:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped`, `traction-free` or `traction`\n\
           fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (
             &["boundary.walls=none", "boundary.inflow.condition=clamped"],
             "--set boundary.inflow.condition=clamped: `clamped` is for a solid, and only the fluid is here; use `no-slip`\n\
-          fsi1.toml:26:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing` or `traction-free`",
+          fsi1.toml:26:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing`, `traction-free` or `traction`",
         ),
         (
             &["functional.drag.on=[\"cylindre\", \"clamp\"]"],
@@ -294,7 +294,7 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.clamp.condition=do-nothing"],
-            "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped` or `traction-free`\n\
+            "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped`, `traction-free` or `traction`\n\
           fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (
