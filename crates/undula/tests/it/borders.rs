@@ -134,7 +134,7 @@ fn run(simulation: &mut Simulation) -> f64 {
     simulation.fields().integrate(|at| at.velocity[0]) / 4.0
 }
 
-const STEPS: [&str; 2] = ["time.step=0.5", "time.end=40"];
+const STEPS: [&str; 2] = ["time.step=0.2", "time.end=40"];
 
 /// p = (4.8 + R) Q, with every linearisation and with GMRES; the matrix has no entry more.
 #[test]
