@@ -114,7 +114,8 @@ impl Bordered {
             (0..n).for_each(|j| a.swap(k * n + j, pivot * n + j));
             // Against the size of its row before the elimination.
             scales.swap(k, pivot);
-            if !(a[k * n + k].abs() > DEPENDENT * scales[k]) {
+            let size = a[k * n + k].abs();
+            if !size.is_finite() || size <= DEPENDENT * scales[k] {
                 return Err(SolverError::DependentBorders);
             }
             for i in k + 1..n {
