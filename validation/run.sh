@@ -20,7 +20,7 @@ csm3      | csm3    | mesh.refine=1 time.step=0.005
 fsi1      | fsi1    | mesh.refine=2 mesh.grading=3
 fsi1-q1   | fsi1    | mesh.refine=2 mesh.grading=3 space.pressure=Q1
 fsi2-20k  | fsi2    | mesh.refine=1 time.step=0.0025 time.end=15
-fsi2-77k  | fsi2    | mesh.refine=2 time.step="if(t<6,0.005,0.0025)" time.end=10.5
+fsi2-77k  | fsi2    | mesh.refine=2 time.step="if(t<6,0.005,0.0025)" time.end=15
 fsi3-20k  | fsi3    | mesh.refine=1 time.step=0.0025 time.end=8
 fsi3-77k  | fsi3    | mesh.refine=2 time.step=0.0025
 dfg-2d1   | dfg-2d1 | mesh.refine=4

@@ -6,10 +6,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 use undula::algebra::Csr;
-use undula::assembly::{Assembler, Options, StepView, available};
 use undula::case::Case;
 use undula::physics::StepRule;
 use undula::space::{BoundaryCondition, FsiSpace, State};
+use undula::system::{Assembler, Options, StepView, available};
 use undula::tangent::Tangent;
 
 /// Measurements per configuration; they take turns, so that a slow minute hits all alike.

@@ -117,7 +117,8 @@
 //! | make its mesh, spaces, equations and solvers | `src/setup` |
 //! | discretise a weak form in time | [`physics::step`], with the rules of `src/time` |
 //! | differentiate the weak form | `src/tangent` by dual numbers, [`physics::theorem_5_2`] by hand |
-//! | assemble residual and Jacobian | `src/assembly` |
+//! | sum the terms over the cells | `src/operators`, by the loops of `src/loops` |
+//! | assemble residual and Jacobian | `src/system` |
 //! | iterate by Newton's method with a kept Jacobian (5.20) | `src/nonlinear` |
 //! | solve the linear systems | `src/algebra` |
 //! | run a case step by step, without files | [`Simulation`] |
@@ -147,8 +148,6 @@
 #[doc(hidden)]
 pub mod algebra;
 #[doc(hidden)]
-pub mod assembly;
-#[doc(hidden)]
 pub mod bench;
 #[doc(hidden)]
 pub mod builder;
@@ -163,6 +162,9 @@ pub mod error;
 #[doc(hidden)]
 pub mod functional;
 #[doc(hidden)]
+pub mod linear;
+mod loops;
+#[doc(hidden)]
 pub mod math;
 #[doc(hidden)]
 pub mod mesh;
@@ -171,12 +173,16 @@ pub mod modes;
 #[doc(hidden)]
 pub mod nonlinear;
 #[doc(hidden)]
+pub mod operators;
+#[doc(hidden)]
 pub mod output;
 pub mod physics;
 #[doc(hidden)]
 pub mod results;
 #[doc(hidden)]
 pub mod run;
+#[doc(hidden)]
+pub mod sampling;
 #[doc(hidden)]
 pub mod setup;
 #[doc(hidden)]
@@ -185,6 +191,8 @@ pub mod simulation;
 pub mod space;
 #[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
+pub mod system;
 #[doc(hidden)]
 pub mod tangent;
 #[doc(hidden)]

@@ -1,12 +1,14 @@
 //! The computation: step by step, with its functionals. No files; see [`crate::run`] for those.
 
 mod initial;
+mod memory;
 mod row;
 
 pub use initial::with_start;
+#[doc(hidden)]
+pub use memory::Memory;
 pub use row::Row;
 
-use crate::assembly::StepView;
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
@@ -16,8 +18,8 @@ use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
-use crate::space::State;
-use crate::time::{Adaptive, Cause, Clock, JacobianPoint, Schedule, StepFailure, StepReport, Stepper};
+use crate::system::{Operator, StepView};
+use crate::time::{Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -87,7 +89,7 @@ impl Simulation {
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);
-        let fluid_residual = vec![0.0; stepper.assembler.space.n_unknowns()];
+        let fluid_residual = vec![0.0; stepper.assembler.n_unknowns()];
         let adaptive = case.time.as_ref().and_then(|time| {
             let first = time.step.eval(&[0.0; 3], time.start);
             time.adaptive.map(|settings| Adaptive::new(settings, first))
@@ -157,6 +159,17 @@ impl Simulation {
         assert!(!self.names.iter().any(|n| n == name), "there is a functional `{name}` already");
         self.functionals.push((name.into(), Box::new(OwnFunctional { unit, value })));
         self.names = names_of(&self.functionals);
+    }
+
+    /// Add a term to the equations.
+    ///
+    /// # Panics
+    /// If a step was taken already.
+    #[doc(hidden)]
+    pub fn add_term(&mut self, term: Box<dyn Operator<2>>) {
+        assert!(self.history.is_empty() && self.steps == 0, "terms are added before the first step");
+        self.stepper.add_term(term);
+        self.fluid_residual.resize(self.stepper.assembler.n_unknowns(), 0.0);
     }
 
     /// Units of the functionals, empty for a pure number.
@@ -295,7 +308,7 @@ impl Simulation {
                 new,
                 old,
                 fluid_residual: &self.fluid_residual,
-                outflow: Some(assembler.outflow()),
+                system: Some(&*assembler),
             };
             for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
                 // Forces are means over the parts of a step, all else belongs to its end.
@@ -316,33 +329,6 @@ impl Simulation {
             jacobians: report.jacobians,
             names: self.names.clone(),
         }
-    }
-
-    /// Go on from a checkpoint taken after step `step`.
-    ///
-    /// # Errors
-    /// If the kept Jacobian cannot be factorised.
-    pub fn restore(
-        &mut self,
-        clock: Clock,
-        new: State,
-        old: State,
-        point: Option<JacobianPoint>,
-        step: u64,
-    ) -> Result<(), Error> {
-        self.steps = step;
-        if let Some(adaptive) = &mut self.adaptive {
-            adaptive.memory.past.clear();
-        }
-        let stepper = &mut self.stepper;
-        match &self.pool {
-            None => stepper.restore(clock, new, old, point)?,
-            Some(pool) => pool.install(|| stepper.restore(clock, new, old, point))?,
-        }
-        if let Some(balance) = &mut self.balance {
-            balance.restart(&stepper.new, stepper.time);
-        }
-        Ok(())
     }
 
     /// Number of the functional that is asked for a period first, see [`statistics::ranking`].

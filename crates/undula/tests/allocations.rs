@@ -7,8 +7,8 @@ use common::builtin;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use undula::algebra::{Csr, Gmres, Pattern};
-use undula::assembly::StepView;
 use undula::simulation::Simulation;
+use undula::system::StepView;
 use undula::tangent::Tangent;
 
 /// The allocator of the system, counting.

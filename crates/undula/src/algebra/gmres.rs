@@ -1,6 +1,6 @@
 //! GMRES with a preconditioner on the right, for factors that are no longer those of the matrix.
 
-use super::{Csr, SolverError, dot};
+use super::{LinearOperator, SolverError, dot};
 
 /// Share of an image that must be new against those before for its direction to be of use.
 const INDEPENDENT: f64 = 1e-10;
@@ -59,24 +59,24 @@ impl Gmres {
         self.spare.append(&mut self.pairs);
     }
 
-    /// Solves `a x = b` from x = 0; `weights` are positive, `precondition(r, z)` sets z ← P r, and may spoil `r`.
+    /// Solves A x = b from x = 0 with the operator `a`; `weights` are positive, `precondition(r, z)` sets z ← P r, and may spoil `r`.
     ///
     /// # Errors
     /// [`SolverError::NotConverged`] if the tolerance is not reached, x being the best there is, or if a number is not
     /// finite.
     ///
     /// # Panics
-    /// If the vectors do not fit the matrix.
+    /// If the vectors do not fit the operator.
     pub fn solve(
         &mut self,
-        a: &Csr,
+        a: &dyn LinearOperator,
         weights: &[f64],
         mut precondition: impl FnMut(&mut [f64], &mut [f64]),
         b: &[f64],
         x: &mut [f64],
     ) -> Result<GmresReport, SolverError> {
-        let n = a.pattern.n;
-        assert_eq!((weights.len(), b.len(), x.len()), (n, n, n), "vectors do not fit the matrix");
+        let n = a.size();
+        assert_eq!((weights.len(), b.len(), x.len()), (n, n, n), "vectors do not fit the operator");
         x.fill(0.0);
         self.residual.clear();
         self.residual.extend(b.iter().zip(weights).map(|(b, w)| b * w));
@@ -106,7 +106,7 @@ impl Gmres {
     /// One more direction, from the residual; `false` if there is nothing new in it.
     fn extend(
         &mut self,
-        a: &Csr,
+        a: &dyn LinearOperator,
         weights: &[f64],
         precondition: &mut impl FnMut(&mut [f64], &mut [f64]),
     ) -> bool {
@@ -120,7 +120,7 @@ impl Gmres {
         self.work.clear();
         self.work.extend(self.residual.iter().zip(weights).map(|(r, w)| r / w));
         precondition(&mut self.work, direction);
-        a.mul(direction, image);
+        a.apply(direction, image);
         image.iter_mut().zip(weights).for_each(|(q, w)| *q *= w);
         let size = dot(image, image).sqrt();
         // Modified Gram and Schmidt: few vectors, and no more digits than the tolerance.
@@ -158,7 +158,7 @@ fn add(factor: f64, x: &[f64], y: &mut [f64]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::algebra::{Kind, LinearSolver, MultifrontalLu, Options, Pattern, Unknown};
+    use crate::algebra::{Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, Unknown};
     use std::sync::Arc;
 
     const N: usize = 12;
@@ -268,6 +268,37 @@ mod tests {
         assert_eq!(report.iterations, N);
         for (x, s) in x.iter().zip(&solution) {
             assert!((x - s).abs() < 1e-12, "{x} {s}");
+        }
+    }
+
+    /// −x″ + c (x, 1) 1 without a matrix: differences of neighbours and a product of full rows.
+    struct Stencil(f64);
+
+    impl LinearOperator for Stencil {
+        fn size(&self) -> usize {
+            N
+        }
+
+        fn apply(&self, x: &[f64], y: &mut [f64]) {
+            let at = |i: usize| x.get(i).copied().unwrap_or(0.0);
+            let mean = self.0 * x.iter().sum::<f64>();
+            for (i, y) in y.iter_mut().enumerate() {
+                *y = 2.0 * at(i) - at(i.wrapping_sub(1)) - at(i + 1) + mean;
+            }
+        }
+    }
+
+    #[test]
+    fn an_operator_need_not_be_a_matrix() {
+        let (a, one) = (Stencil(0.1), [1.0; N]);
+        let solution: Vec<f64> = (0..N).map(|i| (1.0 + i as f64).sqrt()).collect();
+        let (mut b, mut x) = (vec![0.0; N], vec![0.0; N]);
+        a.apply(&solution, &mut b);
+        let mut gmres = Gmres::new(1e-12, N);
+        let report = gmres.solve(&a, &one, |r, z| z.copy_from_slice(r), &b, &mut x).unwrap();
+        assert!(report.iterations > 1, "{report:?}");
+        for (x, s) in x.iter().zip(&solution) {
+            assert!((x - s).abs() < 1e-9, "{x} {s}");
         }
     }
 

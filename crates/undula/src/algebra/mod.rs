@@ -5,7 +5,7 @@
 //! ([`Direct`]): equilibration, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
 //! compare it with; `definite` ones are for symmetric positive definite matrices, and store half. [`Gmres`] makes do
-//! with factors of an older matrix. Every result is the same, bit for bit, for any number of threads.
+//! with factors of an older matrix, and with any [`LinearOperator`] in place of the matrix. Every result is the same, bit for bit, for any number of threads.
 
 mod csr;
 mod direct;
@@ -14,6 +14,7 @@ mod gmres;
 mod multifrontal;
 #[cfg(feature = "mumps")]
 mod mumps;
+mod operator;
 mod scaling;
 mod solver;
 mod vector;
@@ -26,6 +27,7 @@ pub use gmres::{Gmres, GmresReport};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};
+pub use operator::LinearOperator;
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};

@@ -166,6 +166,9 @@ pub enum SolverError {
     /// Solve without a (successful) factorisation.
     #[error("solve called without a factorisation")]
     NotFactored,
+    /// Equations of scalar unknowns, or far couplings, that determine nothing.
+    #[error("the equations of the scalar unknowns depend on each other")]
+    DependentBorders,
     /// An entry of the matrix is infinite or not a number.
     #[error("entry ({row}, {col}) of the matrix is not finite: row of the {unknown}")]
     NotFinite {

@@ -2,11 +2,11 @@
 
 use super::median;
 use crate::algebra::{Cost, Csr, LinearSolver, MultifrontalLu, Options, Sizes, SolverError, Unknown};
-use crate::assembly::{Assembler, CondensedSystem, StepView};
 use crate::error::Error;
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::State;
+use crate::system::{Assembler, CondensedSystem, StepView};
 use crate::tangent::Tangent;
 use crate::time::Stepper;
 use crate::verification::jacobians::differences::{Differences, deviation};

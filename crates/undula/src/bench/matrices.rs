@@ -1,10 +1,10 @@
 //! Matrices of a step as files, for measurements of linear solvers alone.
 
 use crate::algebra::{Csr, Kind, Unknown};
-use crate::assembly::StepView;
 use crate::error::Error;
 use crate::output::{OutputError, write_atomic};
 use crate::simulation::Simulation;
+use crate::system::StepView;
 use crate::tangent::Tangent;
 use std::io::{self, Write};
 use std::path::Path;

@@ -24,7 +24,6 @@ pub use matrices::write_matrices;
 pub use steps::Start;
 pub use steps::{Parts, Spread, Steps};
 
-use crate::assembly::simd;
 use crate::error::Error;
 use crate::output::{Unknowns, peak_memory, processor};
 use crate::simulation::Simulation;
@@ -134,7 +133,7 @@ fn describe(
         version: env!("CARGO_PKG_VERSION"),
         processor: processor(),
         threads: simulation.threads(),
-        lanes: simd::best_lanes(),
+        lanes: crate::system::best_lanes(),
         case: case.name.clone(),
         cells: simulation.stepper.assembler.space.mesh.n_cells(),
         unknowns: simulation.unknowns(),

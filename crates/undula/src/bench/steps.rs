@@ -2,10 +2,9 @@
 
 use super::{median, quantile};
 use crate::error::Error;
-use crate::nonlinear::Counters;
-use crate::simulation::Simulation;
-use crate::space::State;
-use crate::time::{Clock, JacobianPoint, Linearization};
+use crate::nonlinear::{self, Counters};
+use crate::simulation::{Memory, Simulation};
+use crate::time::Linearization;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -84,26 +83,16 @@ pub struct Steps {
 
 /// Where every repetition starts.
 pub struct Start {
-    clock: Clock,
-    new: State,
-    old: State,
-    point: Option<JacobianPoint>,
-    steps: u64,
+    memory: Memory,
     linearization: Linearization,
 }
 
 impl Start {
     /// The present state of `simulation`.
     pub fn of(simulation: &Simulation) -> Start {
-        let stepper = &simulation.stepper;
-        Start {
-            clock: stepper.clock(),
-            new: stepper.new.clone(),
-            old: stepper.old.clone(),
-            point: stepper.jacobian_point().cloned(),
-            steps: simulation.steps,
-            linearization: stepper.linear.active,
-        }
+        let mut memory = simulation.save();
+        (memory.stepper.newton, memory.stepper.detour) = (nonlinear::Memory::default(), 0);
+        Start { memory, linearization: simulation.stepper.linear.active }
     }
 
     /// Take `simulation` back; what Newton's method has learnt since is forgotten.
@@ -112,16 +101,19 @@ impl Start {
     /// As [`Simulation::restore`].
     pub fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
         simulation.history.clear();
-        let newton = simulation.case.build_newton(&simulation.stepper.assembler.space);
+        let newton = simulation.case.build_newton(&simulation.stepper.assembler);
         simulation.stepper.newton = newton;
         (simulation.stepper.linear.active, simulation.stepper.linear.detour) = (self.linearization, 0);
-        let (new, old) = (self.new.clone(), self.old.clone());
-        simulation.restore(self.clock, new, old, self.point.clone(), self.steps)
+        simulation.restore(self.memory.clone())
     }
 
     /// Length of the next step \[s\]; 0 if stationary.
     pub(super) fn step_length(&self, simulation: &Simulation) -> f64 {
-        simulation.case.time.as_ref().map_or(0.0, |time| time.step.eval(&[0.0; 3], self.clock.time))
+        simulation
+            .case
+            .time
+            .as_ref()
+            .map_or(0.0, |time| time.step.eval(&[0.0; 3], self.memory.stepper.clock.time))
     }
 }
 
@@ -163,8 +155,8 @@ pub(super) fn measure(
     Ok(Steps {
         steps,
         repeat,
-        after: start.steps,
-        from: start.clock.time,
+        after: start.memory.steps,
+        from: start.memory.stepper.clock.time,
         to: simulation.stepper.time,
         seconds: Spread { median: median(&walls), fast: quantile(&walls, 0.1), slow: quantile(&walls, 0.9) },
         phases,

@@ -13,7 +13,7 @@ use super::builtin::{builtin_case, builtin_cases};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, OwnMesh, Record, Scheme, TimeSpec};
+use super::schema::{Case, FluidSpec, OwnMesh, Record, Scheme, SolidSpec, SpaceSpec, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use std::path::{Path, PathBuf};
 
@@ -73,17 +73,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
     let solid = body::solid(root.section("solid"));
-    if let Some(solid) = &solid {
-        body::refuse_unstable_solid(&root.section("solid"), solid, &space);
-    }
-    if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
-        checker.error(&Origin::File(0..0), "", None, "the case has neither [fluid] nor [solid]".into());
-    }
-    if let (Some(f), Some(s)) = (&fluid, &solid)
-        && f.region == s.region
-    {
-        root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
-    }
+    refuse_bodies(&mut root, fluid.as_ref(), solid.as_ref(), &space);
     let motion = root.section("motion");
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
@@ -127,6 +117,27 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     root.finish();
     Some(case)
+}
+
+/// A solid whose elements are not stable, a case without bodies, and two bodies in one region.
+fn refuse_bodies(
+    root: &mut Section<'_, '_>,
+    fluid: Option<&FluidSpec>,
+    solid: Option<&SolidSpec>,
+    space: &SpaceSpec,
+) {
+    if let Some(solid) = solid {
+        body::refuse_unstable_solid(&root.section("solid"), solid, space);
+    }
+    if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
+        let message = "the case has neither [fluid] nor [solid]";
+        root.checker.error(&Origin::File(0..0), "", None, message.into());
+    }
+    if let (Some(f), Some(s)) = (fluid, solid)
+        && f.region == s.region
+    {
+        root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
+    }
 }
 
 /// Methods that take the body force at other places than those where the flow is.

@@ -1,6 +1,32 @@
-//! Dotted keys such as `boundary."solid.flap".condition`, whose parts are quoted where TOML needs it.
+//! A key of a case; dotted keys such as `boundary."solid.flap".condition`, whose parts are quoted where TOML needs it.
 
+use crate::choice::Table;
 use toml::de::DeValue;
+
+/// A key of a case.
+pub struct Key {
+    /// Its tables and its name, with dots between them. `NAME` stands for a name that the case chooses.
+    pub key: &'static str,
+    /// SI unit; empty for words and pure numbers.
+    pub unit: &'static str,
+    /// The value that holds without the key, or where it comes from; `none`: nothing; `required`: there is none.
+    pub default: &'static str,
+    /// What it is, in one line.
+    pub about: &'static str,
+    pub(super) choices: Option<&'static dyn Table>,
+}
+
+impl Key {
+    /// A key with numbers or expressions.
+    pub(super) const fn data(
+        key: &'static str,
+        unit: &'static str,
+        default: &'static str,
+        about: &'static str,
+    ) -> Key {
+        Key { key, unit, default, about, choices: None }
+    }
+}
 
 /// One part of a key, in quotes unless it is of letters, digits, `-` and `_` only.
 pub(crate) fn quote(part: &str) -> String {

@@ -4,10 +4,12 @@
 //! and `undula keys` prints it.
 
 use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::conditions::{CONDITIONS, DATA};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
-use super::schema::{CONDITIONS, GENERATORS, KRYLOV};
+pub use super::key::Key;
+use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;
@@ -18,22 +20,10 @@ use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANS
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
-
-/// A key of a case.
-pub struct Key {
-    /// Its tables and its name, with dots between them. `NAME` stands for a name that the case chooses.
-    pub key: &'static str,
-    /// SI unit; empty for words and pure numbers.
-    pub unit: &'static str,
-    /// The value that holds without the key, or where it comes from; `none`: nothing; `required`: there is none.
-    pub default: &'static str,
-    /// What it is, in one line.
-    pub about: &'static str,
-    choices: Option<&'static dyn Table>,
-}
+use std::sync::LazyLock;
 
 const fn number(key: &'static str, unit: &'static str, default: &'static str, about: &'static str) -> Key {
-    Key { key, unit, default, about, choices: None }
+    Key::data(key, unit, default, about)
 }
 
 const fn text(key: &'static str, default: &'static str, about: &'static str) -> Key {
@@ -50,7 +40,13 @@ const fn word(
 }
 
 /// All keys, table by table.
-pub static KEYS: &[Key] = &[
+pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
+    let data = |key: &Key| if key.key == "boundary.NAME.condition" { &DATA[..] } else { &[] };
+    KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key))).collect()
+});
+
+/// All but those of the data of boundary conditions.
+static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
     text("reference", "none", "built-in case whose published results belong to this problem"),
@@ -133,12 +129,6 @@ pub static KEYS: &[Key] = &[
     number("motion.exponent", "", "2", "exponent of the stiffening; 0: none"),
     number("motion.scale", "m", "from the mesh", "L of the stiffening 2 − erf(5 d/L)"),
     word("boundary.NAME.condition", &CONDITIONS, "required", "condition on the boundary NAME of the mesh"),
-    number(
-        "boundary.NAME.velocity",
-        "m/s",
-        "velocity: required",
-        "two expressions of x, y, t, as [\"1.5*y\", 0]",
-    ),
     word("boundary.NAME.backflow", &BACKFLOW, "none", "term against flow that comes in through an outlet"),
     word(
         "time.scheme",
@@ -258,7 +248,7 @@ impl Key {
 /// The key of the table that `dotted` is, such as `boundary.NAME.condition` of `boundary.inflow.condition`.
 pub fn find(dotted: &str) -> Option<&'static Key> {
     let parts = key::parts(dotted);
-    KEYS.iter().find(|key| key.key.split('.').count() == parts.len() && key.begins_with(&parts))
+    KEYS.iter().copied().find(|key| key.key.split('.').count() == parts.len() && key.begins_with(&parts))
 }
 
 /// Whether `dotted` is a key or a table of keys.
@@ -292,15 +282,15 @@ pub fn search(pattern: &str) -> Vec<Found> {
     let word =
         pattern.trim().trim_start_matches('[').trim_end_matches(']').trim_end_matches('.').to_lowercase();
     if word.is_empty() {
-        return KEYS.iter().map(whole).collect();
+        return KEYS.iter().copied().map(whole).collect();
     }
     let parts = key::parts(&word);
-    let exact: Vec<Found> = KEYS.iter().filter(|key| key.begins_with(&parts)).map(whole).collect();
+    let exact: Vec<Found> = KEYS.iter().copied().filter(|key| key.begins_with(&parts)).map(whole).collect();
     if !exact.is_empty() {
         return exact;
     }
     let glob = if word.contains(['*', '?']) { word.clone() } else { format!("*{word}*") };
-    let found = KEYS.iter().filter_map(|key| {
+    let found = KEYS.iter().copied().filter_map(|key| {
         if matches(&glob, &key.key.to_lowercase()) {
             return Some(whole(key));
         }
@@ -313,6 +303,7 @@ pub fn search(pattern: &str) -> Vec<Found> {
         return found;
     }
     KEYS.iter()
+        .copied()
         .filter(|key| synonyms::meant(key.table(), &word) == key.key.rsplit('.').next())
         .map(whole)
         .collect()
@@ -322,7 +313,7 @@ pub fn search(pattern: &str) -> Vec<Found> {
 pub fn nearest(pattern: &str) -> String {
     let values = KEYS.iter().flat_map(|key| key.choices().into_iter().map(|(name, _)| name));
     let ends = KEYS.iter().filter_map(|key| key.key.rsplit('.').next());
-    let tables = KEYS.iter().map(Key::table);
+    let tables = KEYS.iter().map(|key| key.table());
     did_you_mean(pattern, KEYS.iter().map(|key| key.key).chain(tables).chain(ends).chain(values))
 }
 

@@ -3,13 +3,15 @@
 //! [`Case`] and its parts stand in `schema`. On the way from a text to a case, `raw` reads TOML with the overrides,
 //! `read` one table, `check` the whole case, so that all mistakes are told at once (`error`); `write` is the way back,
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
-//! their other names, `choices` and `element` values by name, `functionals` the kinds of functionals, `expression` the
+//! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `functionals` the kinds of
+//! functionals, `expression` the
 //! formulas in x, y and t, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
 
 pub mod builtin;
 mod check;
 pub mod choices;
+pub mod conditions;
 pub mod element;
 pub mod error;
 pub mod expression;
@@ -24,11 +26,11 @@ mod synonyms;
 mod write;
 
 pub use check::name_of_file;
+pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};
 pub use functionals::{FUNCTIONALS, FunctionalSpec};
 pub use schema::{
-    AdaptiveSettings, CONDITIONS, Case, Condition, DomainMotion, FluidSpec, GENERATORS, Integral, KRYLOV,
-    KrylovSpec, LinearSolverKind, LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec,
-    NewtonSpec, OutputSpec, OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent,
-    TimeSpec,
+    AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, Integral, KRYLOV, KrylovSpec,
+    LinearSolverKind, LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec,
+    OutputSpec, OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent, TimeSpec,
 };

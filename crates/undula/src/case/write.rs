@@ -310,8 +310,8 @@ fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
     out.word("condition", condition.name());
-    if let Condition::Velocity(velocity) = condition {
-        out.key("velocity", expressions(velocity));
+    if let Some(data) = condition.data() {
+        out.key(condition.name(), expressions(data));
     }
 }
 

@@ -93,6 +93,23 @@ impl Shape {
         std::array::from_fn(|d| if self.is_turned(child) { corner(d) - at[d] } else { corner(d) + at[d] })
     }
 
+    /// Reference coordinates in a refined cell of the point at `xi` of its child `child`.
+    pub fn to_parent<const D: usize>(self, child: usize, xi: [f64; D]) -> [f64; D] {
+        let corner = |d: usize| (child >> d & 1) as f64;
+        std::array::from_fn(|d| {
+            0.5 * if self.is_turned(child) { corner(d) - xi[d] } else { corner(d) + xi[d] }
+        })
+    }
+
+    /// Whether child `child` of a refined cell has a part of facet `facet`; that is facet `facet` of the child, too.
+    pub fn child_on_facet(self, child: usize, facet: usize) -> bool {
+        match self {
+            // The children at the two vertices of the edge.
+            Shape::Triangle => child < 3 && child != facet,
+            _ => child >> (facet / 2) & 1 == facet % 2,
+        }
+    }
+
     /// Whether node `node` of degree `degree` lies on facet `facet`.
     pub fn on_facet(self, degree: usize, node: usize, facet: usize) -> bool {
         let at = self.lattice(degree, node);

@@ -4,9 +4,9 @@
 //! incompressible fluid: zero, to the tolerance of Newton's method. The volume of the fluid changes in a step by
 //! what its boundaries sweep: the interface moves with v, to the order of the time scheme, the others with ∂_t u.
 
-use crate::assembly::facets::facet_points;
 use crate::math::{Tensor, Vector};
 use crate::physics::kinematics::cofactor;
+use crate::sampling::facet_points;
 use crate::space::{FluidBoundary, FsiSpace, State};
 use serde::{Deserialize, Serialize};
 
@@ -180,7 +180,7 @@ fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
     let mut faces = vec![];
     for facet in &FluidBoundary::new(space).facets {
         let on_cell = space.mesh.shape.facet_nodes(space.nodes.degree, facet.side.local as usize);
-        let of = |p: crate::assembly::facets::FacetPoint<D>| {
+        let of = |p: crate::sampling::FacetPoint<D>| {
             let from = *origin.get_or_insert(p.x);
             let along = |a: &usize| {
                 let grad = Vector(p.grad[*a]);
@@ -224,7 +224,7 @@ mod tests {
         u: impl Fn([f64; 2]) -> [f64; 2],
     ) -> State {
         let of = |f: &dyn Fn([f64; 2]) -> [f64; 2]| space.nodes.points.iter().flat_map(|&x| f(x)).collect();
-        State { v: of(&v), u: of(&u), p: vec![0.0; space.n_p()] }
+        State { v: of(&v), u: of(&u), p: vec![0.0; space.n_p()], s: vec![] }
     }
 
     #[test]

@@ -2,9 +2,9 @@
 #![allow(non_snake_case)]
 
 use super::{Functional, Snapshot};
-use crate::assembly::sampling::{PointValues, for_each_point};
 use crate::choice::{Choice, choice};
 use crate::physics::Kinematics;
+use crate::sampling::{PointValues, for_each_point};
 use crate::space::Region;
 
 /// Which integral.

@@ -1,12 +1,12 @@
 //! The solution for people and programs: arrays at the nodes, values at points, integrals.
 
 use super::{Functional, Snapshot};
-use crate::assembly::facets::fields_at;
-use crate::assembly::sampling::for_each_point;
 use crate::element::{Quadrature, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Located, Locator, MeshError};
 use crate::physics::{Fields as Values, Kinematics};
+use crate::sampling::fields_at;
+use crate::sampling::for_each_point;
 use crate::space::{FsiSpace, Region, State};
 use std::cell::OnceCell;
 

@@ -2,11 +2,11 @@
 #![allow(non_snake_case)]
 
 use super::{Functional, Snapshot};
-use crate::assembly::facets::{FacetPoint, facet_points, fields_at};
 use crate::math::{Tensor, Vector};
 use crate::mesh::Side;
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Kinematics};
+use crate::sampling::{FacetPoint, facet_points, fields_at};
 use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
 use std::collections::BTreeMap;
 
@@ -184,8 +184,8 @@ impl<const D: usize> Functional<D> for ForceByResidual<D> {
             sum += tractions.sum(at).0[self.component];
         }
         // What the condition adds to the residual makes it vanish.
-        if let (Some(terms), false) = (at.outflow, self.outflow.is_empty()) {
-            sum -= terms.sum(&at.step(), &self.outflow).0[self.component];
+        if let (Some(system), false) = (at.system, self.outflow.is_empty()) {
+            sum -= system.force_through(&at.step(), &self.outflow).0[self.component];
         }
         -self.factor * sum
     }

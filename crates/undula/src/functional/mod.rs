@@ -9,10 +9,9 @@ mod signal;
 pub mod statistics;
 pub mod transfer;
 
-use crate::assembly::facets::OutflowFacets;
-use crate::assembly::{Physics, StepView};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, Physics, StepView};
 
 /// What a functional may look at after a step.
 pub struct Snapshot<'a, const D: usize> {
@@ -29,8 +28,8 @@ pub struct Snapshot<'a, const D: usize> {
     /// Residual of the fluid alone in the last step, `[v, u, p]` \[N/m\]: what the fluid exerts on each node that a
     /// functional has asked for.
     pub fluid_residual: &'a [f64],
-    /// What the outflow conditions add to the residual; `None` where nothing does.
-    pub outflow: Option<&'a OutflowFacets<D>>,
+    /// The operators, for what the conditions on the boundary add to the residual; `None`: nothing.
+    pub system: Option<&'a Assembler<D>>,
 }
 
 impl<'a, const D: usize> Snapshot<'a, D> {

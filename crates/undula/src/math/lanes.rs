@@ -11,10 +11,10 @@ use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// `L` elements of a batch in one number, one lane each.
 ///
-/// Operations must inline into a function compiled for the processor, see [`crate::assembly::simd`]: a
+/// Operations must inline into a function compiled for the processor, see [`crate::loops::width`]: a
 /// call boundary would cost more than the operation. Arithmetic with 4 or 8 lanes on a processor
 /// without the instructions is not allowed. Therefore the type is of this crate alone, and only
-/// kernels of a width that [`crate::assembly::simd::available`] grants compute with it.
+/// kernels of a width that [`crate::loops::width::available`] grants compute with it.
 #[derive(Copy, Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<const L: usize>(pub [f64; L]);

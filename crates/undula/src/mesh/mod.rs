@@ -11,6 +11,7 @@ mod fold;
 mod from_cells;
 mod geometry;
 mod grade;
+mod hierarchy;
 mod locate;
 mod matching;
 mod place;
@@ -23,9 +24,9 @@ mod triangulate;
 pub use curve::Curve;
 pub use distance::FacetDistance;
 pub use error::{CellAt, CellList, LISTED, Least, MeshError};
+pub use hierarchy::{Child, Hierarchy};
 pub use locate::{Located, Locator};
 pub use quality::Quality;
-pub use refine::Refined;
 pub use regions::INTERFACE;
 pub use topology::{Facets, Side};
 

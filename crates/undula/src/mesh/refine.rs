@@ -5,28 +5,19 @@ use super::{Curve, Facet, Mesh};
 use crate::element::Shape;
 use std::collections::HashMap;
 
-/// A uniformly refined mesh and where its cells come from.
-#[derive(Clone, Debug)]
-pub struct Refined<const D: usize> {
-    /// The finer mesh; cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order; of triangles
-    /// those at the three vertices, then the one in the middle.
-    pub mesh: Mesh<D>,
-    /// The coarse cell of each fine cell.
-    pub parent: Vec<u32>,
-}
-
 /// Identity of a point on the facets of cells: the vertices it depends on and the weights there in a
 /// multilinear (on triangles: linear) interpolation. Cells that share a facet agree on both.
 type PointKey = [(u32, u32); 8];
 
 impl<const D: usize> Mesh<D> {
-    /// Splits each cell into `2^D`.
+    /// Splits each cell into `2^D`: cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order; of
+    /// triangles those at the three vertices, then the one in the middle.
     ///
     /// New geometry nodes come from the map of the parent, so that the finer mesh is the same domain
     /// and contains all nodes of the coarser one. Only nodes on boundaries that follow one of `curves`
     /// are moved onto it, and the nodes behind them within the same cell by a share that fades to zero
     /// at the opposite facet. Names are kept.
-    pub fn refine(&self, curves: &[Curve<D>]) -> Refined<D> {
+    pub fn refine(&self, curves: &[Curve<D>]) -> Mesh<D> {
         let lattice = FineLattice::<D>::new(self);
         let on_curves = self.sides_on_curves(curves);
         let mut nodes = NodePool { nodes: Vec::new(), known: HashMap::new() };
@@ -46,25 +37,24 @@ impl<const D: usize> Mesh<D> {
                 cell_nodes.extend(lattice.child_nodes(self, child).map(|n| numbers[n]));
             }
         }
-        let parent: Vec<u32> = (0..self.n_cells() << D).map(|c| (c >> D) as u32).collect();
         let mut mesh = Mesh {
             shape: self.shape,
             degree: self.degree,
             nodes: nodes.nodes,
             cell_nodes,
-            cell_region: parent.iter().map(|&p| self.cell_region[p as usize]).collect(),
+            cell_region: self.cell_region.iter().flat_map(|&region| vec![region; 1 << D]).collect(),
             regions: self.regions.clone(),
             facets: self.facets.iter().flat_map(|&f| child_facets::<D>(self.shape, f)).collect(),
             boundaries: self.boundaries.clone(),
             parts: self.parts.iter().flat_map(|&f| child_facets::<D>(self.shape, f)).collect(),
         };
         mesh.project_boundaries(curves);
-        Refined { mesh, parent }
+        mesh
     }
 
-    /// Refines `times` times and forgets the parents.
+    /// Refines `times` times; [`Hierarchy::refine`](super::Hierarchy::refine) keeps the coarser meshes.
     pub fn refined(self, times: usize, curves: &[Curve<D>]) -> Mesh<D> {
-        (0..times).fold(self, |mesh, _| mesh.refine(curves).mesh)
+        (0..times).fold(self, |mesh, _| mesh.refine(curves))
     }
 
     /// Moves all nodes of boundaries that follow one of `curves` onto it.
@@ -234,12 +224,7 @@ impl<const D: usize> FineLattice<D> {
 
 /// The `2^(D−1)` parts of a facet.
 fn child_facets<const D: usize>(shape: Shape, facet: Facet) -> impl Iterator<Item = Facet> {
-    let (axis, side) = (facet.local as usize / 2, facet.local as usize % 2);
     (0..1_usize << D)
-        .filter(move |&child| match shape {
-            // The children at the two vertices of the edge.
-            Shape::Triangle => child < 3 && child != facet.local as usize,
-            _ => child >> axis & 1 == side,
-        })
+        .filter(move |&child| shape.child_on_facet(child, facet.local as usize))
         .map(move |child| Facet { cell: (facet.cell << D) + child as u32, ..facet })
 }

@@ -2,8 +2,8 @@
 
 use super::{Mode, Setting, frequency};
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
-use crate::assembly::sampling::{PointValues, for_each_point};
 use crate::math::Tensor;
+use crate::sampling::{PointValues, for_each_point};
 use crate::space::{FsiSpace, Region, State};
 use std::sync::Arc;
 

@@ -3,9 +3,9 @@
 use super::Setting;
 use super::body::{Body, NONE};
 use crate::algebra::{Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown, dot};
-use crate::assembly::facets::facet_points;
-use crate::assembly::sampling::for_each_point;
 use crate::mesh::Side;
+use crate::sampling::facet_points;
+use crate::sampling::for_each_point;
 use crate::space::{FsiSpace, Region, State};
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;

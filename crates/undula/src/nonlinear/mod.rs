@@ -1,8 +1,14 @@
 //! Solving the nonlinear system of a step.
 
-pub mod newton;
-pub mod secants;
+mod error;
+mod newton;
+mod renewal;
+mod report;
+mod secants;
 mod system;
 
-pub use newton::{Age, Counters, Newton, NewtonError, NewtonReport, Settings};
-pub use system::{NonlinearSystem, Seconds};
+pub use error::NewtonError;
+pub use newton::{GROWTH, Memory, Newton, Settings};
+pub use renewal::Age;
+pub use report::{Counters, NewtonReport, Seconds};
+pub use system::NonlinearSystem;

@@ -1,5 +1,6 @@
 //! What Newton's method wants to know of a system.
 
+use super::report::Seconds;
 use crate::algebra::SolverError;
 
 /// A system `r(x) = 0` that holds its own iterate.
@@ -45,15 +46,4 @@ pub trait NonlinearSystem {
     fn price(&self) -> f64;
     /// `x ← x + ω δ`.
     fn update(&mut self, omega: f64, delta: &[f64]);
-}
-
-/// Seconds spent by phase.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Seconds {
-    /// Residuals and Jacobians.
-    pub assembly: f64,
-    /// Factorisations.
-    pub factorization: f64,
-    /// Triangular solves.
-    pub solve: f64,
 }

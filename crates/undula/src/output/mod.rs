@@ -13,6 +13,7 @@ pub mod error;
 pub mod history;
 pub mod provenance;
 pub mod pvd;
+pub mod snapshot;
 pub mod summary;
 pub mod vtu;
 
@@ -24,8 +25,9 @@ pub(crate) use history::text_of;
 pub use history::{History, HistoryWriter};
 pub use provenance::{Provenance, hash, processor};
 pub use pvd::Collection;
+pub use snapshot::{CellKind, Field, FieldSnapshot};
 pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory};
-pub use vtu::{CellKind, Field, FieldSnapshot, Precision, read_vtu, write_vtu};
+pub use vtu::{Precision, read_vtu, write_vtu};
 
 #[cfg(test)]
 pub(crate) mod testing {

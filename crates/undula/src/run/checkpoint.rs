@@ -3,12 +3,11 @@
 use super::identity::identity;
 use crate::error::Error;
 use crate::functional::balance::Largest;
-use crate::nonlinear::{Age, Counters, Seconds};
+use crate::nonlinear::{self, Age, Counters, Seconds};
 use crate::output::{Array, Checkpoint, RunDirectory};
-use crate::simulation::Simulation;
+use crate::simulation::{Memory, Simulation};
 use crate::space::State;
-use crate::time::adaptive::Memory;
-use crate::time::{Clock, Damping, JacobianPoint};
+use crate::time::{self, Clock, Damping, JacobianPoint, Stepper, adaptive};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -31,9 +30,9 @@ pub(super) struct Metadata {
     /// Steps to go with the whole Jacobian.
     #[serde(default)]
     detour: u32,
-    /// Next step, largest v and u, rejected steps and times of the past of step-size control.
+    /// Of step-size control.
     #[serde(default)]
-    adaptive: Option<(f64, [f64; 2], u64, Vec<f64>)>,
+    adaptive: Option<OfAdaptive>,
     /// Largest flows so far, see [`crate::functional::balance`].
     #[serde(default)]
     balance: Option<Largest>,
@@ -54,6 +53,9 @@ pub(super) struct Metadata {
     pub(super) cut: Option<f64>,
 }
 
+/// Next step, largest v and u, rejected steps and times of the past of step-size control.
+type OfAdaptive = (f64, [f64; 2], u64, Vec<f64>);
+
 /// What a checkpoint has from the run, not from its simulation.
 pub(super) struct OfRun<'a> {
     pub(super) output_seconds: f64,
@@ -65,23 +67,21 @@ pub(super) struct OfRun<'a> {
 
 /// A checkpoint of `simulation` as it is.
 pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
-    let stepper = &simulation.stepper;
-    let (clock, point) = (stepper.clock(), stepper.jacobian_point());
-    let (counters, seconds) = (stepper.newton.counters, stepper.newton.seconds);
+    let Memory { steps, stepper, adaptive, balance } = simulation.save();
+    let time::Memory { clock, new, old, point, newton, detour } = stepper;
+    let nonlinear::Memory { worsening, counters, seconds } = newton;
     let metadata = Metadata {
-        step: simulation.steps,
+        step: steps,
         clock: [clock.time, clock.last_step],
         damping: (clock.damping.interval, clock.damping.left),
-        jacobian: point.map(|p| [p.rule.per_k, p.rule.theta, p.time]),
-        age: point.map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
-        worsening: stepper.newton.worsening.to_bits(),
-        detour: stepper.linear.detour,
-        adaptive: simulation.adaptive.as_ref().map(|a| {
-            let memory = &a.memory;
-            let times = memory.past.iter().map(|(t, _)| *t).collect();
-            (memory.next, memory.scales, memory.rejected, times)
+        jacobian: point.as_ref().map(|p| [p.rule.per_k, p.rule.theta, p.time]),
+        age: point.as_ref().map_or([0; 3], |p| [p.age.solves, p.age.iterations, p.age.last]),
+        worsening: worsening.to_bits(),
+        detour,
+        adaptive: adaptive.as_ref().map(|adaptive::Memory { next, scales, rejected, past }| {
+            (*next, *scales, *rejected, past.iter().map(|(t, _)| *t).collect())
         }),
-        balance: simulation.balance.as_ref().map(|b| b.largest),
+        balance,
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
         seconds: [seconds.assembly, seconds.factorization, seconds.solve, run.output_seconds],
@@ -93,19 +93,22 @@ pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint,
     };
     let text = serde_json::to_string(&metadata).map_err(|e| Error::Resume(e.to_string()))?;
     let mut checkpoint = Checkpoint { metadata: text, ..Checkpoint::default() };
-    let mut states = vec![("new", &stepper.new), ("old", &stepper.old)];
+    let mut put = |name: String, values| checkpoint.arrays.insert(name, Array::F64(values));
+    let mut states = vec![("new", new), ("old", old)];
     if let Some(point) = point {
-        states.extend([("jacobian_new", &point.new), ("jacobian_old", &point.old)]);
+        states.extend([("jacobian_new", point.new), ("jacobian_old", point.old)]);
     }
-    for (name, state) in states {
-        for (field, values) in [("v", &state.v), ("u", &state.u), ("p", &state.p)] {
-            checkpoint.arrays.insert(format!("{name}_{field}"), Array::F64(values.clone()));
+    for (name, State { v, u, p, s }) in states {
+        for (field, values) in [("v", v), ("u", u), ("p", p)] {
+            put(format!("{name}_{field}"), values);
+        }
+        if !s.is_empty() {
+            put(format!("{name}_s"), s);
         }
     }
-    for (n, (_, fields)) in simulation.adaptive.iter().flat_map(|a| &a.memory.past).enumerate() {
-        for (name, values) in ["v", "u"].into_iter().zip(fields) {
-            checkpoint.arrays.insert(format!("past{n}_{name}"), Array::F64(values.clone()));
-        }
+    for (n, (_, [v, u])) in adaptive.into_iter().flat_map(|memory| memory.past).enumerate() {
+        put(format!("past{n}_v"), v);
+        put(format!("past{n}_u"), u);
     }
     Ok(checkpoint)
 }
@@ -192,28 +195,22 @@ pub(super) fn restore(
     checkpoint: &Checkpoint,
     metadata: &Metadata,
 ) -> Result<(), Error> {
-    let space = &simulation.stepper.assembler.space;
-    let sizes = [("v", space.n_v()), ("u", space.n_u()), ("p", space.n_p())];
-    let state = |name: &str| -> Result<State, Error> {
-        let mut parts = vec![];
-        for (field, n) in sizes {
-            let key = format!("{name}_{field}");
-            let array = checkpoint.f64s(&key).filter(|a| a.len() == n);
-            parts.push(
-                array.ok_or_else(|| Error::Resume(format!("array {key} should have {n} numbers")))?.to_vec(),
-            );
-        }
-        let p = parts.pop().unwrap_or_default();
-        let u = parts.pop().unwrap_or_default();
-        Ok(State { v: parts.pop().unwrap_or_default(), u, p })
-    };
+    let memory = memory(simulation, checkpoint, metadata)?;
+    simulation.restore(memory)
+}
+
+/// What a checkpoint says, for `simulation`.
+fn memory(simulation: &Simulation, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<Memory, Error> {
+    let Stepper { assembler, settings, .. } = &simulation.stepper;
+    let (space, s) = (&assembler.space, simulation.stepper.new.s.len());
+    let sizes = Sizes { v: space.n_v(), u: space.n_u(), p: space.n_p(), s };
+    let state = |name: &str| sizes.state(checkpoint, name);
     let (interval, left) = metadata.damping;
-    let damping = Damping { interval, left };
-    let clock = Clock { time: metadata.clock[0], last_step: metadata.clock[1], damping };
+    let [time, last_step] = metadata.clock;
     let [solves, iterations, last] = metadata.age;
     let point = match metadata.jacobian {
         Some([per_k, theta, time]) => Some(JacobianPoint {
-            rule: simulation.stepper.settings.rule_of(per_k, theta),
+            rule: settings.rule_of(per_k, theta),
             time,
             new: state("jacobian_new")?,
             old: state("jacobian_old")?,
@@ -221,35 +218,56 @@ pub(super) fn restore(
         }),
         None => None,
     };
-    let (new, old) = (state("new")?, state("old")?);
-    simulation.stepper.linear.set_detour(metadata.detour);
-    let worsening = f32::from_bits(metadata.worsening);
-    simulation.stepper.newton.worsening = if worsening.is_finite() { worsening.max(1.0) } else { 1.0 };
-    let sizes = [new.v.len(), new.u.len()];
-    simulation.restore(clock, new, old, point, metadata.step)?;
-    if let (Some(adaptive), Some((next, scales, rejected, times))) =
-        (&mut simulation.adaptive, &metadata.adaptive)
-    {
-        let mut past = vec![];
-        for (n, t) in times.iter().enumerate() {
-            let field = |name: &str, size: usize| {
-                let key = format!("past{n}_{name}");
-                let values = checkpoint.f64s(&key).filter(|a| a.len() == size);
-                let values = values.map(|a| a.to_vec());
-                values.ok_or_else(|| Error::Resume(format!("array {key} should have {size} numbers")))
-            };
-            past.push((*t, [field("v", sizes[0])?, field("u", sizes[1])?]));
-        }
-        adaptive.memory = Memory { next: *next, scales: *scales, rejected: *rejected, past };
-    }
-    if let (Some(balance), Some(largest)) = (&mut simulation.balance, metadata.balance) {
-        balance.largest = largest;
-    }
-    let newton = &mut simulation.stepper.newton;
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
     let linear_iterations = metadata.linear_iterations as usize;
-    newton.counters = Counters { newton_steps, jacobians, factorizations, linear_iterations };
     let [assembly, factorization, solve, _] = metadata.seconds;
-    newton.seconds = Seconds { assembly, factorization, solve };
-    Ok(())
+    let newton = nonlinear::Memory {
+        worsening: f32::from_bits(metadata.worsening),
+        counters: Counters { newton_steps, jacobians, factorizations, linear_iterations },
+        seconds: Seconds { assembly, factorization, solve },
+    };
+    let clock = Clock { time, last_step, damping: Damping { interval, left } };
+    let (new, old, detour) = (state("new")?, state("old")?, metadata.detour);
+    Ok(Memory {
+        steps: metadata.step,
+        stepper: time::Memory { clock, new, old, point, newton, detour },
+        adaptive: match &metadata.adaptive {
+            Some(adaptive) if simulation.adaptive.is_some() => Some(sizes.adaptive(checkpoint, adaptive)?),
+            _ => None,
+        },
+        balance: metadata.balance,
+    })
+}
+
+/// How many numbers the fields have.
+struct Sizes {
+    v: usize,
+    u: usize,
+    p: usize,
+    s: usize,
+}
+
+impl Sizes {
+    fn state(&self, checkpoint: &Checkpoint, name: &str) -> Result<State, Error> {
+        let field = |field: &str, size| array(checkpoint, format!("{name}_{field}"), size);
+        let s = if self.s == 0 { vec![] } else { field("s", self.s)? };
+        Ok(State { v: field("v", self.v)?, u: field("u", self.u)?, p: field("p", self.p)?, s })
+    }
+
+    fn adaptive(&self, from: &Checkpoint, metadata: &OfAdaptive) -> Result<adaptive::Memory, Error> {
+        let (next, scales, rejected, times) = metadata;
+        let mut past = vec![];
+        for (n, t) in times.iter().enumerate() {
+            let field = |field: &str, size| array(from, format!("past{n}_{field}"), size);
+            past.push((*t, [field("v", self.v)?, field("u", self.u)?]));
+        }
+        Ok(adaptive::Memory { next: *next, scales: *scales, rejected: *rejected, past })
+    }
+}
+
+/// The array `key`, of `size` numbers.
+fn array(checkpoint: &Checkpoint, key: String, size: usize) -> Result<Vec<f64>, Error> {
+    let found = checkpoint.f64s(&key).filter(|values| values.len() == size);
+    let message = || Error::Resume(format!("array {key} should have {size} numbers"));
+    found.map(<[f64]>::to_vec).ok_or_else(message)
 }

@@ -1,9 +1,9 @@
 //! Flow that comes back in through an outlet, the usual cause of a breakdown there.
 
-use crate::assembly::facets::{facet_points, fields_at};
 use crate::case::{Case, Condition};
 use crate::math::Vector;
 use crate::physics::kinematics::cofactor;
+use crate::sampling::{facet_points, fields_at};
 use crate::space::{FsiSpace, Region, State};
 use crate::time::StepFailure;
 
@@ -30,7 +30,7 @@ pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow>
     let mut found: Option<Inflow> = None;
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
         let name = &space.mesh.boundaries[facet.boundary as usize];
-        let outlet = matches!(case.boundary.get(name), Some(Condition::DoNothing | Condition::TractionFree));
+        let outlet = case.boundary.get(name).is_some_and(Condition::is_natural);
         if !outlet || case.directional.contains(name) {
             continue;
         }

@@ -48,14 +48,14 @@ impl Bodies<'_> {
 
     /// Whether the part has a boundary without traction.
     fn is_open(&self, number: usize) -> bool {
-        let open = |c: Option<&Condition>| matches!(c, Some(Condition::TractionFree | Condition::DoNothing));
+        let open = |c: Option<&Condition>| c.is_some_and(Condition::is_natural);
         self.part(number).boundaries.iter().any(|name| open(self.case.boundary.get(name)))
     }
 
     /// Whether a boundary of the part is given; sides of regions that are left out are, unless a condition says else.
     fn is_held(&self, number: usize) -> bool {
         self.part(number).boundaries.iter().any(|name| match self.case.boundary.get(name) {
-            Some(condition) => !matches!(condition, Condition::TractionFree | Condition::DoNothing),
+            Some(condition) => condition.is_given(),
             None => name != INTERFACE && self.names.is_inside(name, &self.case.regions()),
         })
     }

@@ -1,25 +1,22 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::names::MeshNames;
+use super::mesh::Marked;
 use super::overview::Overview;
-use super::regions::mesh_key;
 use crate::algebra::{self, LinearSolver};
-use crate::assembly::force::CurrentForce;
-use crate::assembly::{self, Assembler, Physics};
-use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::{
-    Case, Condition, KrylovSpec, MeshSource, OwnMesh, Precision, PressureElement, VelocityElement,
-};
-use crate::element::Shape;
+use crate::case::{Case, Condition, KrylovSpec, Precision, PressureElement, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
-use crate::mesh::{Curve, FacetDistance, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
+use crate::mesh::{FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::{Newton, Settings};
+use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
-use crate::time::{Force, KrylovSettings, Linear, MakeSolver, Purpose, Scheme, Stepper, StepperSettings};
+use crate::system::CurrentForce;
+use crate::system::{self, Assembler, Operator, Physics};
+use crate::time::{Force, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -27,105 +24,6 @@ pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
 #[doc(hidden)]
 impl Case {
-    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
-    ///
-    /// # Errors
-    /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
-    pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
-        Ok(self.marked_mesh()?.0)
-    }
-
-    /// The same with what should be known of it.
-    fn marked_mesh(&self) -> Result<(Mesh<2>, Vec<String>), Error> {
-        let (mut mesh, curves) = self.complete_mesh()?;
-        let mut notes = self.assign_regions(&mut mesh)?;
-        let unfit = self.check_regions(&mesh.regions);
-        if !unfit.is_empty() {
-            return Err(Error::Case(CaseErrors(unfit)));
-        }
-        notes.extend(self.mark_sides(&mut mesh)?);
-        let names = MeshNames::of(&mesh);
-        self.check_mesh(&names)?;
-        notes.extend(self.outer_interface(&names));
-        let blame = |e| self.blame(mesh_key(self), e);
-        mesh.check_kept(&self.regions()).map_err(blame)?;
-        if let [fluid, solid] = self.regions()[..]
-            && mesh.boundary(INTERFACE).is_some()
-        {
-            mesh.check_interface(fluid, solid).map_err(blame)?;
-        }
-        mesh.check_curves(&curves).map_err(blame)?;
-        Ok((mesh, notes))
-    }
-
-    /// The mesh as it is made or read, with the curves that its boundaries follow.
-    fn complete_mesh(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
-        self.check_memory(None)?;
-        let spec = &self.mesh;
-        let triangles = self.space.velocity.shape() == Shape::Triangle;
-        // Triangles are refined after they are made.
-        let refine = if triangles { 0 } else { spec.refine as usize };
-        let (mut mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
-            MeshSource::TurekHron => {
-                (generate::turek_hron(refine, spec.grading as usize), vec![generate::cylinder()])
-            }
-            MeshSource::SchaeferTurek => (generate::schaefer_turek(refine), vec![generate::cylinder()]),
-            MeshSource::Rotor => (generate::rotor(refine, spec.grading as usize), vec![]),
-            MeshSource::Box { lower, upper, cells } => {
-                (generate::rectangle(*lower, *upper, *cells, refine)?, vec![])
-            }
-            MeshSource::File(path) => {
-                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
-                self.check_memory(Some(&mesh))?;
-                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
-                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
-                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
-                }
-                (mesh.refined(refine, &[]), vec![])
-            }
-            MeshSource::Own(OwnMesh(mesh)) => {
-                self.check_memory(Some(mesh))?;
-                (Mesh::clone(mesh).refined(refine, &[]), vec![])
-            }
-        };
-        if triangles {
-            if !matches!(spec.source, MeshSource::File(_) | MeshSource::Own(_)) {
-                mesh = mesh.triangulated();
-            }
-            mesh = mesh.refined(spec.refine as usize, &curves);
-        }
-        self.check_shape(&mesh)?;
-        Ok((mesh, curves))
-    }
-
-    /// Refuses cells on which the velocity does not live.
-    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
-        let velocity = self.space.velocity;
-        if mesh.shape == velocity.shape() {
-            return Ok(());
-        }
-        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
-        let reason = format!(
-            "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
-            velocity.name(),
-            velocity.shape().name(),
-            mesh.shape.name(),
-            velocity.shape().name()
-        );
-        Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
-    }
-
-    /// An error of the mesh, told with the place of the `key` of the case that is to blame.
-    pub(super) fn blame(&self, key: &str, error: MeshError) -> Error {
-        self.refuse(key, error.to_string())
-    }
-
-    /// An error of the input with the place of the `key` that is to blame.
-    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
-        let place = self.place_of(key);
-        Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
-    }
-
     fn solid_region(&self) -> &str {
         self.solid.as_ref().map_or("", |s| s.region.as_str())
     }
@@ -135,10 +33,17 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
-        self.space_on(&self.build_mesh()?)
+        self.space_of(&self.marked_mesh()?)
     }
 
-    /// Spaces on the regions of the complete `mesh` that take part.
+    /// Spaces with the hierarchy of their mesh.
+    fn space_of(&self, marked: &Marked) -> Result<FsiSpace<2>, Error> {
+        let mut space = self.space_on(&marked.mesh)?;
+        space.hierarchy = marked.hierarchy.restrict(&self.regions());
+        Ok(space)
+    }
+
+    /// Spaces on the regions of the complete `mesh` that take part; coarser meshes are not known.
     pub(crate) fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
         let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
@@ -174,7 +79,7 @@ impl Case {
     fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || assembly::stabilize::patches(space).is_some() {
+        if !needed || system::patches(space).is_some() {
             return Ok(());
         }
         let message =
@@ -204,9 +109,9 @@ impl Case {
     /// # Errors
     /// As [`Case::build_stepper`].
     pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
-        let (mesh, mut notes) = self.marked_mesh()?;
-        let space = Arc::new(self.space_on(&mesh)?);
-        drop(mesh);
+        let marked = self.marked_mesh()?;
+        let space = Arc::new(self.space_of(&marked)?);
+        let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         Ok((self.stepper_on(space, threads)?, notes))
@@ -215,14 +120,19 @@ impl Case {
     fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
-        let mut options = assembly::Options::serial(self.space.quadrature);
+        let mut options = system::Options::serial(self.space.quadrature);
         options.threads = threads;
         let mut assembler =
             Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
         let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
-        assembler.current_force = current.and_then(|f| current_force(&f.body_force));
+        let current = current.and_then(|f| current_force(&f.body_force));
+        let follows = current.is_some();
+        if let Some(force) = current {
+            assembler.follow(force);
+        }
         assembler.stabilize(&self.stabilization, &options)?;
+        self.terms(&space).into_iter().for_each(|term| assembler.add(term));
         let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
         // What is left of data on the solid is rounding, see `check_ends`.
@@ -240,7 +150,7 @@ impl Case {
         let scales = self.scales(&space, largest);
         let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
         let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
-        let newton = self.build_newton(&space);
+        let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),
             domain_motion: self.time.as_ref().map_or_else(Default::default, |t| t.domain_motion),
@@ -250,24 +160,21 @@ impl Case {
             scales,
         };
         let start = self.time.as_ref().map_or(self.at_time, |t| t.start);
-        let mut initial = State::zero(space.n_v(), space.n_u(), space.n_p());
+        let mut initial = assembler.zero();
         let State { v, u, .. } = &mut initial;
         if self.time.is_some() {
             assembler.constraints.apply(&space, start, v, u);
         }
         let force = [
-            self.fluid
-                .as_ref()
-                .filter(|_| assembler.current_force.is_none())
-                .and_then(|f| body_force(&f.body_force)),
+            self.fluid.as_ref().filter(|_| !follows).and_then(|f| body_force(&f.body_force)),
             self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
         ];
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
     }
 
-    /// Newton's method on `space`, with nothing kept.
-    pub fn build_newton(&self, space: &FsiSpace<2>) -> Newton {
-        Newton::new(self.newton_settings(), space.n_unknowns(), space.n_v())
+    /// Newton's method for `assembler`, with nothing kept.
+    pub fn build_newton(&self, assembler: &Assembler<2>) -> Newton {
+        Newton::new(self.newton_settings(), assembler.n_unknowns(), assembler.space.n_v())
     }
 
     fn newton_settings(&self) -> Settings {
@@ -290,19 +197,13 @@ impl Case {
     pub(crate) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
         let both = self.fluid.is_some() && self.solid.is_some();
         let of = |name: &String| match self.boundary.get(name) {
-            Some(Condition::Velocity(v)) => {
-                let v = v.clone();
-                BoundaryCondition::Velocity(Arc::new(move |x: &[f64; 2], t| {
-                    let x = [x[0], x[1], 0.0];
-                    [v[0].eval(&x, t), v[1].eval(&x, t)]
-                }))
-            }
+            Some(Condition::Velocity(v)) => BoundaryCondition::Velocity(Arc::from(function(v))),
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::DoNothing) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            // On the solid it is the same as free.
-            Some(Condition::TractionFree) => {
+            // The traction, if there is one, is among the terms of the equations. The solid is free.
+            Some(_) => {
                 BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
             }
             // The interface: inside the domain, or the surface of the region that is left.
@@ -311,6 +212,33 @@ impl Case {
             None => BoundaryCondition::Fixed,
         };
         mesh.boundaries.iter().map(of).collect()
+    }
+
+    /// The terms that the conditions on boundaries add to the equations.
+    fn terms(&self, space: &FsiSpace<2>) -> Vec<Box<dyn Operator<2>>> {
+        let mut terms = vec![];
+        for (boundary, name) in (0..).zip(&space.mesh.boundaries) {
+            for body in [Region::Fluid, Region::Solid] {
+                let condition = self.boundary.get(name);
+                terms.extend(condition.and_then(|condition| self.term(condition, space, boundary, body)));
+            }
+        }
+        terms
+    }
+
+    /// The term of a condition on the facets of `body` at a boundary of the mesh.
+    fn term(
+        &self,
+        condition: &Condition,
+        space: &FsiSpace<2>,
+        boundary: u16,
+        body: Region,
+    ) -> Option<Box<dyn Operator<2>>> {
+        let n = self.space.quadrature;
+        match condition {
+            Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
+            _ => None,
+        }
     }
 
     /// E_e(x) with the distance to the interface, and its largest value.
@@ -346,11 +274,16 @@ fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
     if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
         return None;
     }
+    Some(function(f))
+}
+
+/// Two expressions as a function of position and time.
+fn function(f: &[Expression; 2]) -> Force<2> {
     let f = f.clone();
-    Some(Box::new(move |x, t| {
+    Box::new(move |x, t| {
         let x = [x[0], x[1], 0.0];
         [f[0].eval(&x, t), f[1].eval(&x, t)]
-    }))
+    })
 }
 
 /// The same with its gradient, to be taken at current positions.
@@ -371,8 +304,9 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
-        let (mesh, mut notes) = self.marked_mesh()?;
-        let space = self.space_on(&mesh)?;
+        let marked = self.marked_mesh()?;
+        let space = self.space_of(&marked)?;
+        let Marked { mesh, mut notes, .. } = marked;
         self.check_data(&space)?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);

@@ -1,5 +1,6 @@
 //! Data that are not finite somewhere: told with key, place and time, before anything is computed where possible.
 
+use crate::case::conditions::Pair;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, TimeSpec};
@@ -14,9 +15,6 @@ const TIMES: usize = 50;
 /// Places at which body forces are looked at, at times other than the first one.
 const PLACES: usize = 2000;
 
-/// Velocities and forces have two components.
-type Pair = [Expression; 2];
-
 #[doc(hidden)]
 impl Case {
     /// Looks at the velocities of boundaries at their nodes, and at body forces at nodes and centres of cells, at the start,
@@ -27,11 +25,11 @@ impl Case {
     pub fn check_data(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let mut errors = vec![];
         for (name, condition) in &self.boundary {
-            if let Condition::Velocity(data) = condition {
+            if let Some(data) = condition.data() {
                 let nodes = space.boundary_nodes(name);
                 let places: Vec<[f64; 2]> = nodes.iter().map(|&n| space.nodes.points[n as usize]).collect();
                 let fault = find(data, &places, &self.times(data, true));
-                errors.extend(fault.map(|f| self.not_finite(space, &velocity_key(name), data, f)));
+                errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, condition), data, f)));
             }
         }
         for region in [Region::Fluid, Region::Solid] {
@@ -50,12 +48,16 @@ impl Case {
         let data = match fault.kind {
             DataKind::Force(region) => self.force(region).map(|(key, data)| (key.to_string(), data)),
             DataKind::Velocity { node } => {
-                let given = self.boundary.iter().filter_map(|(name, condition)| match condition {
-                    Condition::Velocity(data) => Some((name, data)),
-                    _ => None,
-                });
-                let mut here = given.filter(|(name, _)| space.boundary_nodes(name).contains(&node));
-                here.find(|(_, data)| is_wrong(data)).map(|(name, data)| (velocity_key(name), data))
+                let mut given = self.boundary.iter().filter(|(_, condition)| condition.is_given());
+                let here = |name: &str| space.boundary_nodes(name).contains(&node);
+                given.find_map(|(name, condition)| {
+                    let data = condition.data().filter(|data| here(name) && is_wrong(data))?;
+                    Some((data_key(name, condition), data))
+                })
+            }
+            DataKind::Condition { boundary } => {
+                let name = &space.mesh.boundaries[usize::from(boundary)];
+                self.boundary.get(name).and_then(|c| Some((data_key(name, c), c.data()?)))
             }
         };
         let found = Found { at, time: fault.time, value: [fault.value[0], fault.value[1]] };
@@ -176,8 +178,8 @@ fn places(space: &FsiSpace<2>, region: Region) -> Vec<[f64; 2]> {
     points.chain(cells().map(|c| space.mesh.centre(c))).collect()
 }
 
-fn velocity_key(name: &str) -> String {
-    format!("boundary.{name}.velocity")
+fn data_key(name: &str, condition: &Condition) -> String {
+    format!("boundary.{name}.{}", condition.name())
 }
 
 /// An expression as in a case file.

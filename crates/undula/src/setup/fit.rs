@@ -91,11 +91,11 @@ impl Fit<'_> {
                 None if self.names.is_inside(name, &self.case.regions()) => {}
                 None => {
                     let allowed = match (fluid, solid) {
-                        (_, false) => "`velocity`, `no-slip`, `do-nothing` or `traction-free`",
-                        (false, true) => "`clamped` or `traction-free`",
+                        (_, false) => "`velocity`, `no-slip`, `do-nothing`, `traction-free` or `traction`",
+                        (false, true) => "`clamped`, `traction-free` or `traction`",
                         (true, true) => {
-                            "`velocity` (0 on the solid), `no-slip`, `do-nothing` or `traction-free` (the solid is \
-                             clamped by the first two and free with the others)"
+                            "`velocity` (0 on the solid), `no-slip`, `do-nothing`, `traction-free` or `traction` (the \
+                             solid is clamped by the first two and free with the others)"
                         }
                     };
                     let message = format!(
@@ -111,7 +111,7 @@ impl Fit<'_> {
                     );
                 }
                 Some(Condition::Velocity(_) | Condition::DoNothing) if !fluid => {
-                    let message = "only the solid is here; use `clamped` or `traction-free`";
+                    let message = "only the solid is here; use `clamped`, `traction-free` or `traction`";
                     self.error(&format!("{key}.condition"), message.into());
                 }
                 Some(_) => {}

@@ -1,10 +1,10 @@
 //! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
 
-use crate::case::{Case, MeshSpec, MotionModel, MotionSpec};
+use crate::case::{Case, MotionModel, MotionSpec};
+use crate::linear::Scales;
 use crate::math::rounded;
 use crate::mesh::Mesh;
 use crate::space::FsiSpace;
-use crate::time::Scales;
 
 /// d_0 as a part of the smaller extent of the fluid or of the larger one of the solid, whichever is less. Where d_0
 /// is much smaller, a few cells far away take all of the motion; where it is larger than the body is thick, those at
@@ -30,8 +30,10 @@ impl Case {
         if !offset && !scale {
             return motion;
         }
-        let mesh = self.unrefined();
-        let mesh = mesh.as_ref().unwrap_or(&space.mesh);
+        // Cells before refinement that are too large for the regions are straight, and refinement leaves their extents.
+        let coarser = space.hierarchy.coarser();
+        let mesh = coarser.first().filter(|_| coarser.len() == self.mesh.refine as usize);
+        let mesh = mesh.unwrap_or(&space.mesh);
         let of = |names: &[&str]| extents(mesh, names);
         let [fluid, solid, both] =
             [of(&[&fluid.region]), of(&[&solid.region]), of(&[&fluid.region, &solid.region])];
@@ -48,13 +50,6 @@ impl Case {
     pub fn resolved(&self) -> Case {
         let motion = self.build_space().map_or_else(|_| self.motion.clone(), |space| self.motion_on(&space));
         Case { motion, ..self.clone() }
-    }
-
-    /// The mesh before it is refined, if it is; `None` also where its cells are too large for the regions. Then they are
-    /// straight, and refinement leaves their extents.
-    fn unrefined(&self) -> Option<Mesh<2>> {
-        let mesh = MeshSpec { refine: 0, ..self.mesh.clone() };
-        if self.mesh.refine > 0 { Case { mesh, ..self.clone() }.build_mesh().ok() } else { None }
     }
 
     /// The scales of the equations on `space`; `stiffness` is the largest E_e.

@@ -1,6 +1,6 @@
 //! From a checked case to what a computation needs: its mesh, spaces, equations and solvers.
 //!
-//! `build` creates all of them, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
+//! `mesh` makes or reads the mesh, `build` creates all else, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
 //! which it knows the `names`: `regions` looks at its regions, `bodies` at their connected parts, `enclosed` at the parts
 //! of the fluid that nothing opens, `ends` at the nodes of the solid. `data` evaluates what is prescribed, `memory`
 //! estimates what it takes, `lengths` has the numbers that come from the mesh, and `overview` is what `undula check`
@@ -15,6 +15,7 @@ mod fit;
 mod functionals;
 mod lengths;
 pub mod memory;
+mod mesh;
 pub mod names;
 pub mod overview;
 mod regions;

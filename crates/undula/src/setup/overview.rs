@@ -1,11 +1,11 @@
 //! What `undula check` tells of a case on its mesh: extents, cells, regions, boundaries, flow.
 
 use super::memory::size;
-use crate::assembly::facets::{FacetPoint, facet_points};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, MeshSource};
 use crate::mesh::INTERFACE;
 use crate::mesh::{Facet, Mesh};
+use crate::sampling::{FacetPoint, facet_points};
 use crate::space::{FsiSpace, Region};
 use std::fmt;
 

@@ -1,12 +1,12 @@
 //! A start from the last state of another run, `initial.from`.
 
-use super::Simulation;
+use super::{Memory, Simulation};
 use crate::case::Case;
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
 use crate::space::{FsiSpace, State};
-use crate::time::{Clock, Damping};
+use crate::time::{self, Clock, Damping};
 use std::path::PathBuf;
 
 /// What a directory must be.
@@ -89,7 +89,12 @@ impl Former {
                 )
             })
         };
-        Ok(State { v: field("v", space.n_v())?, u: field("u", space.n_u())?, p: field("p", space.n_p())? })
+        Ok(State {
+            v: field("v", space.n_v())?,
+            u: field("u", space.n_u())?,
+            p: field("p", space.n_p())?,
+            s: vec![],
+        })
     }
 
     /// Solution, the solution before it, and the length of the step between them; 0 if there is none before.
@@ -149,5 +154,6 @@ pub(super) fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), 
         former.step
     ));
     let clock = Clock { time, last_step, damping: Damping::default() };
-    simulation.restore(clock, new, old, None, 0)
+    let stepper = time::Memory::of(clock, new, old);
+    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })
 }

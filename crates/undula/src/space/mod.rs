@@ -20,7 +20,7 @@ pub use state::State;
 
 use crate::element::{Quadrature, Shape};
 use crate::math::Tensor;
-use crate::mesh::{Facet, Mesh};
+use crate::mesh::{Facet, Hierarchy, Mesh};
 
 /// Which equations hold in a cell.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -48,6 +48,8 @@ pub enum PsiOwner {
 pub struct FsiSpace<const D: usize> {
     /// The mesh, restricted to the regions that take part.
     pub mesh: Mesh<D>,
+    /// The coarser meshes that `mesh` was refined from, restricted as it; empty where they are not known.
+    pub hierarchy: Hierarchy<D>,
     /// Equations of every cell.
     pub regions: Vec<Region>,
     /// Nodes of velocity and deformation.
@@ -120,8 +122,8 @@ impl<const D: usize> FsiSpace<D> {
             PressureKind::Pdc(_) => vec![],
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
-        let walls = Walls::Fixed;
-        FsiSpace { mesh, regions, nodes, pressure, owner, deforms, walls, pressure_nodes }
+        let (walls, hierarchy) = (Walls::Fixed, Hierarchy::default());
+        FsiSpace { mesh, hierarchy, regions, nodes, pressure, owner, deforms, walls, pressure_nodes }
     }
 
     /// Number of velocity unknowns, given ones counted.

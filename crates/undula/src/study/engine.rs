@@ -188,6 +188,12 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
+/// Whether a run has come to its end, whatever that was.
+fn has_ended(summary: &Summary) -> bool {
+    matches!(summary.status, Status::Completed | Status::Breakdown)
+}
+
+/// Computes job `n` of `jobs`, or takes what an earlier call has left of it.
 fn compute(
     n: usize,
     jobs: &[Job],
@@ -198,23 +204,21 @@ fn compute(
 ) -> Result<Computed, Error> {
     let job = &jobs[n];
     let mut computed = Computed::absent(job, &settings.directory);
-    let directory = computed.directory.clone();
     if job.left_out {
         return Ok(computed);
     }
-    let (asked, marker) = (settings.asked(job, jobs), settings.marker(job));
-    let same = std::fs::read_to_string(&marker).is_ok_and(|before| before == asked);
-    let before = Summary::read(directory.join("summary.json")).ok().filter(|_| same);
-    let ended = |status: Status| matches!(status, Status::Completed | Status::Breakdown);
+    let asked = settings.asked(job, jobs);
+    let same = std::fs::read_to_string(settings.marker(job)).is_ok_and(|before| before == asked);
+    let before = Summary::read(computed.directory.join("summary.json")).ok().filter(|_| same);
     let numbers = read_numbers(&settings.numbers(job)).filter(|_| same);
     if let (Some(numbers), true) = (&numbers, job.compute != Compute::Run) {
         watch.event(&Event::Kept(job));
         (computed.kept, computed.numbers) = (true, numbers.clone());
         return Ok(computed);
     }
-    if before.as_ref().is_some_and(|summary| ended(summary.status)) {
+    if before.as_ref().is_some_and(has_ended) {
         watch.event(&Event::Kept(job));
-        (computed.kept, computed.results) = (true, Some(Results::read(&directory)?));
+        (computed.kept, computed.results) = (true, Some(Results::read(&computed.directory)?));
         computed.numbers = job.numbers_after(settings, numbers, threads)?;
         return Ok(computed);
     }
@@ -222,50 +226,76 @@ fn compute(
         return Ok(computed);
     }
     watch.event(&Event::Begins(job, progress));
-    std::fs::create_dir_all(&settings.directory)
-        .map_err(crate::output::OutputError::io("create", &settings.directory))?;
-    let numbers_before = settings.numbers(job);
-    if numbers_before.exists() {
-        std::fs::remove_file(&numbers_before)
-            .map_err(crate::output::OutputError::io("remove", &numbers_before))?;
+    settings.mark(job, &asked)?;
+    match job.compute {
+        Compute::Run => computed.run(before.is_some(), settings, threads, watch)?,
+        _ => computed.without_run(settings, threads, watch)?,
     }
-    write_atomic(&marker, |file| file.write_all(asked.as_bytes()))?;
-    if job.compute != Compute::Run {
-        let begun = Instant::now();
+    Ok(computed)
+}
+
+impl Settings {
+    /// Notes what is asked for now, and removes the numbers of what was asked for before.
+    fn mark(&self, job: &Job, asked: &str) -> Result<(), Error> {
+        std::fs::create_dir_all(&self.directory)
+            .map_err(crate::output::OutputError::io("create", &self.directory))?;
+        let numbers = self.numbers(job);
+        if numbers.exists() {
+            std::fs::remove_file(&numbers).map_err(crate::output::OutputError::io("remove", &numbers))?;
+        }
+        Ok(write_atomic(self.marker(job), |file| file.write_all(asked.as_bytes()))?)
+    }
+}
+
+impl Computed {
+    /// Computes the numbers of a job that is no run.
+    fn without_run(&mut self, settings: &Settings, threads: usize, watch: &dyn Watch) -> Result<(), Error> {
+        let (job, begun) = (&self.job, Instant::now());
         let (numbers, status) = match job.compute.numbers(&job.case, threads) {
             Ok(numbers) => (numbers, Status::Completed),
             // As in a run, a breakdown is a result.
             Err(Error::Breakdown(_)) => (job.compute.without_numbers(), Status::Breakdown),
             Err(error) => return Err(error),
         };
-        computed.numbers = numbers;
+        self.numbers = numbers;
         let seconds = begun.elapsed().as_secs_f64();
-        computed.numbers.insert("seconds".into(), seconds);
-        write_numbers(&settings.numbers(job), &computed.numbers)?;
+        self.numbers.insert("seconds".into(), seconds);
+        write_numbers(&settings.numbers(job), &self.numbers)?;
         watch.event(&Event::Ended(job, status, seconds));
-        return Ok(computed);
+        Ok(())
     }
-    let case = job.case_in(&settings.directory)?;
-    let go_on = before.is_some() && case.time.is_some();
-    let options = |resume: bool| RunOptions {
-        directory: directory.clone(),
-        threads,
-        force: !resume,
-        resume,
-        commit: settings.commit.clone(),
-    };
-    let mut observer = Silent(watch.stop());
-    let mut result = run(case.clone(), &options(go_on), &mut observer);
-    if go_on && matches!(&result, Err(Error::Resume(_) | Error::Directory(_))) {
-        result = run(case.clone(), &options(false), &mut observer);
+
+    /// Computes the run, from where it was interrupted if it has `begun` before.
+    fn run(
+        &mut self,
+        begun: bool,
+        settings: &Settings,
+        threads: usize,
+        watch: &dyn Watch,
+    ) -> Result<(), Error> {
+        let job = &self.job;
+        let case = job.case_in(&settings.directory)?;
+        let go_on = begun && case.time.is_some();
+        let options = |resume: bool| RunOptions {
+            directory: self.directory.clone(),
+            threads,
+            force: !resume,
+            resume,
+            commit: settings.commit.clone(),
+        };
+        let mut observer = Silent(watch.stop());
+        let mut result = run(case.clone(), &options(go_on), &mut observer);
+        if go_on && matches!(&result, Err(Error::Resume(_) | Error::Directory(_))) {
+            result = run(case.clone(), &options(false), &mut observer);
+        }
+        let summary = result?;
+        watch.event(&Event::Ended(job, summary.status, summary.wall_seconds));
+        if has_ended(&summary) {
+            self.results = Some(Results::read(&self.directory)?);
+            self.numbers = self.job.numbers_after(settings, None, threads)?;
+        }
+        Ok(())
     }
-    let summary = result?;
-    watch.event(&Event::Ended(job, summary.status, summary.wall_seconds));
-    if ended(summary.status) {
-        computed.results = Some(Results::read(&directory)?);
-        computed.numbers = job.numbers_after(settings, None, threads)?;
-    }
-    Ok(computed)
 }
 
 impl Job {

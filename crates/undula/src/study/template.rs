@@ -1,6 +1,6 @@
 //! Entries of a study that stand for several: `each` with `{1}`, `{2}`, … in their texts.
 
-use super::file::{Cell, CurveEntry, PictureEntry, Statement, Study};
+use super::file::{Cell, CurveEntry, PictureEntry, Statement, Study, TableEntry};
 
 /// `text` with `{1}` and those after it replaced by `values`.
 fn filled(text: &str, values: &[Cell]) -> Result<String, String> {
@@ -31,17 +31,7 @@ impl Study {
     /// Makes the rows, curves, points, pictures and statements that stand for `each` of several values.
     pub(super) fn expand(&mut self) -> Result<(), String> {
         for table in &mut self.table {
-            if table.each.is_empty() != table.row.is_empty() {
-                return Err(format!(
-                    "table {:?}: expected both `each` and `row`, or none of them",
-                    table.title
-                ));
-            }
-            for values in std::mem::take(&mut table.each) {
-                table
-                    .rows
-                    .push(table.row.iter().map(|cell| filled_cell(cell, &values)).collect::<Result<_, _>>()?);
-            }
+            table.expand()?;
         }
         for figure in &mut self.figure {
             let mut curves = vec![];
@@ -50,36 +40,8 @@ impl Study {
             }
             figure.curves = curves;
         }
-        self.picture = expanded(
-            &self.picture,
-            |picture| &picture.each,
-            |picture, values| {
-                let [title, run, field] =
-                    [&picture.title, &picture.run, &picture.field].map(|text| filled(text, values));
-                let time = picture.time.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
-                Ok(PictureEntry { title: title?, run: run?, field: field?, time, each: vec![] })
-            },
-        )?;
-        self.statement = expanded(
-            &self.statement,
-            |statement| &statement.each,
-            |s, values| {
-                let published = s.published.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
-                let [text, section, number] =
-                    [&s.text, &s.section, &s.number].map(|text| filled(text, values));
-                let [unit, holds, because] = [&s.unit, &s.holds, &s.because].map(|text| filled(text, values));
-                Ok(Statement {
-                    text: text?,
-                    section: section?,
-                    number: number?,
-                    unit: unit?,
-                    published,
-                    holds: holds?,
-                    because: because?,
-                    each: vec![],
-                })
-            },
-        )?;
+        self.picture = expanded(&self.picture, |picture| &picture.each, PictureEntry::filled)?;
+        self.statement = expanded(&self.statement, |statement| &statement.each, Statement::filled)?;
         let a_number = |what: &str, title: &str, cell: &Option<Cell>| match cell {
             Some(Cell::Text(text)) => Err(format!("{what} {title:?}: {text:?}: expected a number")),
             _ => Ok(()),
@@ -91,6 +53,49 @@ impl Study {
             a_number("published of the statement", &statement.text, &statement.published)?;
         }
         Ok(())
+    }
+}
+
+impl TableEntry {
+    /// Makes the rows that stand for `each` of several values.
+    fn expand(&mut self) -> Result<(), String> {
+        if self.each.is_empty() != self.row.is_empty() {
+            return Err(format!("table {:?}: expected both `each` and `row`, or none of them", self.title));
+        }
+        for values in std::mem::take(&mut self.each) {
+            self.rows.push(self.row.iter().map(|cell| filled_cell(cell, &values)).collect::<Result<_, _>>()?);
+        }
+        Ok(())
+    }
+}
+
+impl PictureEntry {
+    /// The picture for `values`.
+    fn filled(&self, values: &[Cell]) -> Result<PictureEntry, String> {
+        let [title, run, field] = [&self.title, &self.run, &self.field].map(|text| filled(text, values));
+        let time = self.time.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
+        Ok(PictureEntry { title: title?, run: run?, field: field?, time, each: vec![] })
+    }
+}
+
+impl Statement {
+    /// The statement for `values`.
+    fn filled(&self, values: &[Cell]) -> Result<Statement, String> {
+        let published = self.published.as_ref().map(|cell| filled_cell(cell, values)).transpose()?;
+        let [text, section, number] =
+            [&self.text, &self.section, &self.number].map(|text| filled(text, values));
+        let [unit, holds, because] =
+            [&self.unit, &self.holds, &self.because].map(|text| filled(text, values));
+        Ok(Statement {
+            text: text?,
+            section: section?,
+            number: number?,
+            unit: unit?,
+            published,
+            holds: holds?,
+            because: because?,
+            each: vec![],
+        })
     }
 }
 

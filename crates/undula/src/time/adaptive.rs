@@ -4,8 +4,8 @@
 //! leading term of the local error of every scheme is a multiple of a divided difference of these, which costs
 //! no further solve (Milne's device; Gresho, Lee and Sani 1980 for Navier-Stokes equations).
 
+use super::memory::Clock;
 use super::report::{StepFailure, StepReport};
-use super::restart::Clock;
 use super::schedule::{STRETCH, decimal};
 use super::stepper::Stepper;
 use crate::space::State;

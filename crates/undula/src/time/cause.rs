@@ -2,10 +2,10 @@
 
 use super::system::StepSystem;
 use crate::algebra::{Kind, SolverError, Unknown};
-use crate::assembly::Worst;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{Newton, NewtonError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region};
+use crate::system::Worst;
 use std::fmt;
 
 /// A place of the reference domain.
@@ -30,6 +30,8 @@ pub enum Equation {
     Extension,
     /// Velocity-deformation relation of the solid.
     Relation,
+    /// Equation of a scalar unknown.
+    Scalar,
 }
 
 impl fmt::Display for Equation {
@@ -38,6 +40,7 @@ impl fmt::Display for Equation {
             Equation::FluidMomentum => "the momentum of the fluid",
             Equation::SolidMomentum => "the momentum of the solid",
             Equation::Divergence => "the divergence",
+            Equation::Scalar => "the equation of a scalar unknown",
             Equation::Extension => "the extension",
             Equation::Relation => "the velocity-deformation relation",
         })
@@ -67,6 +70,11 @@ pub enum DataKind {
     },
     /// The body force of a region \[m/s²\].
     Force(Region),
+    /// Data of the condition on a boundary.
+    Condition {
+        /// Its number in the mesh.
+        boundary: u16,
+    },
 }
 
 /// How an iteration ended without a solution.
@@ -162,6 +170,7 @@ impl fmt::Display for Cause {
                 let data = match kind {
                     DataKind::Velocity { .. } => "the velocity of the boundary",
                     DataKind::Force(_) => "the body force",
+                    DataKind::Condition { .. } => "the data of a boundary condition",
                 };
                 write!(f, "{data} is not finite: {value:?} at {at:?} m, t = {time} s")
             }
@@ -276,9 +285,13 @@ fn of_solver<const D: usize>(space: &FsiSpace<D>, error: &SolverError) -> Cause 
     }
 }
 
-/// The equation and place of row `i` of a residual `[v, u, p]`.
+/// The equation and place of row `i` of a residual `[v, u, p, s]`.
 fn row<const D: usize>(space: &FsiSpace<D>, i: usize) -> (Equation, Spot) {
-    let (n_v, n_u) = (space.n_v(), space.n_u());
+    let (n_v, n_u, fields) = (space.n_v(), space.n_u(), space.n_unknowns());
+    if i >= fields {
+        let text = format!("scalar unknown {}", i - fields);
+        return (Equation::Scalar, Spot { at: vec![], text });
+    }
     if i >= n_v + n_u {
         let spot = spot(space, "", &space.pressure.points[i - n_v - n_u]);
         return (Equation::Divergence, spot);

@@ -7,7 +7,8 @@ use super::kept::Parts;
 use super::report::{StepFailure, StepReport};
 use super::scheme::FRACTIONAL;
 use super::stepper::Stepper;
-use crate::assembly::{Assembler, End, StepView};
+use crate::space::State;
+use crate::system::{Assembler, End, StepView};
 
 impl<const D: usize> Stepper<D> {
     /// A step of three parts to the time `end` \[s\]; on failure everything is as before.
@@ -32,9 +33,12 @@ impl<const D: usize> Stepper<D> {
             parts.states[i + 1].copy_from(&self.new);
             (parts.rules[i], parts.times[i + 1]) = (self.last_step().0, self.time);
         }
-        for (n, p) in self.new.p.iter_mut().enumerate() {
-            *p = (0..3).map(|i| FRACTIONAL[i].length * parts.states[i + 1].p[n]).sum();
-        }
+        let mean = |of: &dyn Fn(&State) -> f64| {
+            (0..3).map(|i| FRACTIONAL[i].length * of(&parts.states[i + 1])).sum()
+        };
+        let State { p, s, .. } = &mut self.new;
+        p.iter_mut().enumerate().for_each(|(n, p)| *p = mean(&|state| state.p[n]));
+        s.iter_mut().enumerate().for_each(|(n, s)| *s = mean(&|state| state.s[n]));
         self.parts = Some(parts);
         total.parts = 1;
         Ok(total)

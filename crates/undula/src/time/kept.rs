@@ -1,8 +1,7 @@
 //! What a stepper keeps of the steps before: where its Jacobian was taken, what a step is taken back to, and the parts
 //! of the last one.
 
-use crate::nonlinear::Counters;
-use crate::nonlinear::newton::Age;
+use crate::nonlinear::{self, Age};
 use crate::physics::StepRule;
 use crate::space::State;
 
@@ -29,9 +28,8 @@ pub(super) struct Before {
     /// The factorisation that `point` belongs to.
     pub(super) factorization: Option<usize>,
     pub(super) keeps: bool,
-    pub(super) worsening: f32,
+    pub(super) newton: nonlinear::Memory,
     pub(super) detour: u32,
-    pub(super) counters: Counters,
 }
 
 /// The parts of a step of fractional-step θ.

@@ -1,11 +1,11 @@
 //! How a step went.
 
 use super::cause::{Cause, Ended};
-use super::scales::BlockNorms;
 use crate::algebra::SolverError;
-use crate::assembly::Worst;
+use crate::linear::BlockNorms;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::{NewtonError, NewtonReport};
+use crate::system::Worst;
 use std::fmt;
 
 /// How a step went.

@@ -2,14 +2,14 @@
 
 use super::cause::{self, Cause, Ended};
 use super::report::{StepFailure, StepReport, keep};
-use super::scales::BlockNorms;
 use super::scheme::{Formula, Past, multistep};
+use super::solver::{Moment, States};
 use super::stepper::Stepper;
 use super::system::StepSystem;
-use crate::assembly::{End, StepView};
-use crate::nonlinear::newton::GROWTH;
-use crate::nonlinear::{Newton, NewtonError, NewtonReport};
+use crate::linear::BlockNorms;
+use crate::nonlinear::{GROWTH, Newton, NewtonError, NewtonReport};
 use crate::space::State;
+use crate::system::{End, StepView};
 use std::time::Instant;
 
 /// How the iteration of a step begins.
@@ -122,35 +122,22 @@ impl<const D: usize> Stepper<D> {
             let (worst, cause) = (self.assembler.worst(), Box::new(Cause::Data(fault)));
             return Err(Ended { reason: NewtonError::Inadmissible, worst, cause });
         }
-        let rule = formula.rule;
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
         let extrapolate = self.settings.extrapolate && ratio > 0.0;
-        let mut system = StepSystem {
-            assembler: &mut self.assembler,
-            linear: &mut self.linear,
-            rule,
-            new: &mut self.new,
-            old: if formula.ratio.is_some() { &self.base } else { &self.old },
-            explicit: &self.explicit,
-            scales: self.settings.scales,
-            tangent: self.settings.tangent,
-            time: t,
-            force_time: t_force,
-            point: &mut self.point,
-            min_j: 1.0,
-            norms: BlockNorms::default(),
-        };
-        let older = extrapolate.then_some((&self.older, ratio));
-        let solved = iterate(&mut self.newton, &mut system, &self.old, older);
+        let (solver, States { new, old, older, base }) = self.split();
+        let moment = Moment { rule: formula.rule, time: t, force_time: t_force };
+        let (mut system, newton) =
+            solver.system(moment, new, if formula.ratio.is_some() { base } else { old });
+        let solved = iterate(newton, &mut system, old, extrapolate.then_some((older, ratio)));
         let (report, min_j) = match solved {
             Ok(solved) => solved,
-            Err(reason) => return Err(cause::find(&mut system, &mut self.newton, reason)),
+            Err(reason) => return Err(cause::find(&mut system, newton, reason)),
         };
         if let Some(point) = &mut system.point {
-            point.age = self.newton.age();
+            point.age = newton.age();
         }
         if system.linear.count_step() {
-            self.newton.forget();
+            newton.forget();
         }
         Ok((report, system.norms, min_j))
     }

@@ -2,12 +2,13 @@
 
 use super::cause::{self, Cause, Ended};
 use super::report::{StepFailure, StepReport, keep};
-use super::scales::BlockNorms;
+use super::solver::Moment;
 use super::stepper::Stepper;
-use super::system::StepSystem;
-use crate::assembly::End;
-use crate::nonlinear::NewtonError;
+use crate::linear::BlockNorms;
+use crate::nonlinear::{NewtonError, NewtonReport};
 use crate::physics::StepRule;
+use crate::space::State;
+use crate::system::End;
 use crate::tangent::Linearization;
 
 /// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
@@ -135,52 +136,45 @@ impl<const D: usize> Stepper<D> {
         if self.assembler.space.deforms && active == Linearization::Condensed {
             self.linear.active = Linearization::Newton;
         }
-        let mut system = StepSystem {
-            assembler: &mut self.assembler,
-            linear: &mut self.linear,
-            rule: StepRule::STATIONARY,
-            new: &mut self.new,
-            old: &before_state,
-            explicit: &self.explicit,
-            scales: self.settings.scales,
-            tangent: self.settings.tangent,
-            time: t,
-            force_time: t,
-            point: &mut self.point,
-            min_j: 1.0,
-            norms: BlockNorms::default(),
-        };
-        let fault = self.fault.take();
-        let solved = match self.newton.norm(&mut system).filter(|_| fault.is_none()) {
-            Some(norm) => {
-                self.reference = norm.max(least);
-                self.newton.solve(&mut system, norm, self.reference)
-            }
-            None => Err(NewtonError::Inadmissible),
-        };
-        let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
-        let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
+        let solved = self.solve_load(least, &before_state);
+        self.linear.active = active;
         match solved {
-            Ok(report) => {
-                self.linear.active = active;
+            Ok((report, norms, min_j)) => {
                 self.old = before_state;
                 self.assembler.level(&mut self.new.p);
                 Ok(StepReport::new(report, norms, min_j))
             }
-            Err(reason) => {
-                let ended = match fault {
-                    Some(fault) => {
-                        let (worst, cause) = (system.assembler.worst(), Box::new(Cause::Data(fault)));
-                        Ended { reason, worst, cause }
-                    }
-                    None => cause::find(&mut system, &mut self.newton, reason),
-                };
-                self.linear.active = active;
+            Err(ended) => {
                 self.new = before_state;
                 let failure = StepFailure::new(t, 0.0, Some(0.0), ended);
                 keep(&mut self.attempts, failure.attempt(load));
                 Err(failure)
             }
         }
+    }
+
+    /// The solution with the load that is set, its norms and its smallest J; `before` is the solution before.
+    fn solve_load(&mut self, least: f64, before: &State) -> Result<(NewtonReport, BlockNorms, f64), Ended> {
+        let (t, fault) = (self.time, self.fault.take());
+        let (solver, states) = self.split();
+        let moment = Moment { rule: StepRule::STATIONARY, time: t, force_time: t };
+        let (mut system, newton) = solver.system(moment, states.new, before);
+        let norm = newton.norm(&mut system).filter(|_| fault.is_none());
+        let reference = norm.map(|norm| norm.max(least));
+        let solved = match norm.zip(reference) {
+            Some((norm, reference)) => newton.solve(&mut system, norm, reference),
+            None => Err(NewtonError::Inadmissible),
+        };
+        let (norms, min_j) = (system.norms, system.assembler.nodal_min_j(system.new));
+        let solved = solved.and_then(|r| if min_j > 0.0 { Ok(r) } else { Err(NewtonError::Inadmissible) });
+        let solved = solved.map_err(|reason| match fault {
+            Some(fault) => {
+                let (worst, cause) = (system.assembler.worst(), Box::new(Cause::Data(fault)));
+                Ended { reason, worst, cause }
+            }
+            None => cause::find(&mut system, newton, reason),
+        });
+        self.reference = reference.unwrap_or(self.reference);
+        Ok((solved?, norms, min_j))
     }
 }

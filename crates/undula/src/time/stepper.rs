@@ -1,17 +1,16 @@
 //! The solution at one time, and all that carries it on: steps in `retry.rs` and `single_step.rs`, stationary
-//! solutions in `stationary.rs`, what a checkpoint keeps in `restart.rs`.
+//! solutions in `stationary.rs`, what a checkpoint keeps in `memory.rs`.
 
 use super::cause::{DataFault, DataKind};
 use super::kept::{Before, JacobianPoint, Parts};
-use super::linear::Linear;
 use super::report::Attempt;
-use super::scales::Scales;
 use super::schedule::decimal;
 use super::scheme::{Damping, DomainMotion, Formula, Scheme};
-use crate::assembly::{Assembler, End};
+use crate::linear::{Linear, Scales};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
 use crate::space::{Region, State};
+use crate::system::{Assembler, DataTime, End, NotFinite, Operator};
 use crate::tangent::Tangent;
 use std::cell::Cell;
 
@@ -53,7 +52,7 @@ pub struct Stepper<const D: usize> {
     /// Nonlinear solver.
     pub newton: Newton,
     /// Matrices and their factors.
-    pub linear: Linear,
+    pub linear: Linear<D>,
     /// Settings.
     pub settings: StepperSettings,
     /// Time of `new` \[s\].
@@ -95,13 +94,13 @@ impl<const D: usize> Stepper<D> {
     pub fn new(
         assembler: Assembler<D>,
         newton: Newton,
-        linear: Linear,
+        linear: Linear<D>,
         settings: StepperSettings,
         time: f64,
         initial: State,
         force: [Option<Force<D>>; 2],
     ) -> Stepper<D> {
-        let n = assembler.space.n_unknowns();
+        let n = assembler.n_unknowns();
         let mut stepper = Stepper {
             assembler,
             newton,
@@ -131,9 +130,27 @@ impl<const D: usize> Stepper<D> {
         stepper
     }
 
+    /// Add a term to the equations, before the first step.
+    pub(crate) fn add_term(&mut self, term: Box<dyn Operator<D>>) {
+        self.assembler.add(term);
+        let like = self.assembler.zero();
+        for state in [&mut self.new, &mut self.old, &mut self.older, &mut self.base] {
+            state.s.clone_from(&like.s);
+        }
+        self.explicit.resize(self.assembler.n_unknowns(), 0.0);
+        self.newton.resize(self.assembler.n_unknowns());
+        self.set_forces(End::New, self.time, 1.0);
+        self.set_forces(End::Old, self.time, 1.0);
+    }
+
     /// Set the body forces of `end` to those at `t` \[s\], times `load`, and note where they are not finite.
     pub(super) fn set_forces(&mut self, end: End, t: f64, load: f64) {
-        self.assembler.set_current_force(end, t, load);
+        if let Err(NotFinite { boundary, at, value }) =
+            self.assembler.set_data(&DataTime { end, time: t, load })
+        {
+            let kind = DataKind::Condition { boundary };
+            self.fault = Some(DataFault { kind, at: at.to_vec(), time: t, value: value.to_vec() });
+        }
         for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
             if let Some(force) = force {
                 let wrong = Cell::new(None);

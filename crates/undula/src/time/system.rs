@@ -1,14 +1,12 @@
 //! The nonlinear system of one step.
 
 use super::kept::JacobianPoint;
-use super::linear::Linear;
-use super::scales::{BlockNorms, Scales};
 use crate::algebra::{self, SolverError};
-use crate::assembly::{Assembler, StepView};
-use crate::nonlinear::newton::Age;
-use crate::nonlinear::{NonlinearSystem, Seconds};
+use crate::linear::{BlockNorms, Linear, Scales};
+use crate::nonlinear::{Age, NonlinearSystem, Seconds};
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Linearization, Tangent};
 
 /// Share of the largest residual below which that of the extension is left for a later iteration. It is linear
@@ -24,7 +22,7 @@ pub struct StepSystem<'a, const D: usize> {
     /// Assembly.
     pub assembler: &'a mut Assembler<D>,
     /// Matrices and their factors.
-    pub linear: &'a mut Linear,
+    pub linear: &'a mut Linear<D>,
     /// Weights of the scheme.
     pub rule: StepRule,
     /// The iterate.

@@ -4,19 +4,18 @@
 //! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
 
 use crate::algebra::FaerLu;
-use crate::assembly::facets::{FacetPoint, facet_points};
-use crate::assembly::sampling::for_each_point;
-use crate::assembly::{Assembler, Options, Physics};
+use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, Settings};
 use crate::physics::kinematics::cofactor;
-use crate::physics::{Dots, FacetForm, Fields, Outflow, Place, StepRule, Tested, WeakForm};
+use crate::physics::{Dots, FacetForm, Fields, Fluid, Outflow, Place, StepRule, Tested, WeakForm};
+use crate::sampling::for_each_point;
+use crate::sampling::{FacetPoint, facet_points};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
+use crate::system::{Assembler, Options, Physics};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
-use crate::time::{
-    DomainMotion, Linear, Linearization, MakeSolver, Scales, Scheme, Stepper, StepperSettings,
-};
+use crate::time::{DomainMotion, Linearization, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// A number with its derivative in one direction of space or time.
@@ -138,7 +137,7 @@ impl Manufactured {
             max_steps: 30,
             line_search: 8,
         };
-        let newton = Newton::new(settings, self.space.n_unknowns(), self.space.n_v());
+        let newton = Newton::new(settings, assembler.n_unknowns(), self.space.n_v());
         let settings = StepperSettings {
             scheme,
             domain_motion: DomainMotion::Secant,
@@ -238,16 +237,28 @@ impl Manufactured {
             }
         });
         if let (Some(fluid), true) = (self.physics.fluid, self.fluid && only != Some(Region::Solid)) {
-            let form = Outflow { viscosity: fluid.rho * fluid.nu };
-            for (nodes, points) in outflow {
-                for p in points {
-                    let at = |t: f64| sample(&self.exact, p.x, t).fields;
-                    let force = form.traction(&at(t), &p.normal, theta * p.weight)
-                        + form.traction(&at(t_old), &p.normal, (1.0 - theta) * p.weight);
-                    for (value, &node) in p.value.iter().zip(nodes) {
-                        for i in 0..2 {
-                            out[node as usize * 2 + i] += value * force.0[i];
-                        }
+            self.add_outflow(&fluid, outflow, [t_old, t], theta, out);
+        }
+    }
+
+    /// Adds the do-nothing correction at the exact fields, from t⁻ to t.
+    fn add_outflow(
+        &self,
+        fluid: &Fluid,
+        outflow: &[(Vec<u32>, Vec<FacetPoint<2>>)],
+        [t_old, t]: [f64; 2],
+        theta: f64,
+        out: &mut [f64],
+    ) {
+        let form = Outflow { viscosity: fluid.rho * fluid.nu };
+        for (nodes, points) in outflow {
+            for p in points {
+                let at = |t: f64| sample(&self.exact, p.x, t).fields;
+                let force = form.traction(&at(t), &p.normal, theta * p.weight)
+                    + form.traction(&at(t_old), &p.normal, (1.0 - theta) * p.weight);
+                for (value, &node) in p.value.iter().zip(nodes) {
+                    for i in 0..2 {
+                        out[node as usize * 2 + i] += value * force.0[i];
                     }
                 }
             }

@@ -5,11 +5,11 @@
 
 use super::equal_steps;
 use super::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sample, sin};
-use crate::assembly::Options;
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::mesh::{INTERFACE, Mesh};
 use crate::space::{BoundaryCondition, VelocityData};
+use crate::system::Options;
 use crate::time::Scheme;
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -2,12 +2,12 @@
 #![allow(dead_code)]
 
 use std::sync::Arc;
-use undula::assembly::{Options, Physics};
 use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
 use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region};
+use undula::system::{Options, Physics};
 use undula::verification::manufactured::{Exact, InTime, Manufactured};
 pub use undula::verification::unit_square::{bubble, smooth, velocity};
 

@@ -3,10 +3,10 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
-use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State, Walls};
+use undula::system::{Assembler, Options, Physics, StepView};
 use undula::tangent::Stencil::{Central, Nodal, OneSided};
 use undula::tangent::{Difference, Linearization, Tangent};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
@@ -37,7 +37,7 @@ fn random(problem: &Manufactured, seed: u64) -> State {
     let mut list = |n: usize, size: f64| (0..n).map(|_| size * random.next()).collect();
     // Gradients grow with the square of the degree.
     let small = 0.02f64.min(0.06 / (space.nodes.degree as f64).powi(2));
-    State { v: list(space.n_v(), 2.0), u: list(space.n_u(), small), p: list(space.n_p(), 4.0) }
+    State { v: list(space.n_v(), 2.0), u: list(space.n_u(), small), p: list(space.n_p(), 4.0), s: vec![] }
 }
 
 fn assembled(

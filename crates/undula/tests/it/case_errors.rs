@@ -99,8 +99,8 @@ own.toml:26:11: motion.poisson = 0.5: expected a number above -1 and below 0.5
 own.toml:27:9: motion.walls = "slide": expected one of `fixed`, `sliding`
 own.toml:31:18: boundary.inflow.velocity[0] = "1.5*sinn(y)": unknown function `sinn`; did you mean `sin`? (at byte 4)
 own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expression in quotes, not true or false
-own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`; did you mean `do-nothing`?
-own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`
+own.toml:34:13: boundary.outflow.condition = "donothing": expected one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`, `traction`; did you mean `do-nothing`?
+own.toml:36:11: boundary.walls.condition: missing: one of `velocity`, `no-slip`, `do-nothing`, `traction-free`, `clamped`, `traction`
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
 own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
@@ -279,13 +279,13 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.clamp=none"],
-            "fsi1.toml:26:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped` or `traction-free`\n\
+            "fsi1.toml:26:2: boundary: boundary `clamp` of the mesh has no condition: add [boundary.clamp] with condition = `clamped`, `traction-free` or `traction`\n\
           fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (
             &["boundary.walls=none", "boundary.inflow.condition=clamped"],
             "--set boundary.inflow.condition=clamped: `clamped` is for a solid, and only the fluid is here; use `no-slip`\n\
-          fsi1.toml:26:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing` or `traction-free`",
+          fsi1.toml:26:2: boundary: boundary `walls` of the mesh has no condition: add [boundary.walls] with condition = `velocity`, `no-slip`, `do-nothing`, `traction-free` or `traction`",
         ),
         (
             &["functional.drag.on=[\"cylindre\", \"clamp\"]"],
@@ -294,7 +294,7 @@ fn names_are_checked_against_the_mesh() {
         ),
         (
             &["boundary.clamp.condition=do-nothing"],
-            "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped` or `traction-free`\n\
+            "--set boundary.clamp.condition=do-nothing: only the solid is here; use `clamped`, `traction-free` or `traction`\n\
           fsi1.toml:17:2: solid: nothing holds the solid, so it has no stationary state: add a boundary with condition = `clamped`",
         ),
         (

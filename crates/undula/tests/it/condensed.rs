@@ -4,16 +4,17 @@ use crate::common::{SCHEMES, builtin};
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{Csr, LinearSolver, MultifrontalLu, Options as LinearOptions};
-use undula::assembly::{Assembler, Options, Physics, StepView};
+use undula::linear::{Linear, Purpose};
 use undula::nonlinear::Seconds;
 use undula::physics::StepRule;
 use undula::physics::rule::{MIDPOINT, SECANT};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
+use undula::system::{Assembler, Options, Physics, StepView};
 use undula::tangent::Tangent;
+use undula::time::Linearization;
 use undula::time::scheme::FRACTIONAL;
-use undula::time::{Linear, Linearization, Purpose};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const RULE: StepRule = StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] };
@@ -34,14 +35,19 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
     let (space, mut random) = (&problem.space, Random(seed));
     let closer = 2.0 / space.nodes.degree as f64;
     let mut list = |n: usize, size: f64| (0..n).map(|_| closer * size * random.next()).collect();
-    State { v: list(space.n_v(), sizes[0]), u: list(space.n_u(), sizes[1]), p: list(space.n_p(), sizes[2]) }
+    State {
+        v: list(space.n_v(), sizes[0]),
+        u: list(space.n_u(), sizes[1]),
+        p: list(space.n_p(), sizes[2]),
+        s: vec![],
+    }
 }
 
-fn linear(kind: Linearization) -> Linear {
+fn linear(kind: Linearization) -> Linear<2> {
     linear_with(kind, |_| {})
 }
 
-fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> Linear {
+fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> Linear<2> {
     let options = LinearOptions::default();
     let make = move |purpose| {
         told(purpose);
@@ -60,7 +66,7 @@ fn largest(x: &[f64]) -> f64 {
 /// A right-hand side `[v, u, p]` without given rows and without the velocity-deformation relation.
 fn right_hand_side(problem: &Manufactured, assembler: &Assembler<2>) -> Vec<f64> {
     let space = &problem.space;
-    let State { v, u, p } = random(problem, 5, [1.0, 1.0, 1.0]);
+    let State { v, u, p, .. } = random(problem, 5, [1.0, 1.0, 1.0]);
     let mut r = [v, u, p].concat();
     assembler.zero_given(&mut r);
     for node in (0..space.nodes.len()).filter(|&n| space.deforms && space.owner[n] == PsiOwner::Relation) {
@@ -336,10 +342,7 @@ fn a_detour_outlives_a_restart() {
         first.step().unwrap();
     }
     let mut second = new();
-    let stepper = &first.stepper;
-    second.stepper.linear.set_detour(stepper.linear.detour);
-    let point = stepper.jacobian_point().cloned();
-    second.restore(stepper.clock(), stepper.new.clone(), stepper.old.clone(), point, first.steps).unwrap();
+    second.restore(first.save()).unwrap();
     for _ in 0..2 {
         first.step().unwrap();
         second.step().unwrap();

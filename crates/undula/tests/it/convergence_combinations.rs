@@ -5,13 +5,13 @@
 
 use crate::manufactured::*;
 use std::sync::Arc;
-use undula::assembly::Physics;
-use undula::assembly::force::CurrentForce;
-use undula::assembly::sampling::for_each_point;
 use undula::math::Tensor;
 use undula::physics::{Extension, Fluid, Material, PressureTerm, Solid, Stabilization, TransportTerm};
+use undula::sampling::for_each_point;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{PsiOwner, Region, State};
+use undula::system::CurrentForce;
+use undula::system::Physics;
 use undula::time::stepper::Source;
 use undula::time::{Scheme, Stepper};
 use undula::verification::manufactured::{
@@ -304,7 +304,7 @@ fn a_force_at_the_current_position_keeps_second_order() {
     let problem = PLAIN.problem(4, untouched());
     let with_force = |stepper: &mut Stepper<2>| {
         stepper.source = Some(without_force(&problem));
-        stepper.assembler.current_force = Some(CurrentForce::new(Box::new(field)));
+        stepper.assembler.follow(CurrentForce::new(Box::new(field)));
     };
     for (name, scheme) in SCHEMES.into_iter().filter(|(_, scheme)| *scheme != Scheme::Galerkin) {
         let [coarse, fine] = [32, 64].map(|steps| errors(&problem, scheme, steps, with_force));

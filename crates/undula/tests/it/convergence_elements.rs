@@ -4,8 +4,8 @@
 //! pair keeps both while m = k − 1; with m < k − 1 the pressure decides, and v and u are of order m + 2.
 
 use crate::manufactured::*;
-use undula::assembly::Options;
 use undula::space::PressureKind::{Continuous, Pdc};
+use undula::system::Options;
 use undula::time::Scheme;
 use undula::verification::manufactured::InTime;
 

@@ -7,10 +7,10 @@
 #![allow(non_snake_case)]
 
 use crate::manufactured::*;
-use undula::assembly::{Physics, StepView};
 use undula::math::Tensor;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::Region;
+use undula::system::{Physics, StepView};
 use undula::time::Scheme;
 use undula::verification::manufactured::{Errors, InTime, sample};
 

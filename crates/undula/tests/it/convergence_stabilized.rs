@@ -5,13 +5,13 @@
 #![allow(non_snake_case)]
 
 use crate::manufactured::*;
-use undula::assembly::sampling::for_each_point;
-use undula::assembly::{End, Options, Physics};
 use undula::element::Shape;
 use undula::math::Tensor;
 use undula::physics::{Kinematics, PressureTerm, Projection, Stabilization, TransportTerm};
+use undula::sampling::for_each_point;
 use undula::space::PressureKind::Continuous;
 use undula::space::{Region, State};
+use undula::system::{End, Options, Physics};
 use undula::time::Scheme;
 use undula::verification::manufactured::{Errors, Exact, InTime, Manufactured, sample};
 

@@ -210,7 +210,7 @@ fn cg1_conserves_energy() {
                     new,
                     old,
                     fluid_residual,
-                    outflow: None,
+                    system: None,
                 })
             };
             of(Integral::SolidKinetic) + of(Integral::Elastic)

@@ -3,13 +3,13 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::{FaerLu, LinearSolver};
-use undula::assembly::{Assembler, Options, Physics, StepView};
 use undula::case::Case;
 use undula::element::Shape;
 use undula::physics::{Extension, Fluid, StepRule};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::space::{PsiOwner, State, Walls};
+use undula::system::{Assembler, Options, Physics, StepView};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 
 const Q2: Pair = quadrilaterals(2, Pdc(1));

@@ -3,13 +3,13 @@
 
 use crate::manufactured::*;
 use std::sync::Arc;
-use undula::assembly::facets::facet_points;
-use undula::assembly::{End, Physics};
 use undula::math::{Tensor, Vector};
 use undula::mesh::Mesh;
 use undula::physics::{Material, Solid};
+use undula::sampling::facet_points;
 use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Region};
+use undula::system::{End, Physics};
 use undula::time::Scheme;
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, number, sin};
 use undula::verification::unit_square::in_the_spaces;

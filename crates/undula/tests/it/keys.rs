@@ -100,7 +100,7 @@ fn said(key: &Key, value: &str) -> String {
 
 #[test]
 fn reading_knows_every_key_and_value_of_the_table() {
-    for key in KEYS {
+    for key in KEYS.iter() {
         let answer = said(key, "[[1]]");
         assert!(!answer.is_empty() && !answer.contains("unknown key"), "{}: {answer}", key.key);
         for (name, _) in key.choices() {
@@ -154,7 +154,7 @@ fn defaults_of_the_table_are_those_of_reading() {
         }
     }
     let silent = ["mesh.leave-out", "boundary.NAME.backflow", "solid.c2", "time.rannacher-interval"];
-    for key in KEYS {
+    for key in KEYS.iter() {
         let told = literal(key).is_none() || seen.contains(key.key) || silent.contains(&key.key);
         assert!(told, "no case shows the default of {}", key.key);
     }
@@ -165,7 +165,7 @@ fn defaults_of_the_table_are_those_of_reading() {
 fn none_is_given_where_it_is_no_default() {
     let has_none =
         |key: &&Key| key.choices().iter().any(|(name, _)| *name == "none") && key.default != "none";
-    let keys: Vec<&str> = KEYS.iter().filter(has_none).map(|key| key.key).collect();
+    let keys: Vec<&str> = KEYS.iter().copied().filter(has_none).map(|key| key.key).collect();
     assert_eq!(keys, ["stabilization.map"]);
     let case = read(TEXT, &["space.pressure=Q2", "stabilization.map=none"]).unwrap();
     assert!(case.to_toml().contains("map = \"none\""), "{}", case.to_toml());
@@ -225,7 +225,7 @@ fn names_of_values_are_spelled_in_one_file() {
         "lagged",
     ];
     let mut checked = 0;
-    for (name, _) in KEYS.iter().flat_map(Key::choices) {
+    for (name, _) in KEYS.iter().flat_map(|key| key.choices()) {
         // A label of the comparison of Jacobians has this name, too.
         if name == "finite-difference" || !(name.contains('-') || short.contains(&name)) {
             continue;

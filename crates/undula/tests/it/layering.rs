@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 24] = [
+const LAYERS: [(&str, &str); 28] = [
     ("choice", ""),
     ("math", ""),
     ("algebra", "choice"),
@@ -24,17 +24,21 @@ const LAYERS: [(&str, &str); 24] = [
     ("mesh", "math element"),
     ("nonlinear", "algebra"),
     ("space", "choice math element mesh algebra"),
-    ("assembly", "math physics tangent element mesh space algebra"),
-    ("functional", "choice math physics element mesh space assembly"),
+    ("sampling", "math physics element mesh space"),
+    ("loops", "math physics element mesh space algebra"),
+    ("operators", "math physics tangent element mesh space algebra sampling loops"),
+    ("system", "math physics tangent mesh space algebra loops operators"),
+    ("functional", "choice math physics element mesh space sampling system"),
+    ("linear", "physics tangent algebra nonlinear space system"),
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
-    ("time", "choice math physics tangent algebra nonlinear space assembly"),
+    ("time", "choice math physics tangent algebra nonlinear space system linear"),
     ("case", "choice math physics tangent algebra element mesh space functional output time"),
     // The errors of all layers, those of reading a case among them.
     ("error", "algebra mesh nonlinear output time case"),
     (
         "setup",
-        "choice math physics tangent algebra element mesh nonlinear space assembly functional time case error",
+        "choice math physics tangent algebra element mesh nonlinear space sampling operators system functional linear time case error",
     ),
     ("builder", "physics mesh case error"),
     ("simulation", "*"),
@@ -46,7 +50,7 @@ const LAYERS: [(&str, &str); 24] = [
     ("bench", "*"),
 ];
 
-fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+pub fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         match path.is_dir() {

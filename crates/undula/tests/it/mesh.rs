@@ -161,21 +161,6 @@ fn levels_are_nested() {
     }
 }
 
-#[test]
-fn refinement_knows_parents_and_keeps_names() {
-    let coarse = turek_hron(0, 1);
-    let fine = coarse.refine(&[cylinder()]);
-    assert_eq!(fine.parent.len(), 4 * coarse.n_cells());
-    for (cell, &parent) in fine.parent.iter().enumerate() {
-        assert_eq!(fine.mesh.cell_region[cell], coarse.cell_region[parent as usize]);
-        let child = [(cell % 2) as f64, (cell / 2 % 2) as f64];
-        let [x, y] = coarse.map(parent as usize, [0.25 + 0.5 * child[0], 0.25 + 0.5 * child[1]]);
-        let [a, b] = fine.mesh.map(cell, [0.5, 0.5]);
-        // Equal but for what the nodes on the circle moved, along it for the most part.
-        assert!((x - a).hypot(y - b) < 1e-4);
-    }
-}
-
 /// A square around a circular hole, in four straight cells.
 fn straight_hole() -> Mesh<2> {
     let (c, mut nodes) = (0.5_f64.sqrt(), vec![]);
@@ -210,7 +195,7 @@ fn straight_meshes_are_refined_on_curves() {
 }
 
 /// Two unit cubes of geometry degree 2 that share a face; the second is numbered along other axes.
-fn two_cubes() -> Mesh<3> {
+pub fn two_cubes() -> Mesh<3> {
     let at = |i: usize| [(i % 5) as f64 * 0.5, (i / 5 % 3) as f64 * 0.5, (i / 15) as f64 * 0.5];
     let first = (0..27).map(|i| (i % 3 + 5 * (i / 3 % 3) + 15 * (i / 9)) as u32);
     let second = (0..27).map(|i| (2 + i / 9 + 5 * (i % 3) + 15 * (i / 3 % 3)) as u32);
@@ -231,7 +216,7 @@ fn two_cubes() -> Mesh<3> {
 fn hexahedra_are_refined_conformingly() {
     let mesh = two_cubes();
     mesh.check_orientation().unwrap();
-    let fine = mesh.refine(&[]).mesh;
+    let fine = mesh.refine(&[]);
     assert_eq!((fine.n_cells(), fine.nodes.len(), fine.facets.len()), (16, 9 * 5 * 5, 4));
     let facets = fine.facets_of_cells();
     assert_eq!((facets.outer.len(), facets.inner.len(), facets.bad.len()), (40, 28, 0));
@@ -350,7 +335,7 @@ fn names_on_the_interface_become_parts_of_it() {
     mesh.mark_sides("rock", &["fluid", "solid"]).unwrap();
     mesh.check_interface("fluid", "solid").unwrap();
     assert_eq!(mesh.facets.len(), outer + 4 + 4);
-    let finer = mesh.refine(&[]).mesh;
+    let finer = mesh.refine(&[]);
     for (mesh, scale) in
         [(&mesh, 1.0), (&mesh.triangulated(), 1.0), (&finer, 0.5), (&finer.triangulated(), 0.5)]
     {

@@ -3,11 +3,11 @@
 use crate::common::builtin;
 use std::f64::consts::PI;
 use undula::Error;
-use undula::assembly::sampling::for_each_point;
 use undula::case::Case;
 use undula::mesh::generate::rectangle;
 use undula::modes::{Mode, Modes, Setting, of_case};
 use undula::physics::{Material, Solid};
+use undula::sampling::for_each_point;
 use undula::space::{FsiSpace, PressureKind, Region, State};
 
 /// A cantilever of length 1 and height 1/50.

@@ -4,7 +4,6 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::SolverError;
-use undula::assembly::{Assembler, End, Options, Physics, StepView};
 use undula::element::Shape;
 use undula::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use undula::functional::{Functional, Snapshot};
@@ -14,6 +13,7 @@ use undula::nonlinear::NewtonError;
 use undula::physics::{Fluid, StepRule};
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::space::{BoundaryCondition, PsiOwner, Region, State};
+use undula::system::{Assembler, End, Options, Physics, StepView};
 use undula::time::{Scheme, Stepper};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 
@@ -286,8 +286,8 @@ fn forces(problem: &Manufactured, stepper: &mut Stepper<2>, name: &str, componen
     let by_surface = ForceBySurface::new(&surfaces, &names, component, 1.0, "N/m");
     let (rule, new, old, assembler) = stepper.last_step();
     let fluid_residual = &region(assembler, Region::Fluid, rule, new, old);
-    let (physics, outflow) = (&problem.physics, None);
-    let at = Snapshot { space, physics, rule, new, old, fluid_residual, outflow };
+    let (physics, system) = (&problem.physics, None);
+    let at = Snapshot { space, physics, rule, new, old, fluid_residual, system };
     [by_residual.evaluate(&at), by_surface.evaluate(&at)]
 }
 
@@ -302,7 +302,7 @@ fn force_on_a_hole_is_the_weight_displaced() {
         let e = problem.errors(&stepper.new, 0.0, 0.0, QUADRATURE);
         assert!(e.v < 1e-11 && e.p < 1e-10, "{e:?}");
         let mut area = 1.0;
-        undula::assembly::sampling::for_each_point(&problem.space, &stepper.new, 2, |p| area -= p.weight);
+        undula::sampling::for_each_point(&problem.space, &stepper.new, 2, |p| area -= p.weight);
         let expected = [-FLUID.rho * f * area, 0.0];
         for component in 0..2 {
             for force in forces(&problem, &mut stepper, "interface", component) {

@@ -1,9 +1,9 @@
 //! The number of threads changes no bit of the result.
 
 use crate::common::builtin;
-use undula::assembly::StepView;
 use undula::simulation::{Row, Simulation};
 use undula::space::State;
+use undula::system::StepView;
 
 /// A few steps in which the beam already moves, and Jacobians are both kept and made.
 fn steps(threads: usize, more: &[&str]) -> (Vec<Row>, State) {

@@ -4,8 +4,8 @@ use crate::common::{SCHEMES, builtin};
 use std::fs;
 use std::path::{Path, PathBuf};
 use undula::output::{Checkpoint, Status};
-use undula::run::{Flow, Observer, RunOptions, run};
-use undula::simulation::{Row, Simulation};
+use undula::run::{Flow, Observer, RunOptions, restore_latest, run};
+use undula::simulation::{Memory, Row, Simulation};
 
 /// Stops after some step.
 struct StopAfter(u64);
@@ -71,6 +71,63 @@ fn gmres_resumes_with_the_same_bits() {
     ] {
         check(name, &[set, "linear.krylov=gmres", "time.step=0.005", "time.end=0.04"], &[5]);
     }
+}
+
+/// Stops after some step, and remembers what there is to remember then.
+struct Witness(u64, Option<Memory>);
+
+impl Observer for Witness {
+    fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
+        if row.step == self.0 {
+            self.1 = Some(simulation.save());
+            return Flow::Stop;
+        }
+        Flow::Continue
+    }
+}
+
+/// What a run remembers after the step `stop`, which a checkpoint must give back to a new simulation.
+fn remembered(name: &str, sets: &[&str], stop: u64) -> Memory {
+    let (directory, case) = (place(name), || builtin("fsi3", &[&SMALL[..], sets].concat()));
+    let options = RunOptions { directory, threads: 1, force: true, resume: false, commit: None };
+    let mut witness = Witness(stop, None);
+    run(case(), &options, &mut witness).unwrap();
+    let expected = witness.1.unwrap();
+    let mut simulation = Simulation::new(case(), 1).unwrap();
+    restore_latest(&mut simulation, &options.directory).unwrap();
+    let found = simulation.save();
+    assert!(found.stepper.point == expected.stepper.point, "{name}: another Jacobian");
+    let scalars = |m: &Memory| (m.steps, m.stepper.clock, m.stepper.newton, m.stepper.detour, m.balance);
+    assert_eq!(scalars(&found), scalars(&expected), "{name}");
+    assert!(found == expected, "{name}: other solutions, or another past");
+    expected
+}
+
+/// Every piece of memory is there in one of the runs.
+#[test]
+fn a_checkpoint_forgets_nothing() {
+    let kept = remembered("memory-kept", &["time.step=0.005"], 9);
+    let point = kept.stepper.point.unwrap();
+    assert!(point.age.solves > 0 && point.age.iterations > 0 && point.age.last > 0, "{:?}", point.age);
+    assert!(kept.stepper.newton.worsening > 1.0, "{:?}", kept.stepper.newton);
+    assert!(kept.steps == 9 && kept.stepper.new != kept.stepper.old && kept.balance.is_some());
+    let seconds = kept.stepper.newton.seconds;
+    assert!([seconds.assembly, seconds.factorization, seconds.solve].iter().all(|&s| s > 0.0), "{seconds:?}");
+    let counters = kept.stepper.newton.counters;
+    assert!(counters.factorizations > 0 && counters.linear_iterations > 0, "{counters:?}");
+
+    let damped = ["time.scheme=rannacher", "time.rannacher-interval=0.05"];
+    let damping = remembered("memory-damping", &damped, 6).stepper.clock.damping;
+    assert!(damping.interval > 0 && damping.left > 0, "{damping:?}");
+
+    let strict = ["newton.rate-max=0", "newton.max-steps=2"];
+    let detour = remembered("memory-detour", &strict, 3).stepper.detour;
+    assert!(detour > 0, "no detour");
+
+    let steered =
+        ["time.step=0.004", "time.adaptive.tolerance=1e-3", "time.adaptive.min-step=0.001", "time.end=0.1"];
+    let adaptive = remembered("memory-adaptive", &steered, 14).adaptive.unwrap();
+    assert!(adaptive.past.len() == 3 && adaptive.rejected > 0, "{} rejected", adaptive.rejected);
 }
 
 /// Before, within and after the damping steps.

@@ -1,9 +1,9 @@
 //! Every law of the solid through the whole program, from the case to the end of the beam.
 
 use crate::common::{builtin, wrong_builtin};
-use undula::assembly::sampling::for_each_point;
 use undula::case::{Case, SolidLaw};
 use undula::math::Tensor;
+use undula::sampling::for_each_point;
 use undula::simulation::{Row, Simulation};
 use undula::space::Region;
 

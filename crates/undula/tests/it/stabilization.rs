@@ -4,7 +4,6 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
-use undula::assembly::{Assembler, End, Options, StepView};
 use undula::element::Shape;
 use undula::math::{Tensor, Vector};
 use undula::mesh::Mesh;
@@ -13,6 +12,7 @@ use undula::physics::stabilization::CellState;
 use undula::physics::{Mapping, PressureTerm, Projection, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::Continuous;
 use undula::space::{BoundaryCondition, FsiSpace, Region, State};
+use undula::system::{Assembler, End, Options, StepView};
 use undula::tangent::{Difference, Stencil, Tangent};
 
 use PressureTerm::{BrezziPitkaranta, LocalProjection, Pspg};

@@ -1,10 +1,10 @@
 //! A solution on the spaces of another mesh.
 
-use undula::assembly::sampling::for_each_point;
 use undula::functional::transfer::transfer;
 use undula::mesh::Mesh;
 use undula::mesh::MeshError;
 use undula::mesh::generate::rectangle;
+use undula::sampling::for_each_point;
 use undula::space::PressureKind::{self, Continuous, Pdc};
 use undula::space::{FsiSpace, Region, State};
 

@@ -1,6 +1,7 @@
 //! Streamlines of the velocity of the fluid in a picture.
 
-use super::{NOWHERE, Panel, Raster, SAMPLES, SCALE};
+use super::raster::{NOWHERE, Raster, SAMPLES};
+use super::{Panel, SCALE};
 use undula::output::FieldSnapshot;
 
 /// Distance between beginnings; lines end at half of it from others \[pixels\].

@@ -2,10 +2,11 @@
 
 use super::is_name;
 use crate::case::choices::BACKFLOW;
+use crate::case::conditions::{CONDITIONS, Condition, DATA};
 use crate::case::error::quoted;
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::read::Section;
-use crate::case::schema::{CONDITIONS, Condition, SolidLaw};
+use crate::case::schema::SolidLaw;
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,36 +23,43 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "pressure", "traction", "periodic", "symmetry"];
+        let later = ["sliding", "pressure", "periodic", "symmetry"];
         let condition = s.choice("condition", &CONDITIONS, &later);
-        let velocity = s.expressions("velocity");
+        let condition = read_data(&mut s, condition);
         s.require_choice("condition", &CONDITIONS);
-        let takes_velocity = matches!(condition, Some(Condition::Velocity(_)));
-        if takes_velocity && !s.has("velocity") {
-            s.missing("velocity", "two expressions [m/s], as velocity = [\"1.5*y\", \"0\"]");
-        } else if condition.is_some() && !takes_velocity && s.has("velocity") {
-            let key = s.dotted("velocity");
-            let note = format!("{key} has no effect: the condition is not `velocity`");
-            s.checker.notes.borrow_mut().push(note);
-        }
         let against = s.choice("backflow", &BACKFLOW, &[]);
-        let outlet = matches!(condition, Some(Condition::DoNothing | Condition::TractionFree) | None);
+        let outlet = condition.as_ref().is_none_or(Condition::is_natural);
         if against == Some(true) && outlet {
             directional.insert(name.clone());
         } else if against == Some(true) {
             let note = format!(
-                "boundary.{name}.backflow has no effect: the condition is neither `do-nothing` nor `traction-free`"
+                "boundary.{name}.backflow has no effect: the velocity is given, so that the boundary is no outlet"
             );
             s.checker.notes.borrow_mut().push(note);
         }
         s.finish();
-        let condition = match condition {
-            Some(Condition::Velocity(_)) => Condition::Velocity(velocity.unwrap_or_default()),
-            condition => condition.unwrap_or(Condition::NoSlip),
-        };
-        boundary.insert(name, condition);
+        boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
     }
     (boundary, directional)
+}
+
+/// The condition with its data. Data of other conditions have no effect.
+fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Option<Condition> {
+    for key in &DATA {
+        let name = key.key.rsplit('.').next().unwrap_or_default();
+        let given = s.expressions(name);
+        let takes = condition.as_ref().is_some_and(|condition| condition.name() == name);
+        if takes && !s.has(name) {
+            s.missing(name, &format!("{} [{}]", key.about, key.unit));
+        } else if condition.is_some() && !takes && s.has(name) {
+            let note = format!("{} has no effect: the condition is not `{name}`", s.dotted(name));
+            s.checker.notes.borrow_mut().push(note);
+        }
+        if let (true, Some(data)) = (takes, condition.as_mut().and_then(Condition::data_mut)) {
+            *data = given.unwrap_or_default();
+        }
+    }
+    condition
 }
 
 /// The functionals that have a meaning for the bodies that are there, and the names of all.

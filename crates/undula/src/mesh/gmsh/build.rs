@@ -1,6 +1,6 @@
 //! From the sections of a file to a mesh.
 
-use super::sections::{Element, Node, Raw, Version};
+use super::raw::{Element, Node, Raw, Version};
 use super::source::{At, Source, error};
 use crate::element::Shape;
 use crate::mesh::topology::FacetKey;

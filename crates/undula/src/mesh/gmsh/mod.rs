@@ -8,6 +8,7 @@
 //! quadrilaterals `Mesh.RecombineAll = 1` and for 9 nodes `Mesh.SecondOrderIncomplete = 0`.
 
 mod build;
+mod raw;
 mod sections;
 mod source;
 mod write;

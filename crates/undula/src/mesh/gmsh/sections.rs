@@ -1,107 +1,9 @@
 //! The sections of a `.msh` file, of either version, as they are.
 
-use super::source::{At, Encoding, Record, Source};
+use super::raw::{Entity, Node, Raw, Version};
+use super::source::{Encoding, Record, Source};
 use crate::mesh::MeshError;
 use std::collections::HashMap;
-
-/// What a file contains that a plane mesh is made of.
-pub(super) struct Raw {
-    pub version: Version,
-    /// Names of the physical groups by dimension and tag, in the order of the file.
-    pub names: Vec<(usize, i64, String)>,
-    /// The nodes.
-    pub nodes: Vec<Node>,
-    /// Lines, triangles and quadrilaterals.
-    pub elements: Vec<Element>,
-    /// Entities of version 4 by dimension and tag, and those of partitions.
-    entities: [HashMap<(usize, i64), Entity>; 2],
-}
-
-/// A node.
-pub(super) struct Node {
-    /// Where it stands.
-    pub at: At,
-    /// Its tag.
-    pub tag: u64,
-    /// Its coordinates.
-    pub x: [f64; 3],
-}
-
-/// A line, a triangle or a quadrilateral.
-pub(super) struct Element {
-    /// Where it stands.
-    pub at: At,
-    /// Dimension: 1 or 2.
-    pub dim: usize,
-    /// Tag of the physical group of version 2, of the entity of version 4; 0 for none.
-    owner: i64,
-    /// Tags of the nodes in the order of Gmsh.
-    pub nodes: Vec<u64>,
-}
-
-impl Element {
-    /// Whether an element of version 2 is in no physical group.
-    pub fn is_in_no_group(&self) -> bool {
-        self.owner == 0
-    }
-}
-
-/// The two versions of the format.
-#[derive(Copy, Clone, PartialEq)]
-pub(super) enum Version {
-    V2,
-    V4,
-}
-
-/// A piece of the geometry.
-struct Entity {
-    /// Its physical groups.
-    groups: Vec<i64>,
-    /// Of a part: dimension and tag of the piece that was divided.
-    parent: Option<(usize, i64)>,
-}
-
-impl Raw {
-    /// Tag of the physical group of `element`, 0 for none. A part is in the groups of what was divided.
-    ///
-    /// # Errors
-    /// An entity in several groups.
-    pub fn group(&self, element: &Element, source: &Source) -> Result<i64, MeshError> {
-        if self.version == Version::V2 {
-            return Ok(element.owner);
-        }
-        match self.groups(element.dim, element.owner) {
-            [] => Ok(0),
-            [group] => Ok(*group),
-            several => {
-                let what = if element.dim == 1 { "curve" } else { "surface" };
-                let names: Vec<_> = several.iter().map(|&tag| self.name(element.dim, tag)).collect();
-                let reason = format!(
-                    "{what} {} is in physical groups {}; it can be in one only",
-                    element.owner,
-                    names.join(" and ")
-                );
-                Err(super::source::error(source.path, element.at, reason))
-            }
-        }
-    }
-
-    /// Physical groups of an entity. Entities of partitions have other tags than those that were divided.
-    fn groups(&self, dim: usize, tag: i64) -> &[i64] {
-        let [wholes, parts] = &self.entities;
-        let part = parts.get(&(dim, tag));
-        let parent = part.filter(|part| part.groups.is_empty()).and_then(|part| part.parent);
-        let whole = || wholes.get(&parent.filter(|(d, _)| *d == dim)?);
-        let found = if part.is_some() { whole().or(part) } else { wholes.get(&(dim, tag)) };
-        found.map_or(&[], |entity| &entity.groups)
-    }
-
-    /// The name of a physical group in quotes, else its tag.
-    pub fn name(&self, dim: usize, tag: i64) -> String {
-        let named = self.names.iter().find(|(d, t, _)| (*d, *t) == (dim, tag));
-        named.map_or_else(|| tag.to_string(), |(_, _, name)| format!("`{name}`"))
-    }
-}
 
 /// Reads all sections, in whatever order; unknown ones and what stands between sections are skipped.
 pub(super) fn parse(source: &mut Source) -> Result<Raw, MeshError> {
@@ -358,15 +260,6 @@ fn elements_4(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
         }
     }
     Ok(())
-}
-
-impl Raw {
-    /// Adds an element; points are left out.
-    fn add(&mut self, at: At, dim: usize, owner: i64, nodes: Vec<u64>) {
-        if dim > 0 {
-            self.elements.push(Element { at, dim, owner, nodes });
-        }
-    }
 }
 
 /// Dimension and number of nodes of elements of type `kind`.

@@ -1,9 +1,9 @@
 //! The Jacobian by differences of residuals, as many columns at a time as meet in no row.
 
 use crate::algebra::{Csr, Pattern};
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 
 /// Columns of a pattern in groups, and what is needed to difference them.
 pub struct Differences {

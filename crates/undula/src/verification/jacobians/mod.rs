@@ -17,11 +17,11 @@ pub use blocks::{Block, Entry, Equation, Field, Unknown};
 
 use self::differences::Differences;
 use crate::algebra::{Csr, SolverError};
-use crate::assembly::{Assembler, StepView};
 use crate::choice::Choice;
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::State;
+use crate::system::{Assembler, StepView};
 use crate::tangent::{Difference, LINEARIZATIONS, Linearization, Stencil, Tangent};
 use blocks::Blocks;
 use state::Setting;

@@ -1,10 +1,10 @@
 //! States at which Jacobians are compared.
 
 use super::At;
-use crate::assembly::{Assembler, StepView};
 use crate::physics::StepRule;
 use crate::simulation::Simulation;
 use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, StepView};
 use crate::tangent::Sizes;
 
 /// A step between two states.
@@ -80,7 +80,7 @@ fn state(space: &FsiSpace<2>, spacing: &[f64], density: f64, random: &mut Random
     let v = (0..space.n_v()).map(|_| 2.0 * random.next()).collect();
     let u = (0..space.n_u()).map(|i| 2.0 * DEFORMATION * spacing[i / 2] * random.next()).collect();
     let p = (0..space.n_p()).map(|_| 2.0 * density * random.next()).collect();
-    State { v, u, p }
+    State { v, u, p, s: vec![] }
 }
 
 /// Smallest distance of each node to another node of a cell.

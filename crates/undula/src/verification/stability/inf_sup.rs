@@ -10,9 +10,9 @@
 
 use super::lanczos::largest;
 use crate::algebra::{Csr, Kind, LinearSolver, MultifrontalLu, Options, Pattern, SolverError, Unknown};
-use crate::assembly::sampling::{PointValues, for_each_point};
 use crate::math::Vector;
 use crate::physics::Kinematics;
+use crate::sampling::{PointValues, for_each_point};
 use crate::space::{Constraints, FsiSpace, PressureKind, PsiOwner, Region, State};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -11,10 +11,10 @@ pub use condition::{Condition, condition};
 pub use inf_sup::{InfSup, inf_sup};
 
 use crate::algebra::{Csr, SolverError};
-use crate::assembly::StepView;
 use crate::physics::{Kinematics, StepRule};
 use crate::simulation::Simulation;
 use crate::space::{FsiSpace, PsiOwner, State};
+use crate::system::StepView;
 use crate::tangent::Tangent;
 use crate::time::Stepper;
 
@@ -71,7 +71,7 @@ fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f
     let mut state = State::zero(space.n_v(), space.n_v(), space.n_p());
     state.u[..u.len()].copy_from_slice(u);
     let mut min = f64::INFINITY;
-    crate::assembly::sampling::for_each_point(space, &state, quadrature, |point| {
+    crate::sampling::for_each_point(space, &state, quadrature, |point| {
         if !point.pressure.is_empty() {
             min = min.min(Kinematics::of(&point.fields.grad_u).J);
         }

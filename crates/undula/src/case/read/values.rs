@@ -1,0 +1,240 @@
+//! Values by their type: each method takes a key, tells what is wrong with its value, and goes on.
+
+use super::{Range, Section};
+use crate::case::error::{did_you_mean, quoted};
+use crate::case::expression::Expression;
+use crate::case::raw::{Item, Origin, Value};
+use crate::choice::{self, Choice};
+
+impl Section<'_, '_> {
+    pub fn optional_number(&mut self, key: &str, range: Range) -> Option<f64> {
+        let item = self.item(key)?;
+        let value = match item.value {
+            Value::Float(x) => x,
+            Value::Integer(i) => i as f64,
+            _ => {
+                self.wrong_type(key, item, range.text);
+                return None;
+            }
+        };
+        if (range.holds)(value) {
+            Some(value)
+        } else {
+            self.wrong_item(key, item, format!("expected {}", range.text));
+            None
+        }
+    }
+
+    pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
+        self.optional_number(key, range).unwrap_or(default)
+    }
+
+    /// A number that has no default; after a mistake 1, which is never used.
+    pub fn required_number(&mut self, key: &str, range: Range, meaning: &str) -> f64 {
+        if !self.has(key) {
+            self.missing(key, meaning);
+        }
+        self.number(key, 1.0, range)
+    }
+
+    pub fn integer(&mut self, key: &str, default: usize, range: std::ops::RangeInclusive<usize>) -> usize {
+        let Some(item) = self.item(key) else { return default };
+        let value = match item.value {
+            Value::Integer(i) => usize::try_from(i).ok(),
+            _ => None,
+        };
+        match value {
+            Some(value) if range.contains(&value) => value,
+            _ => {
+                let expected = match *range.end() {
+                    usize::MAX => format!("an integer, {} or above", range.start()),
+                    end => format!("an integer from {} to {end}", range.start()),
+                };
+                self.wrong_type(key, item, &expected);
+                default
+            }
+        }
+    }
+
+    pub fn boolean(&mut self, key: &str, default: bool) -> bool {
+        let Some(item) = self.item(key) else { return default };
+        match &item.value {
+            Value::Other("true or false", text) => text == "true",
+            _ => {
+                self.wrong_type(key, item, "true or false");
+                default
+            }
+        }
+    }
+
+    pub fn string(&mut self, key: &str) -> Option<String> {
+        let item = self.item(key)?;
+        match &item.value {
+            Value::String(s) => Some(s.clone()),
+            _ => {
+                self.wrong_type(key, item, "a string");
+                None
+            }
+        }
+    }
+
+    /// Whether the value of `key` is this word.
+    pub fn is_word(&mut self, key: &str, word: &str) -> bool {
+        matches!(self.item(key).map(|item| &item.value), Some(Value::String(s)) if s == word)
+    }
+
+    /// One of `available`; `later` are names that are known but have nothing behind them yet.
+    pub fn choice<T: Clone>(
+        &mut self,
+        key: &str,
+        available: &[Choice<T>],
+        later: &[&'static str],
+    ) -> Option<T> {
+        let item = self.item(key)?;
+        let names = || choice::names(available);
+        let Value::String(word) = &item.value else {
+            self.wrong_type(key, item, &format!("one of {}", quoted(names())));
+            return None;
+        };
+        if let Some(value) = choice::parse(available, word) {
+            return Some(value.clone());
+        }
+        let message = if later.contains(&word.as_str()) {
+            format!("not yet available; expected one of {}", quoted(names()))
+        } else {
+            let hint = did_you_mean(word, names().chain(later.iter().copied()));
+            format!("expected one of {}{hint}", quoted(names()))
+        };
+        self.wrong_item(key, item, message);
+        None
+    }
+
+    /// Tells that a choice is not there which has no default.
+    pub fn require_choice<T>(&self, key: &str, available: &[Choice<T>]) {
+        if !self.has(key) {
+            self.missing(key, &format!("one of {}", quoted(choice::names(available))));
+        }
+    }
+
+    fn expression_of(&self, key: &str, item: &Item) -> Option<Expression> {
+        let expression = match &item.value {
+            Value::Float(x) => Expression::constant(*x),
+            Value::Integer(i) => Expression::constant(*i as f64),
+            Value::String(source) => match Expression::parse(source) {
+                Ok(expression) => expression,
+                Err(e) => {
+                    let origin = self.inside(&item.origin, source, e.position);
+                    self.checker.error(
+                        &origin,
+                        &self.dotted(key),
+                        Some(self.checker.document.shown(item)),
+                        e.to_string(),
+                    );
+                    return None;
+                }
+            },
+            _ => {
+                self.wrong_type(key, item, "a number or an expression in quotes");
+                return None;
+            }
+        };
+        if expression.constant_value().is_some_and(|x| !x.is_finite()) {
+            self.wrong_item(key, item, "expected a finite value".into());
+            return None;
+        }
+        Some(expression)
+    }
+
+    /// The origin of byte `position` of a string, if the file shows the string as it is.
+    fn inside(&self, origin: &Origin, source: &str, position: usize) -> Origin {
+        let Origin::File(span) = origin else { return origin.clone() };
+        let raw = self.checker.document.text.get(span.clone()).unwrap_or("");
+        match raw.find(source) {
+            Some(start) if raw.len() <= source.len() + 6 => {
+                Origin::File(span.start + start + position..span.end)
+            }
+            _ => origin.clone(),
+        }
+    }
+
+    pub fn expression(&mut self, key: &str) -> Option<Expression> {
+        let item = self.item(key)?;
+        self.expression_of(key, item)
+    }
+
+    fn pair_of<T>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        read: impl Fn(&Self, &str, &Item) -> Option<T>,
+    ) -> Option<[T; 2]> {
+        let item = self.item(key)?;
+        let Value::Array(items) = &item.value else {
+            self.wrong_type(key, item, expected);
+            return None;
+        };
+        let [a, b] = items.as_slice() else {
+            self.wrong_item(key, item, format!("expected {expected}, not {} values", items.len()));
+            return None;
+        };
+        let (a, b) = (read(self, &format!("{key}[0]"), a), read(self, &format!("{key}[1]"), b));
+        Some([a?, b?])
+    }
+
+    /// Two expressions, x and y component.
+    pub fn expressions(&mut self, key: &str) -> Option<[Expression; 2]> {
+        self.pair_of(key, "two expressions, as [\"x component\", \"y component\"]", Self::expression_of)
+    }
+
+    /// Two numbers in `range`.
+    pub fn pair(&mut self, key: &str, range: Range) -> Option<[f64; 2]> {
+        self.pair_of(key, "two numbers", |section, key, item| {
+            let value = match item.value {
+                Value::Float(x) => x,
+                Value::Integer(i) => i as f64,
+                _ => f64::NAN,
+            };
+            if (range.holds)(value) {
+                return Some(value);
+            }
+            section.wrong_type(key, item, range.text);
+            None
+        })
+    }
+
+    /// Two counts, 1 or above.
+    pub fn counts(&mut self, key: &str) -> Option<[usize; 2]> {
+        self.pair_of(key, "two integers", |section, key, item| match item.value {
+            Value::Integer(i) if (1..=100_000).contains(&i) => usize::try_from(i).ok(),
+            _ => {
+                section.wrong_type(key, item, "an integer from 1 to 100000");
+                None
+            }
+        })
+    }
+
+    /// A non-empty array of strings; a single string counts as one.
+    pub fn strings(&mut self, key: &str) -> Option<Vec<String>> {
+        self.names(key, "[\"cylinder\", \"interface\"]", 1)
+    }
+
+    /// An array of at least so many strings, such as `example`; a single string counts as one.
+    pub fn names(&mut self, key: &str, example: &str, at_least: usize) -> Option<Vec<String>> {
+        let item = self.item(key)?;
+        let words: Option<Vec<String>> = match &item.value {
+            Value::String(s) => Some(vec![s.clone()]),
+            Value::Array(items) if items.len() >= at_least => items
+                .iter()
+                .map(|i| match &i.value {
+                    Value::String(s) => Some(s.clone()),
+                    _ => None,
+                })
+                .collect(),
+            _ => None,
+        };
+        if words.is_none() {
+            self.wrong_item(key, item, format!("expected an array of names, such as {example}"));
+        }
+        words
+    }
+}

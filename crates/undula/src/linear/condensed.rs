@@ -1,0 +1,169 @@
+//! Corrections from the condensed system: (v, p), then u in the solid, then the extension.
+
+use super::correction::{At, Correction};
+use super::extension::Extension;
+use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows};
+use super::krylov::KrylovSettings;
+use super::price::Work;
+use super::relation;
+use crate::algebra::SolverError;
+use crate::physics::StepRule;
+use crate::space::{FsiSpace, State};
+use crate::system::{Assembler, CondensedSystem, StepView};
+use std::sync::Arc;
+
+/// The matrix of (v, p), and what follows from (v, p).
+pub(super) struct Condensed {
+    system: Arc<CondensedSystem>,
+    factored: Factored,
+    extension: Option<Extension>,
+    /// Nodes where δu = kθ δv.
+    relation: Vec<u32>,
+    b: Vec<f64>,
+    x: Vec<f64>,
+    /// A vector \[v, u, p\].
+    work: Vec<f64>,
+}
+
+impl Condensed {
+    /// With the extension at the iterate of `view`.
+    pub(super) fn new<const D: usize>(
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        make: &MakeSolver,
+        krylov: Option<KrylovSettings>,
+    ) -> Result<Condensed, SolverError> {
+        let system = assembler.try_condensed()?;
+        let factored = Factored::new(&system.pattern, &system.unknowns, make(Purpose::Correction), krylov)?;
+        let extension = Extension::new(assembler, view, make)?;
+        let relation = relation::nodes(assembler).map(|node| node as u32).collect();
+        let n = system.places.len();
+        Ok(Condensed {
+            factored,
+            extension,
+            relation,
+            b: vec![0.0; n],
+            x: vec![0.0; n],
+            work: vec![0.0; assembler.space.n_unknowns()],
+            system,
+        })
+    }
+
+    /// (v, p) of δ from the residual `r`. Returns how many times factors were applied.
+    fn solve<const D: usize>(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        rule: &StepRule,
+        r: &[f64],
+        delta: &mut [f64],
+    ) -> Result<usize, SolverError> {
+        self.work.copy_from_slice(r);
+        let are_old = self.factored.are_old();
+        // The blocks of the cells are those of the matrix, not of the factors.
+        let ratio = self.factored.ratio(rule).filter(|_| !are_old);
+        if let Some(ratio) = ratio {
+            scale_rows(assembler, 1.0 / ratio, &mut self.work);
+        }
+        assembler.eliminate_inner(&mut self.work);
+        for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
+            *b = self.work[place as usize];
+        }
+        let applied = if are_old {
+            self.iterate(assembler.space.n_v(), rule)?
+        } else {
+            self.factored.apply(&self.b, &mut self.x);
+            1
+        };
+        delta.fill(0.0);
+        for (x, &place) in self.x.iter().zip(&self.system.places) {
+            delta[place as usize] = *x;
+        }
+        assembler.recover_inner(delta);
+        if let Some(ratio) = ratio {
+            scale_pressure(assembler, ratio, delta);
+        }
+        Ok(applied)
+    }
+
+    /// `x` for `b` by GMRES, with factors of an older matrix; the first `n_v` unknowns are velocities.
+    fn iterate(&mut self, n_v: usize, rule: &StepRule) -> Result<usize, SolverError> {
+        let (places, ratio) = (&self.system.places, self.factored.ratio(rule).unwrap_or(1.0));
+        let scale = |list: &mut [f64], velocity: bool, factor: f64| {
+            if factor != 1.0 {
+                let of_field = |place: u32| ((place as usize) < n_v) == velocity;
+                let entries = list.iter_mut().zip(places).filter(|(_, place)| of_field(**place));
+                entries.for_each(|(value, _)| *value *= factor);
+            }
+        };
+        let (before, after) =
+            (|r: &mut [f64]| scale(r, true, 1.0 / ratio), |z: &mut [f64]| scale(z, false, ratio));
+        self.factored.iterate((before, after), &self.b, &mut self.x)
+    }
+}
+
+impl<const D: usize> Correction<D> for Condensed {
+    fn factored(&mut self) -> &mut Factored {
+        &mut self.factored
+    }
+
+    fn assemble(&mut self, At { assembler, view, tangent, .. }: &mut At<'_, D>) {
+        assembler.condensed_matrix(view, *tangent, &mut self.factored.matrix);
+    }
+
+    fn precondition(&mut self, space: &FsiSpace<D>, per_k: f64) {
+        let Condensed { factored, work, system, .. } = self;
+        factored.precondition(|scales, weights| {
+            scales.weights(space, per_k, work);
+            for (weight, &place) in weights.iter_mut().zip(&system.places) {
+                *weight = work[place as usize];
+            }
+        });
+    }
+
+    fn correct(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        settled: bool,
+        r: &[f64],
+        delta: &mut [f64],
+    ) -> Result<usize, SolverError> {
+        let applied = self.solve(assembler, &view.rule, r, delta)?;
+        if !self.relation.is_empty() {
+            let factor = view.rule.theta / view.rule.per_k;
+            let (v, u) = delta.split_at_mut(assembler.space.n_v());
+            for &node in &self.relation {
+                for at in node as usize * D..(node as usize + 1) * D {
+                    u[at] = factor * v[at];
+                }
+            }
+        }
+        if let Some(extension) = &mut self.extension {
+            extension.solve((!settled).then_some(r), delta);
+            for (place, x) in extension.values() {
+                delta[place] = x;
+            }
+        }
+        Ok(applied)
+    }
+
+    fn work(&self) -> Work {
+        self.factored.work(self.work.len(), self.extension.as_ref().and_then(Extension::predicted))
+    }
+
+    fn renew_extension(&mut self, assembler: &Assembler<D>, view: &StepView<'_>) -> Result<(), SolverError> {
+        self.extension.as_mut().map_or(Ok(()), |extension| extension.renew(assembler, view))
+    }
+
+    /// The solid moves, and its extension with it.
+    fn follow(&mut self, assembler: &Assembler<D>, rule: StepRule, new: &mut State, old: &State) {
+        let n_v = assembler.space.n_v();
+        self.work.fill(0.0);
+        relation::impose(assembler, rule, new, old, |at, change| self.work[n_v + at] = change);
+        let Some(extension) = &mut self.extension else { return };
+        extension.solve(Some(&self.work), &self.work);
+        for (place, x) in extension.values() {
+            new.u[place - n_v] -= x;
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The extension of an update of the solid into the fluid.
+
+use super::factors::{MakeSolver, Purpose};
+use crate::algebra::{Cost, LinearSolver, SolverError};
+use crate::system::extension::ExtensionSystem;
+use crate::system::{Assembler, StepView};
+
+/// Difference of two entries of the extension, relative to their diagonals, that is rounding.
+const SYMMETRIC: f64 = 1e-10;
+
+/// The system of the extension and its factors, which live as long as its operator.
+pub(super) struct Extension {
+    system: ExtensionSystem,
+    solver: Box<dyn LinearSolver>,
+    b: Vec<f64>,
+    x: Vec<f64>,
+}
+
+impl Extension {
+    /// Factorised for the iterate of `view`; `None` where nothing is extended.
+    pub(super) fn new<const D: usize>(
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        make: &MakeSolver,
+    ) -> Result<Option<Extension>, SolverError> {
+        let Some(system) = assembler.extension(view) else { return Ok(None) };
+        let purpose = if assembler.is_biharmonic() {
+            // Of fourth order: single precision is not enough for the condition of its matrix.
+            Purpose::Exact
+        } else if assembler.extension_is_constant() && system.matrix.is_symmetric(SYMMETRIC) {
+            Purpose::Definite
+        } else {
+            Purpose::Correction
+        };
+        let all = assembler.unknowns();
+        let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
+        let factor = |purpose| {
+            let mut solver = make(purpose);
+            solver.analyse(&system.matrix.pattern, &unknowns)?;
+            solver.factor(&system.matrix)?;
+            Ok(solver)
+        };
+        let solver = match factor(purpose) {
+            // By rounding, in single precision: the operator is nearly singular.
+            Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
+            result => result?,
+        };
+        let n = system.places.len();
+        Ok(Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] }))
+    }
+
+    /// What its factors cost.
+    pub(super) fn predicted(&self) -> Option<Cost> {
+        self.solver.predicted()
+    }
+
+    /// Where the operator is not constant, it changes with the Jacobian.
+    pub(super) fn renew<const D: usize>(
+        &mut self,
+        assembler: &Assembler<D>,
+        view: &StepView<'_>,
+    ) -> Result<(), SolverError> {
+        if assembler.renew_extension(view, &mut self.system) {
+            self.solver.factor(&self.system.matrix)?;
+        }
+        Ok(())
+    }
+
+    /// Extend the update `delta` of the interface; with `r`, the residual of the extension becomes zero, too.
+    pub(super) fn solve(&mut self, r: Option<&[f64]>, delta: &[f64]) {
+        self.system.right_hand_side(r, delta, &mut self.b);
+        self.solver.apply(&self.b, &mut self.x);
+    }
+
+    /// The solution: places in `[v, u, p]` and values.
+    pub(super) fn values(&self) -> impl Iterator<Item = (usize, f64)> {
+        self.system.places.iter().map(|&place| place as usize).zip(self.x.iter().copied())
+    }
+}

@@ -1,0 +1,127 @@
+//! A matrix with its factors or those of an older one: how solvers are made, and how factors serve a step with another
+//! k.
+
+use super::krylov::{Krylov, KrylovSettings};
+use super::price::Work;
+use super::relation;
+use super::scales::Scales;
+use crate::algebra::{Cost, Csr, LinearSolver, Pattern, Sizes, SolverError, Unknown};
+use crate::physics::StepRule;
+use crate::system::Assembler;
+use std::sync::Arc;
+
+/// Makes linear solvers of the kind that the case asks for.
+pub type MakeSolver = Box<dyn Fn(Purpose) -> Box<dyn LinearSolver> + Send>;
+
+/// What a linear solver is for.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    /// Solutions as exact as can be.
+    Exact,
+    /// Corrections in an iteration that sees its own residual.
+    Correction,
+    /// The same where the matrix is symmetric and should be positive definite.
+    Definite,
+}
+
+/// A matrix, and the factors of it or of an older one.
+pub(super) struct Factored {
+    pub(super) matrix: Csr,
+    solver: Box<dyn LinearSolver>,
+    /// Rule of the step that the factors are of.
+    rule: StepRule,
+    krylov: Option<Krylov>,
+}
+
+impl Factored {
+    /// For matrices of `pattern`, with GMRES if there are settings for it.
+    pub(super) fn new(
+        pattern: &Arc<Pattern>,
+        unknowns: &[Unknown],
+        mut solver: Box<dyn LinearSolver>,
+        krylov: Option<KrylovSettings>,
+    ) -> Result<Factored, SolverError> {
+        solver.analyse(pattern, unknowns)?;
+        let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n));
+        Ok(Factored { matrix: Csr::zeros(pattern), solver, rule: StepRule::STATIONARY, krylov })
+    }
+
+    /// Factorise the matrix, which is that of a step by `rule`.
+    pub(super) fn factor(&mut self, rule: StepRule, sizes: Sizes) -> Result<(), SolverError> {
+        self.rule = rule;
+        self.krylov.iter_mut().for_each(|krylov| krylov.active = false);
+        self.solver.set_sizes(sizes);
+        self.solver.factor(&self.matrix).map(|_| ())
+    }
+
+    /// The matrix is newer than the factors; `set` sets the weights of its rows.
+    pub(super) fn precondition(&mut self, set: impl FnOnce(&Scales, &mut [f64])) {
+        if let Some(krylov) = &mut self.krylov {
+            krylov.begin(set);
+        }
+    }
+
+    /// Whether the factors are of an older matrix than the one at hand.
+    pub(super) fn are_old(&self) -> bool {
+        self.krylov.as_ref().is_some_and(|krylov| krylov.active)
+    }
+
+    /// How many times the matrix of a step by `rule` is that of the factors, where this is all that differs: in
+    /// k⁻¹M + θA with equal kθ, as in the parts of fractional-step θ. `None`: once, or more differs.
+    pub(super) fn ratio(&self, rule: &StepRule) -> Option<f64> {
+        let coupling = |rule: &StepRule| rule.theta / rule.per_k;
+        let equal = (coupling(&self.rule) - coupling(rule)).abs() <= 1e-9 * coupling(rule);
+        (equal && self.rule.per_k != rule.per_k).then_some(rule.per_k / self.rule.per_k)
+    }
+
+    /// x ← A⁻¹ b to the last digits, with iterative refinement; returns how many times the factors were applied.
+    pub(super) fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
+        Ok(1 + self.solver.solve(&self.matrix, b, x)?.refinements)
+    }
+
+    /// The factors applied once.
+    pub(super) fn apply(&mut self, b: &[f64], x: &mut [f64]) {
+        self.solver.apply(b, x);
+    }
+
+    /// x ← A⁻¹ b by GMRES; `before` and `after` make the factors those of a step with another k.
+    pub(super) fn iterate(
+        &mut self,
+        (before, after): (impl Fn(&mut [f64]), impl Fn(&mut [f64])),
+        b: &[f64],
+        x: &mut [f64],
+    ) -> Result<usize, SolverError> {
+        let Factored { matrix, solver, krylov: Some(krylov), .. } = self else {
+            return Err(SolverError::NotFactored);
+        };
+        let precondition = |r: &mut [f64], z: &mut [f64]| {
+            before(r);
+            solver.apply(r, z);
+            after(z);
+        };
+        krylov.solve(matrix, precondition, b, x)
+    }
+
+    /// What it does in a system of `unknowns`, which has an `extension` apart or not.
+    pub(super) fn work(&self, unknowns: usize, extension: Option<Cost>) -> Work {
+        let (rows, entries) = (self.matrix.pattern.n, self.matrix.pattern.nnz());
+        let (factors, iterative) = (self.solver.predicted(), self.krylov.is_some());
+        Work { unknowns, rows, entries, factors, extension, iterative }
+    }
+}
+
+/// Scale the rows that have k⁻¹M + θA: momentum and velocity-deformation relation.
+pub(super) fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, r: &mut [f64]) {
+    let space = &assembler.space;
+    let (v, rest) = r.split_at_mut(space.n_v());
+    v.iter_mut().for_each(|r| *r *= factor);
+    for node in relation::nodes(assembler) {
+        rest[node * D..(node + 1) * D].iter_mut().for_each(|r| *r *= factor);
+    }
+}
+
+/// The pressure is not multiplied by θ: its correction makes up for the scaled rows.
+pub(super) fn scale_pressure<const D: usize>(assembler: &Assembler<D>, factor: f64, delta: &mut [f64]) {
+    let space = &assembler.space;
+    delta[space.n_v() + space.n_u()..].iter_mut().for_each(|p| *p *= factor);
+}

@@ -1,0 +1,257 @@
+//! Corrections of Newton's method: with the whole Jacobian (`full.rs`), or condensed to (v, p) (`condensed.rs`); both
+//! by factors of the matrix, or by GMRES with older ones (`krylov.rs`).
+
+mod border;
+mod condensed;
+mod correction;
+mod extension;
+mod factors;
+mod full;
+mod krylov;
+mod price;
+mod relation;
+mod scales;
+
+pub use factors::{MakeSolver, Purpose};
+pub use krylov::KrylovSettings;
+pub use scales::{BlockNorms, Scales};
+
+use crate::algebra::{Sizes, SolverError};
+use crate::nonlinear::Seconds;
+use crate::physics::StepRule;
+use crate::space::State;
+use crate::system::{Assembler, Matrix, StepView};
+use crate::tangent::{Linearization, Tangent};
+use border::Bordered;
+use condensed::Condensed;
+use correction::{At, Correction};
+use full::Full;
+use std::time::Instant;
+
+/// Steps with the whole Jacobian after one that another linearisation could not do.
+const DETOUR: u32 = 10;
+
+/// The whole matrix and the condensed one, each made when first needed.
+pub struct Linear<const D: usize> {
+    /// The one in use.
+    pub active: Linearization,
+    /// The one that was asked for.
+    chosen: Linearization,
+    /// Steps to go with the whole Jacobian after that has failed.
+    pub detour: u32,
+    make: MakeSolver,
+    /// Typical sizes of the unknowns in a step, for the factorisations to come.
+    pub sizes: Sizes,
+    /// GMRES, if factors may be older than the matrix.
+    krylov: Option<KrylovSettings>,
+    /// With the whole matrix and with the condensed one.
+    made: [Option<Box<dyn Correction<D>>>; 2],
+    /// Far couplings and scalar unknowns of the one in use.
+    bordered: Bordered,
+}
+
+impl<const D: usize> Linear<D> {
+    /// Nothing is prepared yet.
+    pub fn new(chosen: Linearization, make: MakeSolver) -> Linear<D> {
+        let (sizes, made) = (Sizes::default(), [None, None]);
+        Linear {
+            active: chosen,
+            chosen,
+            detour: 0,
+            make,
+            sizes,
+            krylov: None,
+            made,
+            bordered: Bordered::default(),
+        }
+    }
+
+    /// With GMRES: factors are kept longer than matrices.
+    #[must_use]
+    pub fn with_krylov(mut self, settings: Option<KrylovSettings>) -> Linear<D> {
+        self.krylov = settings;
+        self
+    }
+
+    /// Whether factors may be older than the matrix.
+    pub fn is_iterative(&self) -> bool {
+        self.krylov.is_some()
+    }
+
+    /// Take the whole Jacobian for some steps; `false` if it is in use already.
+    pub fn fall_back(&mut self) -> bool {
+        if self.active == Linearization::Newton {
+            return false;
+        }
+        (self.active, self.detour) = (Linearization::Newton, DETOUR);
+        true
+    }
+
+    /// What a checkpoint keeps: the steps to go with the whole Jacobian.
+    pub fn save(&self) -> u32 {
+        // The rest is asked for by the case, follows from it, or is made anew.
+        let Linear { active: _, chosen: _, detour, make: _, sizes: _, krylov: _, made: _, bordered: _ } =
+            *self;
+        detour
+    }
+
+    /// As it was when a run was left; nothing if that is to go on with the whole Jacobian anyway.
+    pub fn restore(&mut self, detour: u32) {
+        if detour > 0 && self.active != Linearization::Newton {
+            (self.active, self.detour) = (Linearization::Newton, detour);
+        }
+    }
+
+    /// A step is done; `true` if the linearisation that was asked for takes over again.
+    pub fn count_step(&mut self) -> bool {
+        if self.detour == 0 {
+            return false;
+        }
+        self.detour -= 1;
+        if self.detour == 0 {
+            self.active = self.chosen;
+        }
+        self.detour == 0
+    }
+
+    /// Where corrections of the active linearisation are.
+    fn slot(&self) -> usize {
+        usize::from(self.active == Linearization::Condensed)
+    }
+
+    /// Those of the active linearisation, if they are made.
+    fn at_hand(&mut self) -> Result<&mut dyn Correction<D>, SolverError> {
+        match &mut self.made[self.slot()] {
+            Some(made) => Ok(&mut **made),
+            None => Err(SolverError::NotFactored),
+        }
+    }
+
+    /// Corrections of the active linearisation, without a matrix.
+    fn make(
+        &self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+    ) -> Result<Box<dyn Correction<D>>, SolverError> {
+        Ok(match self.active {
+            Linearization::Condensed => Box::new(Condensed::new(assembler, view, &self.make, self.krylov)?),
+            Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
+                Box::new(Full::new(assembler, (self.make)(Purpose::Exact), self.krylov)?)
+            }
+        })
+    }
+
+    /// Assemble and factorise at the iterate of `view`.
+    ///
+    /// # Errors
+    /// If the matrix is singular, or memory is short.
+    pub fn renew(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        tangent: Tangent,
+        seconds: &mut Seconds,
+    ) -> Result<(), SolverError> {
+        let start = Instant::now();
+        let (slot, sizes, linearization) = (self.slot(), self.sizes, self.active);
+        match &mut self.made[slot] {
+            Some(made) => made.renew_extension(assembler, view)?,
+            None => self.made[slot] = Some(self.make(assembler, view)?),
+        }
+        let made = self.at_hand()?;
+        made.assemble(&mut At { assembler, view, linearization, tangent });
+        let assembled = Instant::now();
+        seconds.assembly += (assembled - start).as_secs_f64();
+        let factored = made.factored().factor(view.rule, sizes);
+        seconds.factorization += assembled.elapsed().as_secs_f64();
+        factored?;
+        self.take_borders(assembler, view, seconds)
+    }
+
+    /// Assemble at the iterate of `view`, and keep the factors.
+    ///
+    /// # Errors
+    /// If there are none.
+    pub fn refresh(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        tangent: Tangent,
+        seconds: &mut Seconds,
+    ) -> Result<(), SolverError> {
+        let (start, linearization) = (Instant::now(), self.active);
+        let made = self.at_hand()?;
+        made.assemble(&mut At { assembler: &mut *assembler, view, linearization, tangent });
+        made.precondition(&assembler.space, view.rule.per_k);
+        seconds.assembly += start.elapsed().as_secs_f64();
+        self.take_borders(assembler, view, seconds)
+    }
+
+    /// Take far couplings and scalar unknowns at the iterate of `view`.
+    fn take_borders(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        seconds: &mut Seconds,
+    ) -> Result<(), SolverError> {
+        let start = Instant::now();
+        let matrix = match self.active {
+            Linearization::Condensed => Matrix::Condensed,
+            Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => Matrix::Whole,
+        };
+        let slot = self.slot();
+        let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
+        self.bordered.renew(&mut **made, matrix, assembler, view)?;
+        seconds.solve += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    /// δ from the residual `r`, both \[v, u, p, s\], by the factors at hand; with `settled` the condensed system takes the
+    /// residual of the extension for zero, which is cheaper. Returns how many times factors were applied.
+    ///
+    /// # Errors
+    /// If the solution is inaccurate or there are no factors.
+    pub fn correct(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        view: &StepView<'_>,
+        settled: bool,
+        r: &[f64],
+        delta: &mut [f64],
+    ) -> Result<usize, SolverError> {
+        let slot = self.slot();
+        let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
+        self.bordered.correct(&mut **made, assembler, view, settled, r, delta)
+    }
+
+    /// What a new Jacobian costs, in iterations, or with GMRES its factors in those.
+    pub fn price(&self) -> f64 {
+        self.made[self.slot()].as_ref().map_or(price::TYPICAL, |made| made.work().price())
+    }
+
+    /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes
+    /// it for granted; with `follow` the extension goes along: the fluid then sees at once what a step behind the
+    /// solid would cost half an iteration later, and a solid that moves by more than the size of a cell
+    /// does not fold its neighbours.
+    pub fn start(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        rule: StepRule,
+        new: &mut State,
+        old: &State,
+        follow: bool,
+    ) {
+        if self.active != Linearization::Condensed || relation::nodes(assembler).next().is_none() {
+            return;
+        }
+        let slot = self.slot();
+        if follow && self.made[slot].is_none() {
+            // What goes wrong here goes wrong again, and is told, where the matrix is made.
+            self.made[slot] = self.make(assembler, &StepView { rule, new, old }).ok();
+        }
+        match &mut self.made[slot] {
+            Some(made) if follow => made.follow(assembler, rule, new, old),
+            _ => relation::impose(assembler, rule, new, old, |_, _| {}),
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! The volume terms of a region: E B D Bᵀ over its cells, `L` at a time.
+
+mod apply;
+mod body_force;
+mod condensed;
+pub mod current_force;
+mod differences;
+mod extension;
+mod fields;
+mod interior;
+mod kernel;
+mod min_jacobian;
+mod nodal;
+mod residual;
+mod tangents;
+
+use super::{
+    Blocks, DataTime, End, Entries, ForceAt, How, Matrix, NotFinite, Operator, Options, Physics,
+    RegionOperator, StepView,
+};
+use crate::algebra::SolverError;
+use crate::loops::batch::Batches;
+use crate::loops::scatter::DROP;
+use crate::loops::slots::Slots;
+use crate::loops::width::Width;
+#[cfg(not(test))]
+use crate::loops::width::{available, best_lanes, compiled};
+use crate::math::Lanes;
+use crate::space::{FsiSpace, Region};
+use crate::tangent::{ByHand, Tangent};
+use current_force::CurrentForce;
+use interior::runs;
+use kernel::Kernel;
+
+/// The operators of all regions, fluid first.
+type Regions<const D: usize> = Vec<Box<dyn RegionOperator<D>>>;
+
+/// The volume terms of the regions that `physics` has, with the lanes that are asked for or, if this build or this
+/// processor has none, with the most it has. `stiffness` is E_e(x) of the extension.
+///
+/// Not generic in the dimension: whoever called it would compile all kernels once more.
+///
+/// # Errors
+/// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
+#[cfg(not(test))]
+pub(crate) fn regions(
+    space: &FsiSpace<2>,
+    physics: &Physics,
+    stiffness: &dyn Fn(&[f64; 2]) -> f64,
+    options: &Options,
+) -> Result<Regions<2>, SolverError> {
+    let there = compiled(options.lanes) && available(options.lanes);
+    match if there { options.lanes } else { best_lanes() } {
+        #[cfg(lanes_8)]
+        8 => in_lanes::<2, 8>(space, physics, stiffness, options),
+        #[cfg(lanes_4)]
+        4 => in_lanes::<2, 4>(space, physics, stiffness, options),
+        _ => in_lanes::<2, 1>(space, physics, stiffness, options),
+    }
+}
+
+/// None: they are not compiled twice for `cargo test`. What assembles is tested in `tests/it`.
+#[cfg(test)]
+pub(crate) fn regions(
+    _: &FsiSpace<2>,
+    _: &Physics,
+    _: &dyn Fn(&[f64; 2]) -> f64,
+    _: &Options,
+) -> Result<Regions<2>, SolverError> {
+    unimplemented!("unit tests have no kernels")
+}
+
+fn in_lanes<const D: usize, const L: usize>(
+    space: &FsiSpace<D>,
+    physics: &Physics,
+    stiffness: &dyn Fn(&[f64; D]) -> f64,
+    options: &Options,
+) -> Result<Regions<D>, SolverError>
+where
+    Lanes<L>: Width,
+{
+    let batches = |region| {
+        let list: Vec<usize> = (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect();
+        let with_pressure = list.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
+        Batches::<D, L>::new(space, &list, with_pressure, options.quadrature, stiffness)
+    };
+    let (threads, mut list): (usize, Regions<D>) = (options.threads, vec![]);
+    if let Some(form) = physics.fluid {
+        list.push(Box::new(Kernel::new(form, space, Region::Fluid, true, batches(Region::Fluid), threads)?));
+    }
+    if let Some(form) = physics.solid {
+        // While it iterates a solid may fold where its law does not mind; not at the end of a step.
+        let guards = physics.fluid.is_none() || form.material.needs_positive_volume();
+        list.push(Box::new(Kernel::new(
+            form,
+            space,
+            Region::Solid,
+            guards,
+            batches(Region::Solid),
+            threads,
+        )?));
+    }
+    Ok(list)
+}
+
+impl<F: ByHand<D> + Send, const D: usize, const L: usize> Operator<D> for Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    fn body(&self) -> Region {
+        self.region
+    }
+
+    fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
+        if let Some(force) = &mut self.current_force {
+            force.set(at);
+        }
+        Ok(())
+    }
+
+    fn set_force(&mut self, end: End, force: Option<ForceAt<'_, D>>) {
+        self.fill_force(end, force);
+    }
+
+    fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
+        self.move_force(step, End::Old, Tangent::Automatic);
+        self.add_explicit(step, out);
+    }
+
+    fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        self.move_force(step, End::New, Tangent::Automatic);
+        let min_j = self.add_residual(step, out);
+        if self.guards { min_j } else { f64::INFINITY }
+    }
+
+    fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        match matrix {
+            Matrix::Whole => self.whole_entries(number, &mut |_, row, column| {
+                if row != DROP {
+                    visit(row, column);
+                }
+            }),
+            Matrix::Condensed => self.condensed_runs(number, &mut |list, _, row, column| {
+                if row != DROP {
+                    (0..runs::<D>()[list] as u32).for_each(|j| visit(row, column + j));
+                }
+            }),
+        }
+    }
+
+    fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
+        let (batches, chunks) = (self.batches.len(), &self.batches.chunks);
+        match matrix {
+            Matrix::Whole => {
+                self.slots = Slots::new(batches, chunks, entries, &[1], |put| {
+                    self.whole_entries(number, &mut |lane, row, column| put(0, lane, row, column));
+                })?;
+            }
+            Matrix::Condensed => {
+                let slots = Slots::new(batches, chunks, entries, &runs::<D>(), |put| {
+                    self.condensed_runs(number, put)
+                })?;
+                if let Some(interior) = &mut self.interior {
+                    interior.slots = slots;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The condensed matrix is that of [`RegionOperator::condense`].
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+        if matrix == Matrix::Whole {
+            self.move_force(step, End::New, how.tangent);
+            self.add_jacobian(step, how.linearization, how.tangent, out);
+        }
+    }
+
+    fn apply(&mut self, matrix: Matrix, step: &StepView<'_>, x: &[f64], y: &mut [f64]) {
+        self.move_force(step, End::New, Tangent::Automatic);
+        self.add_product(matrix, step, x, y);
+    }
+
+    fn extension(&self, step: &StepView<'_>, visit: &mut dyn FnMut(u32, u32, f64)) -> bool {
+        let here = self.region == Region::Fluid;
+        if here {
+            self.visit_extension(step, visit);
+        }
+        here
+    }
+}
+
+impl<F: ByHand<D> + Send, const D: usize, const L: usize> RegionOperator<D> for Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    fn follow(&mut self, force: CurrentForce<D>) {
+        self.current_force = Some(force);
+    }
+
+    fn watch(&mut self, nodes: &[bool]) {
+        self.watch_batches(nodes);
+    }
+
+    fn only_watched(&mut self, only: bool) {
+        self.only_watched = only;
+    }
+
+    fn nodal_min_j(&mut self, space: &FsiSpace<D>, u: &[f64]) -> f64 {
+        self.min_j_at_nodes(space, u)
+    }
+
+    fn worst(&self) -> Option<(f64, Vec<u32>)> {
+        self.worst_cells()
+    }
+
+    fn prepare_condensed(&mut self, space: &FsiSpace<D>, blocks: &Blocks, eliminate: bool) {
+        self.prepare_interior(space, &blocks.cells, eliminate);
+    }
+
+    fn inner(&self, visit: &mut dyn FnMut(u32)) {
+        self.visit_inner(visit);
+    }
+
+    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &Blocks, out: &mut [f64]) {
+        self.move_force(step, End::New, tangent);
+        self.add_condensed(step, tangent, blocks, out);
+    }
+
+    fn eliminate(&mut self, b: &mut [f64]) {
+        self.forward(b);
+    }
+
+    fn recover(&self, x: &mut [f64]) {
+        self.backward(x);
+    }
+}

@@ -1,0 +1,245 @@
+//! What is done with one batch: residual, explicit part, contraction of its tangents ([`super::tangents`]). Each
+//! is compiled for the vector width of its numbers, see [`crate::loops::width`].
+
+use super::kernel::{Kernel, Scratch};
+use super::tangents::{Directions, TangentTasks};
+use crate::loops::evaluate::{pull_back, scatter};
+use crate::loops::scatter::Shared;
+use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
+use crate::loops::width::{Task, Width};
+use crate::math::{Lanes, Scalar, Tensor, Vector};
+use crate::operators::StepView;
+use crate::physics::Tested;
+use crate::tangent::{ByHand, Linearization, Tangent};
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Add all terms of the step but the explicit part to `out`; returns the smallest J at the points.
+    pub(super) fn add_residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
+        let mut min_j = std::mem::take(&mut self.min_j);
+        let slots = Shared::new(&mut min_j);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ResidualTask {
+                    kernel: self,
+                    step,
+                    batch,
+                    scratch,
+                    out: &shared,
+                    min_j: &slots,
+                });
+            });
+        });
+        copies.gather(out);
+        self.row_copies = copies;
+        let smallest = min_j.iter().copied().fold(f64::INFINITY, f64::min);
+        self.min_j = min_j;
+        smallest
+    }
+
+    /// Add the explicit part to `out`.
+    pub(super) fn add_explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ExplicitTask { kernel: self, step, batch, scratch, out: &shared });
+            });
+        });
+        copies.gather(out);
+        self.row_copies = copies;
+    }
+
+    /// Add the Jacobian to the entries `out` of the matrix.
+    pub(super) fn add_jacobian(
+        &mut self,
+        step: &StepView<'_>,
+        linearization: Linearization,
+        tangent: Tangent,
+        out: &mut [f64],
+    ) {
+        let mut slots = std::mem::take(&mut self.slots);
+        slots.fill(out, |slots, out| {
+            self.for_each_batch(|batch| {
+                self.scratch.with(|scratch| {
+                    let slots = slots.of(0, batch);
+                    JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, slots, out }
+                        .run();
+                });
+            });
+        });
+        self.slots = slots;
+    }
+}
+
+pub(super) struct ResidualTask<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+    pub(super) out: &'a Shared<'a>,
+    pub(super) min_j: &'a Shared<'a>,
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
+        let b = &k.batches;
+        k.load(self.step, batch, s, true);
+        s.phi.fill(Vector::zero());
+        s.psi.fill(Vector::zero());
+        s.xi.fill(Lanes::zero());
+        let mut min_j = [f64::INFINITY; L];
+        for q in 0..b.n_points {
+            let index = batch * b.n_points + q;
+            let (new, old) = k.fields(batch, q, s);
+            let mut r = Tested::zero();
+            self.step.rule.residual(&k.form, &k.place(&k.force, index), &new, &new, &old, &mut r);
+            let j = (Tensor::identity() + new.grad_u).det();
+            for l in 0..L {
+                min_j[l] = min_j[l].min(j.0[l]);
+            }
+            let r = pull_back(&r, &b.points[index]);
+            k.test(q, &r, s);
+            let m = b.n_pressure;
+            for (xi, basis) in s.xi.iter_mut().zip(&b.pressure_basis[index * m..(index + 1) * m]) {
+                xi.add_product_lanes(*basis, r.xi);
+            }
+        }
+        k.finish_tests(s);
+        k.scatter_tests(batch, k.deforms, s, self.out);
+        for (l, j) in min_j.into_iter().enumerate() {
+            self.min_j.set(batch * L + l, j);
+        }
+    }
+}
+
+pub(super) struct ExplicitTask<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+    pub(super) out: &'a Shared<'a>,
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
+        let b = &k.batches;
+        k.load(self.step, batch, s, false);
+        s.phi.fill(Vector::zero());
+        s.psi.fill(Vector::zero());
+        for q in 0..b.n_points {
+            let index = batch * b.n_points + q;
+            let (_, old) = k.fields(batch, q, s);
+            let mut r = Tested::zero();
+            self.step.rule.explicit(&k.form, &k.place(&k.force_old, index), &old, &mut r);
+            let r = pull_back(&r, &b.points[index]);
+            k.test(q, &r, s);
+        }
+        k.finish_tests(s);
+        let (n, active) = (b.n_basis, b.active[batch]);
+        scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
+        if k.deforms {
+            scatter(&k.write_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
+        }
+    }
+}
+
+pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) linearization: Linearization,
+    pub(super) tangent: Tangent,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+    pub(super) slots: &'a [[u32; L]],
+    pub(super) out: &'a Shared<'a>,
+}
+
+impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Tangents at the points, then one block of the matrix after the other. Each is an entry of its own
+    /// for the processor: one function of everything would take minutes to compile.
+    pub(super) fn run(self) {
+        let JacobianTask { kernel: k, step, linearization, tangent, batch, scratch: s, slots, out } = self;
+        let directions = Directions::All;
+        TangentTasks { kernel: k, step, linearization, tangent, directions, batch, scratch: s }.run();
+        let tangents = k.tangents(batch, &s.tangent, s.nodal.asked(tangent));
+        let reduced = linearization == Linearization::Reduced && !k.relation();
+        let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, work, out });
+    }
+}
+
+/// BᵀDB block by block, added to the matrix.
+struct ContractTask<'a, const D: usize, const L: usize> {
+    tangents: Tangents<'a, D, L>,
+    pieces: &'a [Piece],
+    /// Without derivatives of momentum and divergence with respect to u.
+    reduced: bool,
+    slots: &'a [[u32; L]],
+    piece: &'a mut [Lanes<L>],
+    /// For sums over one coordinate after the other.
+    work: &'a mut [Lanes<L>],
+    out: &'a Shared<'a>,
+}
+
+impl<const D: usize, const L: usize> Task for ContractTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let (n, m) = (self.tangents.n_basis, self.tangents.n_pressure);
+        let mut slots = self.slots;
+        for piece in self.pieces {
+            let rows = if piece.test == Test::Xi { m } else { n };
+            let size = rows * if piece.trial == Trial::P { m } else { n };
+            let (here, rest) = slots.split_at(size);
+            slots = rest;
+            if self.reduced && matches!((piece.test, piece.trial), (Test::Phi(_) | Test::Xi, Trial::U(_))) {
+                continue;
+            }
+            let block = &mut self.piece[..size];
+            self.tangents.contract(piece, block, self.work);
+            for (slot, value) in here.iter().zip(block.iter()) {
+                for l in 0..L {
+                    self.out.add(slot[l], value.0[l]);
+                }
+            }
+        }
+    }
+}
+
+/// One block of the element matrices.
+pub(super) struct PieceTask<'a, const D: usize, const L: usize> {
+    pub(super) tangents: Tangents<'a, D, L>,
+    pub(super) piece: &'a Piece,
+    pub(super) block: &'a mut [Lanes<L>],
+    pub(super) work: &'a mut [Lanes<L>],
+}
+
+impl<const D: usize, const L: usize> Task for PieceTask<'_, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        self.tangents.contract(self.piece, self.block, self.work);
+    }
+}

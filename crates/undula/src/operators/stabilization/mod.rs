@@ -1,0 +1,263 @@
+//! Stabilisation of the fluid, added to residual and matrices by loops of its own.
+//!
+//! A local projection on patches couples the unknowns of the cells of a patch, so that the loop goes over
+//! patches; without projection, or with one on cells, a patch is one cell. Pairs that need no stabilisation have
+//! no such loop.
+
+mod apply;
+mod differences;
+mod parameters;
+mod patches;
+pub mod tables;
+mod tasks;
+
+use super::{End, Entries, ForceAt, How, Matrix, Operator, Options, StepView};
+use crate::algebra::SolverError;
+use crate::loops::chunks::{Copies, Writes, for_each};
+use crate::loops::scatter::{DROP, PerThread};
+use crate::loops::slots::Slots;
+use crate::loops::test_functions::Trial;
+use crate::loops::width::Width;
+use crate::math::{Lanes, Vector};
+use crate::physics::{Fluid, Mapping, PressureTerm, Stabilization, TransportTerm};
+use crate::space::{FsiSpace, Region};
+use apply::ApplyTask;
+use differences::DifferenceTask;
+use patches::axes;
+pub use patches::patches;
+use tables::Tables;
+use tasks::{MatrixTask, ResidualTask, Scratch};
+
+/// A field of unknowns, and whether momentum and divergence rows depend on it.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub struct Coupling {
+    /// The field; components are numbered apart.
+    pub trial: Trial,
+    /// Momentum.
+    pub phi: bool,
+    /// Divergence.
+    pub xi: bool,
+}
+
+/// Which unknowns the rows of the stabilisation depend on.
+pub fn couplings(how: &Stabilization, deforms: bool) -> Vec<Coupling> {
+    let (momentum, divergence) = (how.transport != TransportTerm::None, how.pressure != PressureTerm::None);
+    let mut list = vec![Coupling {
+        trial: Trial::V(0),
+        phi: momentum,
+        // Frozen parameters leave the pressure alone in the terms that are not residuals.
+        xi: how.pressure == PressureTerm::Pspg,
+    }];
+    if deforms {
+        // Without the map u is in ∂_t u alone.
+        let xi = divergence && (how.map == Mapping::Full || how.pressure == PressureTerm::Pspg);
+        list.push(Coupling { trial: Trial::U(0), phi: momentum, xi });
+    }
+    list.push(Coupling { trial: Trial::P, phi: how.transport == TransportTerm::Supg, xi: divergence });
+    list.retain(|c| c.phi || c.xi);
+    list
+}
+
+/// Where the entries of one matrix go.
+#[derive(Default)]
+struct Target<const L: usize> {
+    couplings: Vec<Coupling>,
+    slots: Slots<L>,
+}
+
+/// The stabilisation on all cells of the fluid, `L` patches at a time.
+pub struct Stabilizer<const D: usize, const L: usize> {
+    how: Stabilization,
+    fluid: Fluid,
+    tables: Tables<D, L>,
+    /// Axes of the reference cell with their weights.
+    axes: Vec<([f64; 3], f64)>,
+    /// Body force at the new and at the old time \[m/s²\]; empty: none.
+    pub force: [Vec<Vector<Lanes<L>, D>>; 2],
+    write_phi: Vec<[u32; L]>,
+    write_xi: Vec<[u32; L]>,
+    row_copies: Copies,
+    targets: [Target<L>; 2],
+    scratch: PerThread<Scratch<D, L>>,
+    deforms: bool,
+    n_v: u32,
+    first_pressure: u32,
+    threads: usize,
+}
+
+impl<const D: usize, const L: usize> Stabilizer<D, L>
+where
+    Lanes<L>: Width,
+{
+    /// Prepare the loops.
+    ///
+    /// # Errors
+    /// If there are too many unknowns to be numbered.
+    pub fn new(
+        how: &Stabilization,
+        fluid: Fluid,
+        space: &FsiSpace<D>,
+        options: &Options,
+    ) -> Result<Stabilizer<D, L>, SolverError> {
+        let tables = Tables::new(space, how, options.quadrature);
+        let (n, m) = (tables.velocity.n, tables.pressure.n);
+        let (n_v, first_pressure) = (space.n_v() as u32, (space.n_v() + space.n_u()) as u32);
+        let mut write_phi: Vec<[u32; L]> =
+            tables.velocity.dofs.iter().map(|l| l.map(|node| node * D as u32)).collect();
+        let mut write_xi: Vec<[u32; L]> =
+            tables.pressure.dofs.iter().map(|l| l.map(|dof| first_pressure + dof)).collect();
+        let mut writes = [(&mut write_phi, n, D), (&mut write_xi, m, 1)].map(|(list, per_batch, width)| {
+            Writes { indices: list.as_flattened_mut(), per_batch: per_batch * L, width }
+        });
+        let row_copies = Copies::new(space.n_unknowns(), &tables.chunks, &mut writes)?;
+        let all = couplings(how, space.deforms);
+        let flow = all.iter().copied().filter(|c| !matches!(c.trial, Trial::U(_))).collect();
+        let columns = 2 * n * D + m;
+        let scratch = PerThread::new(options.threads, || Scratch::new(n, m, columns));
+        Ok(Stabilizer {
+            how: *how,
+            fluid,
+            axes: axes(space.mesh.shape),
+            tables,
+            force: [vec![], vec![]],
+            write_phi,
+            write_xi,
+            row_copies,
+            targets: [all, flow].map(|couplings| Target { couplings, ..Target::default() }),
+            scratch,
+            deforms: space.deforms,
+            n_v,
+            first_pressure,
+            threads: options.threads,
+        })
+    }
+
+    /// Call `visit(lane, row, column)` for every entry in the numbers that `number` gives to places in
+    /// `[v, u, p]`, [`DROP`]ped ones included.
+    fn all_entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(usize, u32, u32)) {
+        let (n, m) = (self.tables.velocity.n, self.tables.pressure.n);
+        for batch in 0..self.tables.n_batches() {
+            let active = self.tables.active[batch];
+            let nodes = &self.tables.velocity.dofs[batch * n..(batch + 1) * n];
+            let pressures = &self.tables.pressure.dofs[batch * m..(batch + 1) * m];
+            let vectors = |first: u32| {
+                nodes.iter().flat_map(move |lanes| {
+                    (0..D as u32).map(move |i| lanes.map(|node| first + node * D as u32 + i))
+                })
+            };
+            let scalars = || pressures.iter().map(|lanes| lanes.map(|dof| self.first_pressure + dof));
+            for coupling in &self.targets[matrix as usize].couplings {
+                let places: Vec<[u32; L]> = match coupling.trial {
+                    Trial::V(_) => vectors(0).collect(),
+                    Trial::U(_) => vectors(self.n_v).collect(),
+                    Trial::P => scalars().collect(),
+                };
+                for column in places {
+                    let phi = vectors(0).filter(|_| coupling.phi);
+                    for row in phi.chain(scalars().filter(|_| coupling.xi)) {
+                        for l in 0..L {
+                            let (row, column) = (number[row[l] as usize], number[column[l] as usize]);
+                            let there = l < active && row != DROP && column != DROP;
+                            visit(l, if there { row } else { DROP }, if there { column } else { DROP });
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
+        for_each(&self.tables.chunks, self.threads, &|chunk| chunk.clone().for_each(&work));
+    }
+}
+
+impl<const D: usize, const L: usize> Operator<D> for Stabilizer<D, L>
+where
+    Lanes<L>: Width,
+{
+    fn body(&self) -> Region {
+        Region::Fluid
+    }
+
+    fn set_force(&mut self, end: End, force: Option<ForceAt<'_, D>>) {
+        let field = &mut self.force[usize::from(end == End::Old)];
+        field.clear();
+        let Some(force) = force else { return };
+        for position in &self.tables.positions {
+            let mut values = Vector([Lanes::splat(0.0); D]);
+            for l in 0..L {
+                let f = force(&std::array::from_fn(|d| position.0[d].0[l]));
+                (0..D).for_each(|d| values.0[d].0[l] = f[d]);
+            }
+            field.push(values);
+        }
+    }
+
+    fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(out);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ResidualTask { of: self, step, batch, scratch, out: &shared });
+            });
+        });
+        copies.gather(out);
+        self.row_copies = copies;
+        f64::INFINITY
+    }
+
+    fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        self.all_entries(matrix, number, &mut |_, row, column| {
+            if row != DROP {
+                visit(row, column);
+            }
+        });
+    }
+
+    fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
+        let (batches, chunks) = (self.tables.n_batches(), &self.tables.chunks);
+        let slots = Slots::new(batches, chunks, entries, &[1], |put| {
+            self.all_entries(matrix, number, &mut |lane, row, column| put(0, lane, row, column));
+        })?;
+        self.targets[matrix as usize].slots = slots;
+        Ok(())
+    }
+
+    /// By dual numbers, but by differences in nodal values where the whole matrix is made of them.
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+        let mut slots = std::mem::take(&mut self.targets[matrix as usize].slots);
+        let couplings = &self.targets[matrix as usize].couplings;
+        slots.fill(out, |slots, out| {
+            self.for_each_batch(|batch| {
+                self.scratch.with(|scratch| {
+                    let slots = slots.of(0, batch);
+                    let task = MatrixTask { of: self, step, couplings, slots, batch, scratch, out };
+                    match how.tangent.nodal() {
+                        Some(by) => Lanes::<L>::dispatch(DifferenceTask { by, task }),
+                        None => Lanes::<L>::dispatch(task),
+                    }
+                });
+            });
+        });
+        self.targets[matrix as usize].slots = slots;
+    }
+
+    fn apply(&mut self, matrix: Matrix, step: &StepView<'_>, x: &[f64], y: &mut [f64]) {
+        let with_u = self.deforms && matrix == Matrix::Whole;
+        let mut copies = std::mem::take(&mut self.row_copies);
+        let shared = copies.share(y);
+        self.for_each_batch(|batch| {
+            self.scratch.with(|scratch| {
+                Lanes::<L>::dispatch(ApplyTask { of: self, step, with_u, x, batch, scratch, out: &shared });
+            });
+        });
+        copies.gather(y);
+        self.row_copies = copies;
+    }
+
+    /// A projection on patches couples the unknowns inside of a cell to those of its neighbours, and constants of the
+    /// pressure are felt by all.
+    fn spans_cells(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,121 @@
+//! The fields of one moment.
+
+/// Values of one quantity at all points or in all cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    /// Name, such as `velocity`.
+    pub name: String,
+    /// Numbers per point or cell. Two are written as three, the last zero: ParaView's vectors have three.
+    pub components: usize,
+    /// `n × components`, the components of one point next to each other; SI units.
+    pub values: Vec<f64>,
+}
+
+impl Field {
+    /// The quantity `name` with `n × components` values.
+    pub fn new(name: impl Into<String>, components: usize, values: Vec<f64>) -> Self {
+        Field { name: name.into(), components, values }
+    }
+}
+
+/// Shape of the cells.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Default)]
+pub enum CellKind {
+    /// `(degree + 1)²` points.
+    #[default]
+    Quadrilateral,
+    /// `(degree + 1) (degree + 2) / 2` points.
+    Triangle,
+}
+
+/// The fields of one moment on cells of degree 1, 2 or higher, triangles up to 3.
+///
+/// Points lie where the material or the mesh is at that moment, so that pictures show the deformed domain
+/// without further filters. The pictures of `undula plot` look for the point data `velocity` \[m/s\],
+/// `pressure` \[Pa\] and for the cell data `solid` (1 in cells of the solid, else 0).
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct FieldSnapshot {
+    /// Shape of the cells.
+    pub kind: CellKind,
+    /// Degree of the cells.
+    pub degree: usize,
+    /// Deformed positions \[m\], the third coordinate zero in 2D.
+    pub points: Vec<[f64; 3]>,
+    /// Points of each cell in lexicographic order, `n_cells × points_per_cell`.
+    pub cells: Vec<u32>,
+    /// Values at points, `n_points × components` each.
+    pub point_data: Vec<Field>,
+    /// Values in cells, `n_cells × components` each.
+    pub cell_data: Vec<Field>,
+}
+
+impl FieldSnapshot {
+    /// Points per cell.
+    pub fn points_per_cell(&self) -> usize {
+        match self.kind {
+            CellKind::Quadrilateral => (self.degree + 1).pow(2),
+            CellKind::Triangle => (self.degree + 1) * (self.degree + 2) / 2,
+        }
+    }
+
+    /// Number of cells.
+    pub fn n_cells(&self) -> usize {
+        self.cells.len() / self.points_per_cell()
+    }
+
+    /// The same points and values with each cell of degree k cut into k² cells of degree 1.
+    ///
+    /// The values at all points stay, and straight cells can be sampled and traced through. The cell data `cell` has the
+    /// number of the curved cell that a straight one is part of.
+    pub fn linear(self) -> FieldSnapshot {
+        let k = self.degree;
+        let n = self.points_per_cell();
+        let pieces = self.pieces();
+        let (per_cell, n_cells) = (k * k, self.n_cells());
+        let cells = self.cells.chunks_exact(n).flat_map(|cell| pieces.iter().map(|&i| cell[i])).collect();
+        let repeated = |field: Field| {
+            let tuples = field.values.chunks_exact(field.components);
+            let values =
+                tuples.flat_map(|tuple| std::iter::repeat_n(tuple, per_cell).flatten().copied()).collect();
+            Field { values, ..field }
+        };
+        let mut cell_data: Vec<Field> = self.cell_data.into_iter().map(repeated).collect();
+        let number = (0..n_cells).flat_map(|cell| std::iter::repeat_n(cell as f64, per_cell)).collect();
+        cell_data.push(Field::new("cell", 1, number));
+        FieldSnapshot { degree: 1, cells, cell_data, ..self }
+    }
+
+    /// The points of the k² straight pieces of a cell, all pieces one after the other, each in lexicographic order.
+    fn pieces(&self) -> Vec<usize> {
+        let k = self.degree;
+        let mut pieces = Vec::new();
+        match self.kind {
+            CellKind::Quadrilateral => {
+                for (j, i) in (0..k).flat_map(|j| (0..k).map(move |i| (j, i))) {
+                    let corner = i + (k + 1) * j;
+                    pieces.extend([corner, corner + 1, corner + k + 1, corner + k + 2]);
+                }
+            }
+            CellKind::Triangle => {
+                let number = |i: usize, j: usize| i + (0..j).map(|row| k + 1 - row).sum::<usize>();
+                for (j, i) in (0..k).flat_map(|j| (0..k - j).map(move |i| (j, i))) {
+                    pieces.extend([number(i, j), number(i + 1, j), number(i, j + 1)]);
+                    if i + j + 2 <= k {
+                        pieces.extend([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
+                    }
+                }
+            }
+        }
+        pieces
+    }
+
+    /// The point data called `name`.
+    pub fn at_points(&self, name: &str) -> Option<&Field> {
+        self.point_data.iter().find(|field| field.name == name)
+    }
+
+    /// The cell data called `name`.
+    pub fn in_cells(&self, name: &str) -> Option<&Field> {
+        self.cell_data.iter().find(|field| field.name == name)
+    }
+}

@@ -1,0 +1,277 @@
+//! A run with its open files: what is written, and when.
+
+use super::checkpoint::{self, OfRun};
+use super::identity::mesh_hash;
+use super::rows::{columns, numbers};
+use super::{Flow, Observer, RunOptions, snapshot};
+use crate::error::Error;
+use crate::functional::balance::Balance;
+use crate::output::{
+    Breakdown, Checkpoint, Collection, HistoryWriter, OutputError, Phases, Precision, Provenance,
+    RunDirectory, Status, Summary, hash, peak_memory, text_of, write_vtu,
+};
+use crate::simulation::{Row, Simulation};
+use std::time::{Duration, Instant};
+
+/// How often a run looks whether its files are still there, besides when it writes one.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// A simulation with its open files.
+pub(super) struct Run {
+    pub simulation: Simulation,
+    pub directory: RunDirectory,
+    history: HistoryWriter,
+    pub collection: Collection,
+    start: Instant,
+    /// Seconds of the runs that this one continues.
+    pub wall_before: f64,
+    pub output_seconds: f64,
+    last_fields: Option<u64>,
+    pub last_checkpoint: Option<u64>,
+    /// Whether it lies on the way to this end alone, as `cut` says.
+    pub last_is_cut: bool,
+    /// When the last checkpoint was written, or the run began.
+    checkpoint_time: Instant,
+    /// When the files were last looked for.
+    looked: Instant,
+    /// The last step that has a row in the history.
+    recorded: u64,
+    /// Hash of the mesh file.
+    mesh: Option<String>,
+    /// Commit of the source of the program.
+    pub commit: Option<String>,
+    /// The end \[s\] that the last steps were shortened for.
+    pub cut: Option<f64>,
+}
+
+impl Run {
+    pub fn create(simulation: Simulation, options: &RunOptions) -> Result<Run, Error> {
+        let directory = RunDirectory::create(&options.directory, options.force).map_err(Error::Directory)?;
+        let history = HistoryWriter::create(directory.history(), &columns(&simulation))?;
+        let collection = Collection::create(directory.collection())?;
+        let run = Run::new(simulation, directory, history, collection);
+        run.write_case()?;
+        run.directory.write_breakdown(None)?;
+        Ok(run)
+    }
+
+    pub fn new(
+        simulation: Simulation,
+        directory: RunDirectory,
+        history: HistoryWriter,
+        collection: Collection,
+    ) -> Run {
+        let now = Instant::now();
+        Run {
+            mesh: mesh_hash(&simulation.case),
+            commit: None,
+            recorded: simulation.steps,
+            simulation,
+            directory,
+            history,
+            collection,
+            start: now,
+            wall_before: 0.0,
+            output_seconds: 0.0,
+            last_fields: None,
+            last_checkpoint: None,
+            last_is_cut: false,
+            checkpoint_time: now,
+            looked: now,
+            cut: None,
+        }
+    }
+
+    pub fn write_case(&self) -> Result<(), Error> {
+        Ok(self.directory.write_case(&self.simulation.case.to_toml_in(self.directory.path()))?)
+    }
+
+    /// Step until the end, a stop, or an error.
+    pub fn advance(&mut self, observer: &mut dyn Observer) -> Result<Flow, Error> {
+        self.write_summary(Status::Running, None)?;
+        while !self.simulation.finished() {
+            if self.simulation.next_is_cut() {
+                // A run to a later end goes on from here.
+                self.write_checkpoint()?;
+                self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
+            }
+            let row = self.simulation.step()?;
+            self.record(&row)?;
+            if observer.after_step(&self.simulation, &row) == Flow::Stop && !self.simulation.finished() {
+                return Ok(Flow::Stop);
+            }
+        }
+        Ok(Flow::Continue)
+    }
+
+    /// Write what is due after a step. The row comes first: a checkpoint without its row would lead nowhere.
+    fn record(&mut self, row: &Row) -> Result<(), Error> {
+        let start = Instant::now();
+        self.history.append(&numbers(row))?;
+        self.recorded = row.step;
+        if start - self.looked >= LOOK {
+            self.verify()?;
+        }
+        if self.are_fields_due() {
+            self.write_fields()?;
+        }
+        if self.is_checkpoint_due() {
+            self.write_checkpoint()?;
+            self.write_summary(Status::Running, None)?;
+        }
+        self.output_seconds += start.elapsed().as_secs_f64();
+        Ok(())
+    }
+
+    fn is_due(&self, every: usize) -> bool {
+        let step = self.simulation.steps;
+        every > 0 && step > 0 && step.is_multiple_of(every as u64)
+    }
+
+    pub fn are_fields_due(&self) -> bool {
+        self.is_due(self.simulation.case.output.fields_every) || self.simulation.is_output_time()
+    }
+
+    fn is_checkpoint_due(&self) -> bool {
+        let output = &self.simulation.case.output;
+        let passed = self.checkpoint_time.elapsed().as_secs_f64() / 60.0;
+        let late = output.checkpoint_minutes > 0.0 && passed >= output.checkpoint_minutes;
+        self.simulation.case.time.is_some() && (self.is_due(output.checkpoint_every) || late)
+    }
+
+    /// Checks that the directory and the history are still those that the run has opened.
+    fn verify(&mut self) -> Result<(), Error> {
+        self.looked = Instant::now();
+        self.directory.verify()?;
+        Ok(self.history.verify()?)
+    }
+
+    fn write_fields(&mut self) -> Result<(), Error> {
+        let step = self.simulation.steps;
+        if self.last_fields == Some(step) {
+            return Ok(());
+        }
+        self.verify()?;
+        let name = self.directory.field_name(step);
+        let stepper = &self.simulation.stepper;
+        let output = &self.simulation.case.output;
+        let snapshot = snapshot(&stepper.assembler.space, &stepper.new, output.deformed);
+        let snapshot = if output.curved { snapshot } else { snapshot.linear() };
+        write_vtu(self.directory.path().join(&name), &snapshot, stepper.time, Precision::Auto)?;
+        self.collection.add(stepper.time, name)?;
+        self.last_fields = Some(step);
+        Ok(())
+    }
+
+    fn write_checkpoint(&mut self) -> Result<(), Error> {
+        let step = self.simulation.steps;
+        if self.last_checkpoint == Some(step) && Checkpoint::path(self.directory.checkpoints(), step).exists()
+        {
+            return Ok(());
+        }
+        self.verify()?;
+        self.history.sync()?;
+        let of_run = OfRun {
+            output_seconds: self.output_seconds,
+            wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
+            mesh: &self.mesh,
+            row: self
+                .simulation
+                .history
+                .last()
+                .filter(|row| row.step == step)
+                .map(|row| text_of(&numbers(row))),
+            cut: self.cut,
+        };
+        let checkpoint = checkpoint::of(&self.simulation, &of_run)?;
+        // Of two on the way to this end alone the later one is enough: the other leads to later ends, too.
+        let former = self.last_checkpoint.filter(|_| self.cut.is_some() && self.last_is_cut);
+        checkpoint.save_instead(self.directory.checkpoints(), step, former)?;
+        (self.last_checkpoint, self.last_is_cut) = (Some(step), self.cut.is_some());
+        self.checkpoint_time = Instant::now();
+        Ok(())
+    }
+
+    fn summary(&self, status: Status, breakdown: Option<Breakdown>) -> Summary {
+        let simulation = &self.simulation;
+        let newton = &simulation.stepper.newton;
+        Summary {
+            status,
+            case: simulation.case.name.clone(),
+            cells: simulation.stepper.assembler.space.mesh.n_cells(),
+            unknowns: simulation.unknowns(),
+            steps: simulation.steps,
+            newton_steps: newton.counters.newton_steps as u64,
+            jacobians: newton.counters.jacobians as u64,
+            rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
+            factorizations: newton.counters.factorizations as u64,
+            threads: simulation.threads(),
+            wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
+            phases: Phases {
+                assembly: newton.seconds.assembly,
+                factorization: newton.seconds.factorization,
+                solve: newton.seconds.solve,
+                output: self.output_seconds,
+            },
+            peak_memory_bytes: peak_memory(),
+            mass_balance: simulation.balance.as_ref().and_then(Balance::mass),
+            swept_volume: simulation.balance.as_ref().and_then(Balance::swept),
+            functionals: simulation.statistics(),
+            breakdown,
+            provenance: Provenance {
+                case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
+                mesh_hash: self.mesh.clone(),
+                ..Provenance::now(self.commit.clone())
+            },
+        }
+    }
+
+    fn write_summary(&self, status: Status, breakdown: Option<Breakdown>) -> Result<Summary, Error> {
+        let summary = self.summary(status, breakdown);
+        summary.write(self.directory.summary())?;
+        Ok(summary)
+    }
+
+    /// Write what is left to write: last fields, a checkpoint if the run can go on, the summary.
+    pub fn close(mut self, status: Status, breakdown: Option<Breakdown>) -> Result<Summary, Error> {
+        let start = Instant::now();
+        // Where there is another directory now, nothing of this run belongs into it.
+        self.directory.verify()?;
+        let lost = self.verify().err();
+        if lost.is_some() && !self.directory.history().exists() {
+            self.write_history()?;
+        }
+        let transient = self.simulation.case.time.is_some();
+        let fields = if self.simulation.history.is_empty() { Ok(()) } else { self.write_fields() };
+        // A state whose row could not be written is kept nevertheless: the checkpoint has its row.
+        let checkpoint = if transient { self.write_checkpoint() } else { Ok(()) };
+        self.output_seconds += start.elapsed().as_secs_f64();
+        let errors = [lost.map_or(Ok(()), Err), fields, checkpoint, self.check_files()];
+        let failed = errors.iter().any(Result::is_err);
+        // The summary is written even where the disk refused the rest: it is small.
+        let summary = self.write_summary(if failed { Status::Failed } else { status }, breakdown)?;
+        errors.into_iter().collect::<Result<(), Error>>()?;
+        Ok(summary)
+    }
+
+    /// Write the history anew from memory.
+    fn write_history(&mut self) -> Result<(), Error> {
+        self.history = HistoryWriter::create(self.directory.history(), &columns(&self.simulation))?;
+        for row in self.simulation.history.iter().filter(|row| row.step <= self.recorded) {
+            self.history.append(&numbers(row))?;
+        }
+        Ok(())
+    }
+
+    /// Checks that no file of the run was removed; the case and the list of fields are written again.
+    fn check_files(&self) -> Result<(), Error> {
+        if !self.directory.case().exists() {
+            self.write_case()?;
+        }
+        self.collection.restore()?;
+        match self.collection.missing() {
+            Some(path) => Err(OutputError::Lost { path, content: "others beside it" }.into()),
+            None => Ok(()),
+        }
+    }
+}

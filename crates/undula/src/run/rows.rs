@@ -1,0 +1,34 @@
+//! Rows of a simulation as lines of `history.csv`.
+
+use crate::simulation::{Row, Simulation};
+use std::sync::Arc;
+
+/// All columns of `history.csv`.
+pub(super) fn columns(simulation: &Simulation) -> Vec<String> {
+    let mut columns: Vec<String> = ["step", "time", "force_time"].map(String::from).to_vec();
+    columns.extend(simulation.names());
+    columns.extend(["min_J", "newton_steps", "jacobians"].map(String::from));
+    columns
+}
+
+/// A row in the order of the columns.
+pub(super) fn numbers(row: &Row) -> Vec<f64> {
+    let mut numbers = vec![row.step as f64, row.time, row.force_time];
+    numbers.extend(&row.values);
+    numbers.extend([row.min_j, row.newton_steps as f64, row.jacobians as f64]);
+    numbers
+}
+
+pub(super) fn read_row(row: &[f64], names: &Arc<[String]>) -> Row {
+    let n = names.len();
+    Row {
+        step: row[0] as u64,
+        time: row[1],
+        force_time: row[2],
+        values: row[3..3 + n].to_vec(),
+        min_j: row[3 + n],
+        newton_steps: row[4 + n] as usize,
+        jacobians: row[5 + n] as usize,
+        names: names.clone(),
+    }
+}

@@ -1,0 +1,80 @@
+//! Quadrature points of facets, and fields there.
+
+use crate::element::Quadrature;
+use crate::math::{Tensor, Vector};
+use crate::mesh::Facet;
+use crate::physics::Fields;
+use crate::space::{FsiSpace, State};
+
+/// One quadrature point on a facet.
+#[derive(Clone, Debug)]
+pub struct FacetPoint<const D: usize> {
+    /// Reference coordinates in the cell.
+    pub xi: [f64; D],
+    /// Position \[m\].
+    pub x: [f64; D],
+    /// Outer unit normal of the cell.
+    pub normal: Vector<f64, D>,
+    /// Quadrature weight times surface element \[m^(D−1)\].
+    pub weight: f64,
+    /// Basis of v and u, `[basis]`.
+    pub value: Vec<f64>,
+    /// Its gradient with respect to x, `[basis][d]`.
+    pub grad: Vec<[f64; D]>,
+}
+
+/// Quadrature points of `facet` with `n` Gauss points per direction.
+pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize) -> Vec<FacetPoint<D>> {
+    let mesh = &space.mesh;
+    let (cell, local) = (facet.cell as usize, facet.local as usize);
+    let rule = Quadrature::facet(mesh.shape, local, n);
+    let table = space.nodes.table(mesh.shape, &rule);
+    let mut points = vec![];
+    for (q, xi) in rule.points.iter().enumerate() {
+        let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+        let jacobian = Tensor(mesh.map_gradient(cell, xi));
+        let cofactor = jacobian.cofactor();
+        let inverse_t = cofactor * (1.0 / jacobian.det());
+        // Nanson: n dS = cof(DX) N dS for the reference normal N of the facet.
+        let normal = mesh.shape.facet_normal(local);
+        let area = cofactor * Vector(std::array::from_fn(|d| normal[d]));
+        let size = area.dot(area).sqrt();
+        let grad = |a: usize| {
+            let reference = Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
+            (inverse_t * reference).0
+        };
+        points.push(FacetPoint {
+            xi,
+            x: mesh.map(cell, xi),
+            normal: area * (1.0 / size),
+            weight: rule.weights[q] * size,
+            value: table.value(q).to_vec(),
+            grad: (0..table.n_basis).map(grad).collect(),
+        });
+    }
+    points
+}
+
+/// Fields v and u of `state` at a point of a cell with the given nodes; p stays zero.
+pub fn fields_at<const D: usize>(
+    nodes: &[u32],
+    value: &[f64],
+    grad: &[[f64; D]],
+    state: &State,
+) -> Fields<f64, D> {
+    let mut f = Fields::zero();
+    for (a, &node) in nodes.iter().enumerate() {
+        let at = node as usize * D;
+        for i in 0..D {
+            let v = state.v[at + i];
+            let u = if state.u.is_empty() { 0.0 } else { state.u[at + i] };
+            f.v.0[i] += value[a] * v;
+            f.u.0[i] += value[a] * u;
+            for d in 0..D {
+                f.grad_v.0[i][d] += grad[a][d] * v;
+                f.grad_u.0[i][d] += grad[a][d] * u;
+            }
+        }
+    }
+    f
+}

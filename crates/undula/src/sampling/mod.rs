@@ -1,0 +1,7 @@
+//! Fields at points of cells and facets, one by one in `f64`: for functionals, errors, sources and terms on the boundary.
+
+pub mod facets;
+pub mod points;
+
+pub use facets::{FacetPoint, facet_points, fields_at};
+pub use points::{PointValues, for_each_point};

@@ -1,0 +1,107 @@
+//! The extension as a system of its own: δu in the fluid from δu on the interface.
+//!
+//! Where the model is linear its matrix stays for the run, and is factorised once.
+
+use crate::algebra::{Csr, Pattern};
+use crate::loops::scatter::DROP;
+use crate::space::{Constraints, FsiSpace, PsiOwner};
+use std::sync::Arc;
+
+/// `A_F δu_F = r_F − A_I δu_I` over the free unknowns of the fluid off the interface.
+#[derive(Clone, Debug)]
+pub struct ExtensionSystem {
+    /// A_F.
+    pub matrix: Csr,
+    /// Place in `[v, u, p]` of each unknown.
+    pub places: Vec<u32>,
+    /// Rows of A_I that are not zero, with the ends of their entries.
+    rows: Vec<(u32, u32)>,
+    /// Entries of A_I: place in `[v, u, p]`, value.
+    entries: Vec<(u32, f64)>,
+    /// Where each entry visited goes: in the matrix, behind it in `entries`, or nowhere.
+    slots: Vec<u32>,
+}
+
+impl ExtensionSystem {
+    /// From `visit`, which calls back with (row, column, value) by places in `[v, u, p]`, always alike.
+    pub(super) fn new<const D: usize>(
+        space: &FsiSpace<D>,
+        constraints: &Constraints<D>,
+        mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64)),
+    ) -> ExtensionSystem {
+        let first = space.n_v() as u32;
+        let given = |place: u32| constraints.u[(place - first) as usize / D][(place - first) as usize % D];
+        let mut number = vec![DROP; space.n_unknowns()];
+        let mut places = vec![];
+        for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
+            for place in (0..D).map(|i| first + (node * D + i) as u32).filter(|&place| !given(place)) {
+                number[place as usize] = places.len() as u32;
+                places.push(place);
+            }
+        }
+        let mut lists: Vec<Vec<u32>> = vec![vec![]; places.len()];
+        let mut interface: Vec<Vec<u32>> = vec![vec![]; places.len()];
+        visit(&mut |row, column, _| {
+            let (row, other) = (number[row as usize], number[column as usize]);
+            match (row, other) {
+                (DROP, _) => {}
+                (row, DROP) if !given(column) => interface[row as usize].push(column),
+                (_, DROP) => {}
+                (row, other) => lists[row as usize].push(other),
+            }
+        });
+        let pattern = Arc::new(Pattern::from_rows(&lists));
+        drop(lists);
+        let (mut rows, mut entries, mut starts) = (vec![], vec![], vec![0; places.len()]);
+        for (row, list) in interface.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
+            starts[row] = entries.len();
+            entries.extend(list.iter().map(|&place| (place, 0.0)));
+            rows.push((row as u32, entries.len() as u32));
+        }
+        let (behind, mut slots) = (pattern.nnz() as u32, vec![]);
+        visit(&mut |row, column, _| {
+            let (row, other) = (number[row as usize], number[column as usize]);
+            slots.push(match (row, other) {
+                (DROP, _) => DROP,
+                (row, DROP) if !given(column) => {
+                    starts[row as usize] += 1;
+                    behind + starts[row as usize] as u32 - 1
+                }
+                (_, DROP) => DROP,
+                (row, other) => pattern.find(row as usize, other as usize).map_or(DROP, |at| at as u32),
+            });
+        });
+        let mut system = ExtensionSystem { matrix: Csr::zeros(&pattern), places, rows, entries, slots };
+        system.fill(visit);
+        system
+    }
+
+    /// Take the values that `visit` calls back with, in the same order as before.
+    pub(super) fn fill(&mut self, mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64))) {
+        let Self { matrix, entries, slots, .. } = self;
+        let behind = matrix.values.len();
+        matrix.values.fill(0.0);
+        let mut slots = slots.iter();
+        visit(&mut |_, _, value| match slots.next() {
+            None | Some(&DROP) => {}
+            Some(&at) if (at as usize) < behind => matrix.values[at as usize] += value,
+            Some(&at) => entries[at as usize - behind].1 = value,
+        });
+    }
+
+    /// `b ← r_F − A_I δu_I` with the residual `r` and the update `delta`, both `[v, u, p]`; without `r` it is zero
+    /// but for the neighbours of the interface.
+    pub fn right_hand_side(&self, r: Option<&[f64]>, delta: &[f64], b: &mut [f64]) {
+        match r {
+            Some(r) => b.iter_mut().zip(&self.places).for_each(|(b, &place)| *b = r[place as usize]),
+            None => b.fill(0.0),
+        }
+        let mut start = 0;
+        for &(row, end) in &self.rows {
+            for &(place, value) in &self.entries[start..end as usize] {
+                b[row as usize] -= value * delta[place as usize];
+            }
+            start = end as usize;
+        }
+    }
+}

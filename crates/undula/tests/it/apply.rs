@@ -1,0 +1,157 @@
+//! The product of the Jacobian with a vector without a matrix, against the matrices.
+
+use crate::manufactured::*;
+use std::sync::Arc;
+use undula::algebra::Csr;
+use undula::mesh::Side;
+use undula::operators::Operator;
+use undula::operators::outflow::OutflowFacets;
+use undula::physics::rule::SECANT;
+use undula::physics::{Extension, Fluid, PressureTerm, Stabilization, StepRule, TransportTerm};
+use undula::space::PressureKind::{Continuous, Pdc};
+use undula::space::{BoundaryCondition, State};
+use undula::system::{Assembler, CurrentForce, Options, StepView};
+use undula::tangent::Tangent;
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
+
+const RULES: [StepRule; 2] =
+    [StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] }, StepRule::STATIONARY];
+
+/// Bent cells, an outflow with both of its terms.
+fn coupled(pair: Pair, fluid: Fluid) -> Manufactured {
+    let zero = number(0.0);
+    let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
+    let physics = undula::system::Physics { fluid: Some(fluid), ..FSI };
+    let space = pair.space(&square(4, Cells::Curved, Body::Block), &physics);
+    let mut problem = problem_in(space, physics, nothing, InTime::Difference, pair.quadrature());
+    for condition in &mut problem.conditions {
+        if let BoundaryCondition::Outflow { directional, .. } = condition {
+            *directional = true;
+        }
+    }
+    problem
+}
+
+fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
+    let (space, mut random) = (&problem.space, Random(seed));
+    let closer = 2.0 / space.nodes.degree as f64;
+    let mut list = |n: usize, size: f64| (0..n).map(|_| closer * size * random.next()).collect();
+    State {
+        v: list(space.n_v(), sizes[0]),
+        u: list(space.n_u(), sizes[1]),
+        p: list(space.n_p(), sizes[2]),
+        s: vec![],
+    }
+}
+
+fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+fn gap(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest(b)
+}
+
+/// A x by the whole matrix and without one; S x of the condensed matrix by elimination and without one.
+fn check(problem: &Manufactured, assembler: &mut Assembler<2>, rule: StepRule) {
+    let (new, old) = (random(problem, 77, [2.0, 0.02, 4.0]), random(problem, 78, [2.0, 0.02, 4.0]));
+    let step = StepView { rule, new: &new, old: &old };
+    let State { v, u, p, .. } = random(problem, 5, [1.0; 3]);
+    let (x, mut work) = ([v, u, p].concat(), vec![]);
+    let n = x.len();
+    let (mut by_matrix, mut product) = (vec![0.0; n], vec![0.0; n]);
+    let mut matrix = Csr::zeros(&assembler.pattern());
+    assembler.jacobian(&step, Tangent::Automatic, &mut matrix);
+    matrix.mul(&x, &mut by_matrix);
+    assembler.apply(&step, &x, &mut product, &mut work);
+    let whole = gap(&product, &by_matrix);
+    assert!(whole < 1e-13, "whole matrix: {whole:e}, {rule:?}");
+
+    if rule == StepRule::STATIONARY {
+        // In the condensed matrix u moves by kθ v.
+        return;
+    }
+    let system = assembler.condensed();
+    let mut condensed = Csr::zeros(&system.pattern);
+    assembler.condensed_matrix(&step, Tangent::Automatic, &mut condensed);
+    let outer: Vec<f64> = system.places.iter().map(|&place| x[place as usize]).collect();
+    let mut expected = vec![0.0; outer.len()];
+    condensed.mul(&outer, &mut expected);
+    // With x_i = −A_ii⁻¹ A_io x_o inside, the inner rows vanish and the outer ones are S x_o.
+    let (mut inner, mut filled) = (vec![0.0; n], vec![0.0; n]);
+    assembler.eliminate_inner(&mut inner);
+    system.places.iter().zip(&outer).for_each(|(&place, x)| filled[place as usize] = *x);
+    assembler.recover_inner(&mut filled);
+    assembler.apply_condensed(&step, &filled, &mut product, &mut work);
+    let found: Vec<f64> = system.places.iter().map(|&place| product[place as usize]).collect();
+    let outside = gap(&found, &expected);
+    assert!(outside < 1e-12, "condensed matrix: {outside:e}");
+    system.places.iter().for_each(|&place| product[place as usize] = 0.0);
+    let inside = largest(&product) / largest(&expected);
+    assert!(inside < 1e-12, "inner rows: {inside:e}");
+}
+
+#[test]
+fn products_are_those_of_the_matrices() {
+    let quick = Options { lanes: 1, ..options() };
+    for (degree, pressure) in [(2, Pdc(1)), (2, Continuous(1)), (3, Pdc(2)), (4, Pdc(3))] {
+        let pair = quadrilaterals(degree, pressure);
+        let problem = coupled(pair, AUXETIC);
+        for rule in RULES {
+            for lanes in [1, 8] {
+                let options = Options { lanes, quadrature: pair.quadrature(), ..quick };
+                check(&problem, &mut problem.assembler(&options), rule);
+            }
+        }
+    }
+    for extension in EXTENSIONS {
+        let problem = coupled(quadrilaterals(2, Pdc(1)), Fluid { extension, ..FLUID });
+        check(&problem, &mut problem.assembler(&options()), RULES[0]);
+    }
+}
+
+/// Terms that few problems have: stabilisation, and a force at the current position.
+#[test]
+fn products_have_all_terms() {
+    let pair = quadrilaterals(1, Continuous(1));
+    let problem = coupled(pair, Fluid { extension: Extension::Harmonic, ..FLUID });
+    let how =
+        Stabilization { transport: TransportTerm::Supg, pressure: PressureTerm::Pspg, ..Stabilization::NONE };
+    let options = Options { quadrature: pair.quadrature(), ..options() };
+    let mut assembler = problem.assembler(&options);
+    assembler.stabilize(&how, &options).unwrap();
+    assembler.follow(CurrentForce::new(Box::new(|x, _| {
+        ([x[0] * x[1], x[1].sin()], [[x[1], x[0]], [0.0, x[1].cos()]])
+    })));
+    for rule in RULES {
+        check(&problem, &mut assembler, rule);
+    }
+}
+
+/// What an outlet adds to all test functions is what its facets add: φ sum up to 1. With both terms, in motion.
+#[test]
+fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
+    let problem = coupled(quadrilaterals(2, Pdc(1)), AUXETIC);
+    let mut outflow =
+        OutflowFacets::new(&problem.space, Some(AUXETIC), &problem.conditions, problem.quadrature);
+    assert!(!outflow.is_empty());
+    let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));
+    let sides: Vec<Side> = problem.space.mesh.facets.iter().map(|facet| facet.side()).collect();
+    for rule in [RULES[0], StepRule::galerkin(0.05), StepRule::theta(0.05, 1.0)] {
+        let step = StepView { rule, new: &new, old: &old };
+        let mut rows = vec![0.0; problem.space.n_unknowns()];
+        outflow.residual(&step, &mut rows);
+        if rule.has_explicit() {
+            outflow.explicit(&step, &mut rows);
+        }
+        let sum = outflow.force_through(&step, &sides);
+        for i in 0..2 {
+            let expected: f64 = rows[..problem.space.n_v()].iter().skip(i).step_by(2).sum();
+            assert!(
+                (sum.0[i] - expected).abs() < 1e-12 * largest(&rows),
+                "{}, {expected}: {rule:?}",
+                sum.0[i]
+            );
+        }
+    }
+}
