@@ -183,6 +183,21 @@ fn a_given_flow_has_a_scalar_unknown() {
     }
 }
 
+/// Two borders at a time: with a resistance at the inlet as well, p − R Q is what drives the flow.
+#[test]
+fn borders_are_solved_together() {
+    let (p, q, resistance) = (3.2, 0.4, 1.5);
+    for more in [&[][..], &["time.scheme=bdf2", "time.step=0.2", "time.end=20"]] {
+        let mut simulation =
+            with(channel(p, q, more), |flow| Outlet::Given { flow, given: q, scalar: 0, row: 0 });
+        let inlet = flow(&simulation.stepper.assembler, "left");
+        simulation.add_term(Box::new(Outlet::Resistance { resistance, flow: inlet }));
+        assert!((run(&mut simulation) / q - 1.0).abs() < 1e-8, "{more:?}");
+        let found = simulation.stepper.new.s[0];
+        assert!((found - (p - resistance * q - 4.8 * q)).abs() < 1e-6, "{more:?}: {found}");
+    }
+}
+
 /// The product without a matrix is the limit of differences of the residual, borders included.
 #[test]
 fn products_have_borders() {
