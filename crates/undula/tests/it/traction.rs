@@ -59,10 +59,18 @@ fn close(found: [f64; 3], expected: [f64; 3], what: &str) {
 
 #[test]
 fn tractions_drive_a_channel() {
-    let mut simulation = Simulation::new(channel("1", &[]), 1).unwrap();
-    close(flow(&mut simulation), [2.0 / 3.0, -3.2, 3.2], "stationary");
-    let p = simulation.fields().at([1.0, 0.5]).unwrap().pressure;
-    assert!((p - 2.4).abs() < 1e-9, "{p}");
+    let elements: [&[&str]; 4] = [
+        &[],
+        &["space.velocity=Q3", "space.pressure=P2dc"],
+        &["space.velocity=P2", "space.pressure=P1"],
+        &["space.velocity=P2-bubble", "space.pressure=P1dc"],
+    ];
+    for elements in elements {
+        let mut simulation = Simulation::new(channel("1", elements), 1).unwrap();
+        close(flow(&mut simulation), [2.0 / 3.0, -3.2, 3.2], &format!("{elements:?}"));
+        let p = simulation.fields().at([1.0, 0.5]).unwrap().pressure;
+        assert!((p - 2.4).abs() < 1e-9, "{elements:?}: {p}");
+    }
 }
 
 /// A flow that grows like t with the body force that it needs is exact in every scheme; forces are those at the middle of
