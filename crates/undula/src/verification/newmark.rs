@@ -9,6 +9,8 @@
 //! scheme, M (v − v⁻)/k + A(u⁻) = F.
 
 use super::equal_steps;
+use crate::case::conditions::Pair;
+use crate::case::expression::Expression;
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::time::{Scheme, Stepper};
@@ -44,9 +46,13 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
         let message = "Newmark's method is compared under a force that does not depend on t";
         return Err(case.refuse("solid.body-force", message.into()));
     }
-    let moves = |condition: &&Condition| matches!(condition, Condition::Velocity(_));
-    if case.boundary.values().find(moves).is_some() {
-        let message = "Newmark's method is compared with boundaries that are held or free";
+    let changes = |condition: &Condition| {
+        let in_time = |data: &Pair| data.iter().any(Expression::depends_on_time);
+        matches!(condition, Condition::Velocity(_)) || condition.data().is_some_and(in_time)
+    };
+    if case.boundary.values().any(changes) {
+        let message =
+            "Newmark's method is compared with boundaries that are held, free, or under a constant traction";
         return Err(case.refuse("boundary", message.into()));
     }
     let mut steppers = vec![];

@@ -90,6 +90,10 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
         let message = "the known solution lives on the unit square: expected a mesh of (0, 1)²";
         return Err(case.refuse("mesh", message.into()));
     }
+    if let Some((name, _)) = case.boundary.iter().find(|(_, c)| matches!(c, Condition::Traction(_))) {
+        let message = "the known solution has its own data: expected a velocity, a wall or an outflow";
+        return Err(case.refuse(&format!("boundary.{name}.condition"), message.into()));
+    }
     let k = equal_steps(case)?.unwrap_or(1.0);
     let in_time = case.time.as_ref();
     if in_time.is_none() {

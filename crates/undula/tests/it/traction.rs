@@ -3,6 +3,8 @@
 use crate::common::{SCHEMES, sets, wrong};
 use undula::case::Case;
 use undula::simulation::Simulation;
+use undula::verification::newmark::newmark;
+use undula::verification::unit_square::errors;
 
 /// Poiseuille's flow between two plates, driven by the tractions at both ends: with ρ = 1, ν = 0.1 and v = 4 y (1 − y) a
 /// the pressure falls by 3.2 a, and σ n has the shear stress ±0.1 · 4 (1 − 2 y) a besides. a is 1 or t.
@@ -182,4 +184,21 @@ fn tractions_are_read_like_velocities() {
     assert!(message.contains("boundary.left.traction") && message.contains("finite"), "{message}");
     let again = Case::from_toml(&channel("1", &[]).to_toml(), "again.toml", &[]).unwrap();
     assert_eq!(again.boundary, channel("1", &[]).boundary);
+}
+
+/// Where a load would be left out, or taken at one time alone, it is refused.
+#[test]
+fn comparisons_that_have_no_loads_refuse_them() {
+    let message =
+        errors(&channel("1", &["mesh.upper=[1,1]"])).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains("boundary.left.condition"), "{message}");
+    let body = "[mesh]\ngenerator = \"box\"\nlower = [0,0]\nupper = [1,1]\ncells = [2,2]\nregion = { solid = \"1\" }\n\
+                [solid]\ndensity = 1\nmu = 3\nlambda = 4\n[boundary.left]\ncondition = \"clamped\"\n[boundary.right]\n\
+                condition = \"traction\"\ntraction = [0, \"1e-3*t\"]\n[boundary.top]\ncondition = \"traction-free\"\n\
+                [boundary.bottom]\ncondition = \"traction-free\"\n[time]\nstep = 0.1\nend = 0.5\n";
+    let case = |more: &[&str]| Case::from_toml(body, "body.toml", &sets(more)).unwrap();
+    let message = newmark(&case(&[]), 1).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains("constant traction"), "{message}");
+    let beside = newmark(&case(&["boundary.right.traction=[0,1e-3]"]), 1).unwrap();
+    assert!(beside.difference < 1e-6, "{}", beside.difference);
 }
