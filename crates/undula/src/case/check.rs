@@ -175,10 +175,10 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
     let message =
         "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
     for (name, condition) in &case.boundary {
-        if let super::schema::Condition::Velocity(v) = condition
-            && v.iter().any(super::expression::Expression::depends_on_time)
-        {
-            root.section("boundary").section(name).wrong("velocity", message);
+        for (key, data) in condition.expressions() {
+            if data.iter().any(super::expression::Expression::depends_on_time) {
+                root.section("boundary").section(name).wrong(key, message);
+            }
         }
     }
     let fluid = case.fluid.as_ref().map(|f| ("fluid", &f.body_force));

@@ -9,6 +9,12 @@ pub static BODY_FORCE_AT: [Choice<bool>; 2] = [
     choice("current", true, "at the current position x + u"),
 ];
 
+/// Whether a pressure acts on the boundary in motion.
+pub static PRESSURE_AT: [Choice<bool>; 2] = [
+    choice("current", true, "normal and area of the boundary in motion, J F⁻ᵀ n: the load follows it"),
+    choice("reference", false, "normal and area of the reference boundary: a dead load"),
+];
+
 /// Whether an outlet has the directional term.
 pub static BACKFLOW: [Choice<bool>; 2] = [
     choice("none", false, "no term against flow that comes in"),

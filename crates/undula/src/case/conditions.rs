@@ -1,5 +1,6 @@
 //! Conditions on boundaries, with the keys of their data.
 
+use super::choices::PRESSURE_AT;
 use super::expression::Expression;
 use super::key::Key;
 use crate::choice::{Choice, choice, row_of};
@@ -25,20 +26,32 @@ pub enum Condition {
     Clamped,
     /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
     Traction(Pair),
+    /// ρν ∇v n − p n = −P n for the fluid, whose boundary moves as with `DoNothing`; σ n = −P n for the solid.
+    Pressure {
+        /// P \[Pa\] at the reference position.
+        pressure: Expression,
+        /// Whether n and the area are those of the boundary in motion.
+        follows: bool,
+    },
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 6] = [
+pub static CONDITIONS: [Choice<Condition>; 7] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
     choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
     choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
     choice("traction", Condition::Traction(EMPTY), "prescribed force per area of the reference boundary"),
+    choice(
+        "pressure",
+        Condition::Pressure { pressure: Expression::EMPTY, follows: true },
+        "prescribed pressure P: ρν ∂v/∂n − p n = −P n of the fluid, σ n = −P n of the solid",
+    ),
 ];
 
-/// Keys of data, two expressions each: the name of a key in the table of a boundary is that of its condition.
-pub static DATA: [Key; 2] = [
+/// Keys of their data.
+pub static DATA: [Key; 4] = [
     Key::data(
         "boundary.NAME.velocity",
         "m/s",
@@ -51,7 +64,30 @@ pub static DATA: [Key; 2] = [
         "traction: required",
         "two expressions of x, y, t at the reference position, as [\"3.2\", 0]",
     ),
+    Key::data(
+        "boundary.NAME.pressure",
+        "Pa",
+        "pressure: required",
+        "expression of x, y, t at the reference position",
+    ),
+    Key {
+        key: "boundary.NAME.at",
+        unit: "",
+        default: "current",
+        about: "where the pressure of a condition `pressure` acts",
+        choices: Some(&PRESSURE_AT),
+    },
 ];
+
+/// One datum of a condition.
+pub enum Datum<'a> {
+    /// Two components.
+    Pair(&'a mut Pair),
+    /// One expression.
+    Scalar(&'a mut Expression),
+    /// A word.
+    Word(&'static [Choice<bool>], &'a mut bool),
+}
 
 impl Condition {
     /// The name in a case.
@@ -59,18 +95,40 @@ impl Condition {
         row_of(&CONDITIONS, self).map_or("", |row| row.name)
     }
 
-    /// Its data, for the key with the name of the condition.
-    pub fn data(&self) -> Option<&Pair> {
+    /// Its data by the last part of their keys.
+    pub(super) fn data_mut(&mut self) -> Vec<(&'static str, Datum<'_>)> {
         match self {
-            Condition::Velocity(data) | Condition::Traction(data) => Some(data),
-            Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => None,
+            Condition::Velocity(data) => vec![("velocity", Datum::Pair(data))],
+            Condition::Traction(data) => vec![("traction", Datum::Pair(data))],
+            Condition::Pressure { pressure, follows } => {
+                vec![("pressure", Datum::Scalar(pressure)), ("at", Datum::Word(&PRESSURE_AT, follows))]
+            }
+            Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => vec![],
         }
     }
 
-    pub(super) fn data_mut(&mut self) -> Option<&mut Pair> {
+    /// Its expressions by the last part of their keys.
+    pub fn expressions(&self) -> Vec<(&'static str, Vec<Expression>)> {
+        let mut copy = self.clone();
+        let of = |(name, datum): (&'static str, Datum<'_>)| match datum {
+            Datum::Pair(pair) => Some((name, pair.to_vec())),
+            Datum::Scalar(one) => Some((name, vec![one.clone()])),
+            Datum::Word(..) => None,
+        };
+        copy.data_mut().into_iter().filter_map(of).collect()
+    }
+
+    /// Whether its data depend on time.
+    pub fn depends_on_time(&self) -> bool {
+        self.expressions().iter().any(|(_, data)| data.iter().any(Expression::depends_on_time))
+    }
+
+    /// Whether it has a meaning on a boundary of the fluid, of the solid, or of both.
+    pub fn suits(&self, fluid: bool, solid: bool) -> bool {
         match self {
-            Condition::Velocity(data) | Condition::Traction(data) => Some(data),
-            Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => None,
+            Condition::Velocity(_) | Condition::DoNothing => fluid,
+            Condition::Clamped => solid,
+            _ => true,
         }
     }
 

@@ -1,6 +1,7 @@
 //! A case as TOML with all defaults resolved.
 
 use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::conditions::Datum;
 use super::expression::Expression;
 use super::functionals::{FUNCTIONALS, FunctionalSpec};
 use super::literal::{number, pair, string};
@@ -310,8 +311,12 @@ fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
     out.word("condition", condition.name());
-    if let Some(data) = condition.data() {
-        out.key(condition.name(), expressions(data));
+    for (name, datum) in condition.clone().data_mut() {
+        match datum {
+            Datum::Pair(pair) => out.key(name, expressions(pair)),
+            Datum::Scalar(one) => out.key(name, expression(one)),
+            Datum::Word(choices, value) => out.word(name, name_of(choices, value)),
+        }
     }
 }
 

@@ -12,14 +12,18 @@ pub(super) struct Columns<const D: usize> {
 }
 
 impl<const D: usize> Columns<D> {
-    /// Add the derivative in every direction; it is told whether the direction is that of the value of u.
-    pub(super) fn add(&mut self, derivative: impl Fn(&Fields<f64, D>, bool) -> Vector<f64, D>) {
+    /// Add the derivative in every direction of `fields`; it is told whether the direction is that of the value of u.
+    pub(super) fn add(
+        &mut self,
+        fields: &[usize],
+        derivative: impl Fn(&Fields<f64, D>, bool) -> Vector<f64, D>,
+    ) {
         let column = |n: usize, of_u: bool| {
             let mut w = Fields::zero();
             *w.component(n) = 1.0;
             derivative(&w, of_u)
         };
-        for field in 0..2 {
+        for &field in fields {
             let first = field * (D + D * D);
             for j in 0..D {
                 self.value[field][j] += column(first + j, field == 1);

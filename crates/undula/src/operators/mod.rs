@@ -7,10 +7,13 @@
 // Unit tests have no kernels, see `region`.
 #![cfg_attr(test, allow(dead_code))]
 
+pub mod backflow;
 pub mod biharmonic;
 pub mod border;
 mod columns;
+pub mod facets;
 pub mod outflow;
+pub mod pressure;
 pub mod region;
 pub mod stabilization;
 pub mod traction;
@@ -129,7 +132,8 @@ pub struct NotFinite<const D: usize> {
 ///   [`Operator::force_through`], without which the functional `force` is wrong there: `traction.rs`.
 /// - A term that depends on the solution has its derivative besides: [`Operator::entries`], [`Operator::place`],
 ///   [`Operator::linearise`] and [`Operator::apply`]. Unknowns inside of a cell are eliminated from the condensed matrix.
-///   A term of single cells that sees them therefore gives [`Operator::blocks`] in place of entries there: `outflow.rs`.
+///   A term of single cells that sees them therefore gives [`Operator::blocks`] in place of entries there. A traction that
+///   depends on v and u at its place has all this as a [`facets::FacetTerm`]: `pressure.rs`.
 ///   One that couples them to other cells says so in [`Operator::spans_cells`]: `stabilization`.
 /// - A scalar unknown, or a far coupling, is in [`Operator::borders`]: the resistance in `tests/it/borders.rs`.
 pub trait Operator<const D: usize>: Send + Sync {

@@ -108,12 +108,14 @@ pub trait WeakForm<const D: usize>: Sync {
 
 /// A term on a boundary facet, weighed by θ and 1 − θ like transport.
 ///
-/// Such a term depends on the deformation through ∇u and ∂_t u alone: `at.u` holds ∂_t u \[m/s\].
+/// `u` of the fields holds u, or ∂_t u \[m/s\] where the form says so.
 pub trait FacetForm<const D: usize>: Sync {
-    /// What stands before φ; `normal` is the outer unit normal n of the reference domain.
+    /// What stands before φ; `normal` is the outer unit normal n of the reference domain. A fixed-point iteration keeps
+    /// the factors of `lag` from its last iterate, section 5.2.1; else `lag` is `at`.
     fn traction<T: Scalar>(
         &self,
         at: &Fields<T, D>,
+        lag: &Fields<T, D>,
         normal: &Vector<T::Value, D>,
         weight: f64,
     ) -> Vector<T, D>;

@@ -24,6 +24,7 @@ impl<const D: usize> FacetForm<D> for Outflow {
     fn traction<T: Scalar>(
         &self,
         at: &Fields<T, D>,
+        _: &Fields<T, D>,
         normal: &Vector<T::Value, D>,
         weight: f64,
     ) -> Vector<T, D> {
@@ -46,10 +47,10 @@ pub struct Backflow {
     pub density: f64,
 }
 
-impl Backflow {
-    /// What stands before φ, with the flow through the boundary of `lag` and the v that it carries of `at`.
+impl<const D: usize> FacetForm<D> for Backflow {
+    /// `u` holds ∂_t u. The flow through the boundary is that of `lag`, the v that it carries that of `at`.
     #[inline(always)]
-    pub fn term<T: Scalar, const D: usize>(
+    fn traction<T: Scalar>(
         &self,
         at: &Fields<T, D>,
         lag: &Fields<T, D>,
@@ -58,17 +59,5 @@ impl Backflow {
     ) -> Vector<T, D> {
         let flow = (lag.v - lag.u).dot(cofactor(&lag.grad_u) * normal.map(T::lift));
         at.v * (flow * flow.below_zero() * (-0.5 * weight * self.density))
-    }
-}
-
-impl<const D: usize> FacetForm<D> for Backflow {
-    #[inline(always)]
-    fn traction<T: Scalar>(
-        &self,
-        at: &Fields<T, D>,
-        normal: &Vector<T::Value, D>,
-        weight: f64,
-    ) -> Vector<T, D> {
-        self.term(at, at, normal, weight)
     }
 }

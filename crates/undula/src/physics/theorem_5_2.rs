@@ -5,7 +5,7 @@
 //! −(J tr(F⁻¹∇w) ρ f + J ρ ∇f w, φ) is missing (its second part for a force at the current position x + u),
 //! and λ tr(dE) lacks the factor I.
 
-use super::{Backflow, Fields, Fluid, Kinematics, Outflow, Place, Solid, StepRule, Tested};
+use super::{Backflow, Fields, Fluid, Kinematics, Outflow, Place, Pressure, Solid, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
@@ -214,4 +214,21 @@ pub fn backflow<S: Scalar<Value = S>, const D: usize>(
     let flow = relative.dot(n) * J;
     let dflow = ((W.v - W.u).dot(n) + relative.dot(dn)) * J;
     (at.v * dflow + W.v * flow) * (flow.below_zero() * (-0.5 * theta * form.density))
+}
+
+/// Derivative of a pressure that follows its boundary, ⟨p J F⁻ᵀ n, φ⟩: p (tr(F⁻¹ ∇w) I − F⁻ᵀ ∇wᵀ) J F⁻ᵀ n.
+#[inline(always)]
+pub fn pressure_load<S: Scalar<Value = S>, const D: usize>(
+    form: &Pressure,
+    weight: f64,
+    at: &Fields<S, D>,
+    normal: &Vector<S, D>,
+    W: &Fields<S, D>,
+) -> Vector<S, D> {
+    if !form.follows {
+        return Vector::zero();
+    }
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+    let n = F_inv.t() * *normal;
+    weight * form.pressure * (n * (F_inv * W.grad_u).trace() - F_inv.t() * (W.grad_u.t() * n)) * J
 }

@@ -11,6 +11,7 @@ use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::{Newton, Settings};
+use crate::operators::pressure::pressure;
 use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
@@ -199,10 +200,10 @@ impl Case {
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => BoundaryCondition::Velocity(Arc::from(function(v))),
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
-            Some(Condition::DoNothing) => {
+            Some(Condition::DoNothing | Condition::Pressure { .. }) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
-            // The traction, if there is one, is among the terms of the equations. The solid is free.
+            // The load, if there is one, is among the terms of the equations. The solid is free.
             Some(_) => {
                 BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
             }
@@ -237,6 +238,11 @@ impl Case {
         let n = self.space.quadrature;
         match condition {
             Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
+            Condition::Pressure { pressure: p, follows } => {
+                let p = p.clone();
+                let data = Box::new(move |x: &[f64; 2], t: f64| p.eval(&[x[0], x[1], 0.0], t));
+                Some(Box::new(pressure(space, body, boundary, (data, *follows), n)))
+            }
             _ => None,
         }
     }

@@ -25,11 +25,11 @@ impl Case {
     pub fn check_data(&self, space: &FsiSpace<2>) -> Result<(), Error> {
         let mut errors = vec![];
         for (name, condition) in &self.boundary {
-            if let Some(data) = condition.data() {
+            for (key, data) in condition.expressions() {
                 let nodes = space.boundary_nodes(name);
                 let places: Vec<[f64; 2]> = nodes.iter().map(|&n| space.nodes.points[n as usize]).collect();
-                let fault = find(data, &places, &self.times(data, true));
-                errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, condition), data, f)));
+                let fault = find(&data, &places, &self.times(&data, true));
+                errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, key), &data, f)));
             }
         }
         for region in [Region::Fluid, Region::Solid] {
@@ -44,25 +44,28 @@ impl Case {
     /// The mistake behind data that turned out not to be finite in the course of a computation.
     pub fn blame_data(&self, space: &FsiSpace<2>, fault: &DataFault) -> Error {
         let at = [fault.at[0], fault.at[1]];
-        let is_wrong = |data: &Pair| !is_finite(&values(data, &at, fault.time));
+        let is_wrong = |data: &[Expression]| !is_finite(&values(data, &at, fault.time));
+        let of_condition = |name: &str, condition: &Condition| {
+            let (key, data) = condition.expressions().into_iter().find(|(_, data)| is_wrong(data))?;
+            Some((data_key(name, key), data))
+        };
         let data = match fault.kind {
-            DataKind::Force(region) => self.force(region).map(|(key, data)| (key.to_string(), data)),
+            DataKind::Force(region) => self.force(region).map(|(key, data)| (key.to_string(), data.to_vec())),
             DataKind::Velocity { node } => {
-                let mut given = self.boundary.iter().filter(|(_, condition)| condition.is_given());
                 let here = |name: &str| space.boundary_nodes(name).contains(&node);
-                given.find_map(|(name, condition)| {
-                    let data = condition.data().filter(|data| here(name) && is_wrong(data))?;
-                    Some((data_key(name, condition), data))
-                })
+                let mut given = self.boundary.iter().filter(|(name, c)| c.is_given() && here(name));
+                given.find_map(|(name, condition)| of_condition(name, condition))
             }
             DataKind::Condition { boundary } => {
                 let name = &space.mesh.boundaries[usize::from(boundary)];
-                self.boundary.get(name).and_then(|c| Some((data_key(name, c), c.data()?)))
+                self.boundary.get(name).and_then(|condition| of_condition(name, condition))
             }
         };
-        let found = Found { at, time: fault.time, value: [fault.value[0], fault.value[1]] };
+        let value =
+            data.as_ref().map_or_else(|| fault.value.to_vec(), |(_, data)| values(data, &at, fault.time));
+        let found = Found { at, time: fault.time, value };
         let error = match data {
-            Some((key, data)) => self.not_finite(space, &key, data, found),
+            Some((key, data)) => self.not_finite(space, &key, &data, found),
             None => {
                 let (place, message) = (self.place_of("boundary"), found.message(self, space, true));
                 CaseError { place, key: "boundary".into(), value: None, message }
@@ -104,7 +107,7 @@ impl Case {
     }
 
     /// Times \[s\] at which `data` are looked at.
-    fn times(&self, data: &Pair, start: bool) -> Vec<f64> {
+    fn times(&self, data: &[Expression], start: bool) -> Vec<f64> {
         let Some(time) = &self.time else { return vec![self.at_time] };
         if !data.iter().any(Expression::depends_on_time) {
             return vec![time.start];
@@ -114,12 +117,15 @@ impl Case {
         (0..=n).skip(usize::from(!start)).map(of).collect()
     }
 
-    fn not_finite(&self, space: &FsiSpace<2>, key: &str, data: &Pair, found: Found) -> CaseError {
+    fn not_finite(&self, space: &FsiSpace<2>, key: &str, data: &[Expression], found: Found) -> CaseError {
         let in_time = data.iter().any(Expression::depends_on_time);
         CaseError {
             place: self.place_of(key),
             key: key.into(),
-            value: Some(format!("[{}, {}]", text(&data[0]), text(&data[1]))),
+            value: Some(match data {
+                [one] => text(one),
+                all => format!("[{}]", all.iter().map(text).collect::<Vec<_>>().join(", ")),
+            }),
             message: found.message(self, space, in_time),
         }
     }
@@ -129,14 +135,14 @@ impl Case {
 struct Found {
     at: [f64; 2],
     time: f64,
-    value: [f64; 2],
+    value: Vec<f64>,
 }
 
 impl Found {
     fn message(&self, case: &Case, space: &FsiSpace<2>, in_time: bool) -> String {
-        let value = self.value.map(|x| shortest(rounded(x, x, 4))).join(", ");
-        let mut message =
-            format!("expected finite values; it is ({value}) at {}", space.mesh.shown(&self.at));
+        let value: Vec<String> = self.value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
+        let value = if let [one] = &value[..] { one.clone() } else { format!("({})", value.join(", ")) };
+        let mut message = format!("expected finite values; it is {value} at {}", space.mesh.shown(&self.at));
         if in_time || case.time.is_some() {
             message += &format!(", t = {} s", shortest(self.time));
         }
@@ -145,7 +151,7 @@ impl Found {
 }
 
 /// The first value of `data` that is not finite.
-fn find(data: &Pair, places: &[[f64; 2]], times: &[f64]) -> Option<Found> {
+fn find(data: &[Expression], places: &[[f64; 2]], times: &[f64]) -> Option<Found> {
     if data.iter().all(Expression::is_constant) {
         return None;
     }
@@ -159,12 +165,11 @@ fn find(data: &Pair, places: &[[f64; 2]], times: &[f64]) -> Option<Found> {
     })
 }
 
-fn values(data: &Pair, at: &[f64; 2], time: f64) -> [f64; 2] {
-    let x = [at[0], at[1], 0.0];
-    [data[0].eval(&x, time), data[1].eval(&x, time)]
+fn values(data: &[Expression], at: &[f64; 2], time: f64) -> Vec<f64> {
+    data.iter().map(|e| e.eval(&[at[0], at[1], 0.0], time)).collect()
 }
 
-fn is_finite(value: &[f64; 2]) -> bool {
+fn is_finite(value: &[f64]) -> bool {
     value.iter().all(|x| x.is_finite())
 }
 
@@ -178,8 +183,8 @@ fn places(space: &FsiSpace<2>, region: Region) -> Vec<[f64; 2]> {
     points.chain(cells().map(|c| space.mesh.centre(c))).collect()
 }
 
-fn data_key(name: &str, condition: &Condition) -> String {
-    format!("boundary.{name}.{}", condition.name())
+fn data_key(name: &str, key: &str) -> String {
+    format!("boundary.{name}.{key}")
 }
 
 /// An expression as in a case file.

@@ -1,7 +1,8 @@
 //! Whether a case fits its mesh: what holds at its names.
 
 use super::names::MeshNames;
-use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
+use crate::case::conditions::CONDITIONS;
+use crate::case::error::{CaseError, CaseErrors, Place, quoted, suggestion};
 use crate::case::key;
 use crate::case::{Case, Condition, FunctionalSpec};
 use crate::mesh::INTERFACE;
@@ -90,16 +91,11 @@ impl Fit<'_> {
                 // Parts of the interface, and sides of regions that are left out.
                 None if self.names.is_inside(name, &self.case.regions()) => {}
                 None => {
-                    let allowed = match (fluid, solid) {
-                        (_, false) => "`velocity`, `no-slip`, `do-nothing`, `traction-free` or `traction`",
-                        (false, true) => "`clamped`, `traction-free` or `traction`",
-                        (true, true) => {
-                            "`velocity` (0 on the solid), `no-slip`, `do-nothing`, `traction-free` or `traction` (the \
-                             solid is clamped by the first two and free with the others)"
-                        }
-                    };
+                    let suits = |condition: &Condition| condition.suits(fluid, solid);
+                    let allowed = CONDITIONS.iter().filter(|row| suits(&row.value)).map(|row| row.name);
+                    let allowed = quoted(allowed);
                     let message = format!(
-                        "boundary `{name}` of the mesh has no condition: add [boundary.{}] with condition = {allowed}",
+                        "boundary `{name}` of the mesh has no condition: add [boundary.{}] with condition = one of {allowed}",
                         toml_key(name)
                     );
                     self.error("boundary", message);
@@ -110,9 +106,11 @@ impl Fit<'_> {
                         "`clamped` is for a solid, and only the fluid is here; use `no-slip`".into(),
                     );
                 }
-                Some(Condition::Velocity(_) | Condition::DoNothing) if !fluid => {
-                    let message = "only the solid is here; use `clamped`, `traction-free` or `traction`";
-                    self.error(&format!("{key}.condition"), message.into());
+                Some(condition) if !condition.suits(fluid, solid) => {
+                    let names =
+                        CONDITIONS.iter().filter(|row| row.value.suits(fluid, solid)).map(|row| row.name);
+                    let message = format!("only the solid is here; use one of {}", quoted(names));
+                    self.error(&format!("{key}.condition"), message);
                 }
                 Some(_) => {}
             }

@@ -8,9 +8,10 @@ use crate::algebra::SolverError;
 pub use crate::loops::width::{available, best_lanes};
 use crate::math::Vector;
 use crate::mesh::Side;
+use crate::operators::backflow::directional;
 use crate::operators::biharmonic::Biharmonic;
 pub use crate::operators::border::{Border, Borders};
-use crate::operators::outflow::OutflowFacets;
+use crate::operators::outflow::correction;
 pub use crate::operators::region::current_force::CurrentForce;
 use crate::operators::region::regions;
 use crate::operators::stabilization::Stabilizer;
@@ -92,9 +93,12 @@ impl Assembler<2> {
         let regions = regions(&space, &physics, stiffness, options)?;
         let constraints = Constraints::new(&space, conditions);
         let mut terms: Vec<Box<dyn Operator<2>>> = vec![];
-        let outflow = OutflowFacets::new(&space, physics.fluid, conditions, options.quadrature);
-        if !outflow.is_empty() {
-            terms.push(Box::new(outflow));
+        if let Some(fluid) = physics.fluid {
+            let n = options.quadrature;
+            let outflow = correction(&space, fluid, conditions, n);
+            let backflow = directional(&space, fluid, conditions, n);
+            terms.extend((!outflow.is_empty()).then(|| Box::new(outflow) as Box<dyn Operator<2>>));
+            terms.extend((!backflow.is_empty()).then(|| Box::new(backflow) as Box<dyn Operator<2>>));
         }
         if let (Some(Extension::Biharmonic { hinged }), true) =
             (physics.fluid.map(|fluid| fluid.extension), space.deforms)

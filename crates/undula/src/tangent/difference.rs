@@ -134,7 +134,10 @@ impl Difference {
         W: &Fields<f64, D>,
     ) -> Vector<f64, D> {
         let h = self.epsilon * if W.grad_u.ddot(W.grad_u) > 0.0 { 1.0 } else { self.sizes.v };
-        let value = |h: f64| form.traction(&moved(at, W, h), normal, theta);
+        let value = |h: f64| {
+            let moved = moved(at, W, h);
+            form.traction(&moved, &moved, normal, theta)
+        };
         match self.is_central() {
             true => (value(h) - value(-h)) * (0.5 / h),
             false => (value(h) - value(0.0)) * (1.0 / h),

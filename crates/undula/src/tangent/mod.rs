@@ -8,7 +8,8 @@ pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};
 use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::{
-    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Solid, StepRule, Tested, WeakForm, theorem_5_2,
+    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Solid, StepRule, Tested, WeakForm,
+    theorem_5_2,
 };
 
 /// Which derivatives the matrix of an iteration holds; the residual is always that of the whole problem.
@@ -165,53 +166,71 @@ impl<const D: usize> ByHand<D> for Solid {
     }
 }
 
+/// A term on facets whose derivative is also known by hand.
+pub trait FacetByHand<const D: usize>: FacetForm<D> {
+    /// Derivative of the traction in direction `W`.
+    fn by_hand(
+        &self,
+        weight: f64,
+        at: &Fields<f64, D>,
+        normal: &Vector<f64, D>,
+        W: &Fields<f64, D>,
+    ) -> Vector<f64, D>;
+}
+
+/// Implements [`FacetByHand`] by a function of [`theorem_5_2`].
+macro_rules! by_hand {
+    ($form:ty, $function:path) => {
+        impl<const D: usize> FacetByHand<D> for $form {
+            #[inline(always)]
+            fn by_hand(
+                &self,
+                weight: f64,
+                at: &Fields<f64, D>,
+                normal: &Vector<f64, D>,
+                W: &Fields<f64, D>,
+            ) -> Vector<f64, D> {
+                $function(self, weight, at, normal, W)
+            }
+        }
+    };
+}
+
+by_hand!(Outflow, theorem_5_2::outflow);
+by_hand!(Backflow, theorem_5_2::backflow);
+by_hand!(Pressure, theorem_5_2::pressure_load);
+
 /// Derivative of a facet term in direction `W` by one dual evaluation.
 #[inline(always)]
 pub fn automatic_facet<S: Scalar<Value = S>, F: FacetForm<D>, const D: usize>(
     form: &F,
-    theta: f64,
+    weight: f64,
     at: &Fields<S, D>,
     normal: &Vector<S, D>,
     W: &Fields<S, D>,
 ) -> Vector<S, D> {
-    form.traction(&seeded(at, W), normal, theta).map(|x: Dual<S>| x.eps)
+    let moved = seeded(at, W);
+    form.traction(&moved, &moved, normal, weight).map(|x: Dual<S>| x.eps)
 }
 
-/// Derivative of the outflow term in direction `W`, whichever way.
+/// Derivative of a facet term in direction `W`, whichever way; `lagged`: what a fixed-point iteration keeps stays that of
+/// `at`.
 #[inline(always)]
-pub fn outflow<const D: usize>(
-    tangent: Tangent,
-    form: &Outflow,
-    theta: f64,
-    at: &Fields<f64, D>,
-    normal: &Vector<f64, D>,
-    W: &Fields<f64, D>,
-) -> Vector<f64, D> {
-    match tangent {
-        Tangent::Automatic => automatic_facet(form, theta, at, normal, W),
-        Tangent::Analytic => theorem_5_2::outflow(form, theta, at, normal, W),
-        Tangent::Difference(by) => by.facet(form, theta, at, normal, W),
-    }
-}
-
-/// Derivative of the directional term in direction `W`, whichever way; `lagged`: the flow through the boundary stays
-/// that of `at`, as in a fixed-point iteration.
-#[inline(always)]
-pub fn backflow<const D: usize>(
+pub fn facet<F: FacetByHand<D>, const D: usize>(
     (tangent, lagged): (Tangent, bool),
-    form: &Backflow,
-    theta: f64,
+    form: &F,
+    weight: f64,
     at: &Fields<f64, D>,
     normal: &Vector<f64, D>,
     W: &Fields<f64, D>,
 ) -> Vector<f64, D> {
     if lagged {
         let moved = seeded(at, W);
-        return form.term(&moved, &moved.frozen(), normal, theta).map(|x: Dual<f64>| x.eps);
+        return form.traction(&moved, &moved.frozen(), normal, weight).map(|x: Dual<f64>| x.eps);
     }
     match tangent {
-        Tangent::Automatic => automatic_facet(form, theta, at, normal, W),
-        Tangent::Analytic => theorem_5_2::backflow(form, theta, at, normal, W),
-        Tangent::Difference(by) => by.facet(form, theta, at, normal, W),
+        Tangent::Automatic => automatic_facet(form, weight, at, normal, W),
+        Tangent::Analytic => form.by_hand(weight, at, normal, W),
+        Tangent::Difference(by) => by.facet(form, weight, at, normal, W),
     }
 }

@@ -254,8 +254,9 @@ impl Manufactured {
         for (nodes, points) in outflow {
             for p in points {
                 let at = |t: f64| sample(&self.exact, p.x, t).fields;
-                let force = form.traction(&at(t), &p.normal, theta * p.weight)
-                    + form.traction(&at(t_old), &p.normal, (1.0 - theta) * p.weight);
+                let traction =
+                    |at: Fields<f64, 2>, weight: f64| form.traction(&at, &at, &p.normal, weight * p.weight);
+                let force = traction(at(t), theta) + traction(at(t_old), 1.0 - theta);
                 for (value, &node) in p.value.iter().zip(nodes) {
                     for i in 0..2 {
                         out[node as usize * 2 + i] += value * force.0[i];

@@ -9,8 +9,6 @@
 //! scheme, M (v − v⁻)/k + A(u⁻) = F.
 
 use super::equal_steps;
-use crate::case::conditions::Pair;
-use crate::case::expression::Expression;
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::time::{Scheme, Stepper};
@@ -46,10 +44,8 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
         let message = "Newmark's method is compared under a force that does not depend on t";
         return Err(case.refuse("solid.body-force", message.into()));
     }
-    let changes = |condition: &Condition| {
-        let in_time = |data: &Pair| data.iter().any(Expression::depends_on_time);
-        matches!(condition, Condition::Velocity(_)) || condition.data().is_some_and(in_time)
-    };
+    let changes =
+        |condition: &Condition| matches!(condition, Condition::Velocity(_)) || condition.depends_on_time();
     if case.boundary.values().any(changes) {
         let message =
             "Newmark's method is compared with boundaries that are held, free, or under a constant traction";

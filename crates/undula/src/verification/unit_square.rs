@@ -90,7 +90,8 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
         let message = "the known solution lives on the unit square: expected a mesh of (0, 1)²";
         return Err(case.refuse("mesh", message.into()));
     }
-    if let Some((name, _)) = case.boundary.iter().find(|(_, c)| matches!(c, Condition::Traction(_))) {
+    let loaded = |condition: &Condition| condition.is_natural() && !condition.expressions().is_empty();
+    if let Some((name, _)) = case.boundary.iter().find(|(_, condition)| loaded(condition)) {
         let message = "the known solution has its own data: expected a velocity, a wall or an outflow";
         return Err(case.refuse(&format!("boundary.{name}.condition"), message.into()));
     }

@@ -3,13 +3,16 @@
 use crate::manufactured::*;
 use std::sync::Arc;
 use undula::algebra::Csr;
+use undula::math::Vector;
 use undula::mesh::Side;
-use undula::operators::Operator;
-use undula::operators::outflow::OutflowFacets;
+use undula::operators::backflow::directional;
+use undula::operators::outflow::correction;
+use undula::operators::pressure::{PressureData, pressure};
+use undula::operators::{DataTime, End, Operator};
 use undula::physics::rule::SECANT;
 use undula::physics::{Extension, Fluid, PressureTerm, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::{Continuous, Pdc};
-use undula::space::{BoundaryCondition, State};
+use undula::space::{BoundaryCondition, Region, State};
 use undula::system::{Assembler, CurrentForce, Options, StepView};
 use undula::tangent::Tangent;
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
@@ -128,23 +131,50 @@ fn products_have_all_terms() {
     }
 }
 
+/// A pressure that follows the boundary, of the fluid and of a solid whose surface is free.
+#[test]
+fn products_have_the_stiffness_of_a_pressure() {
+    let pair = quadrilaterals(2, Pdc(1));
+    let problem = coupled(pair, FLUID);
+    for rule in RULES {
+        let options = Options { quadrature: pair.quadrature(), ..options() };
+        let mut assembler = problem.assembler(&options);
+        for boundary in 0..problem.space.mesh.boundaries.len() as u16 {
+            for body in [Region::Fluid, Region::Solid] {
+                let load: PressureData<2> = Box::new(|x, t| 1.0 + x[0] - t * x[1]);
+                let term = pressure(&problem.space, body, boundary, (load, true), pair.quadrature());
+                assembler.add(Box::new(term));
+            }
+        }
+        for (end, time) in [(End::Old, 0.1), (End::New, 0.3)] {
+            assembler.set_data(&DataTime { end, time, load: 1.0 }).unwrap();
+        }
+        check(&problem, &mut assembler, rule);
+    }
+}
+
 /// What an outlet adds to all test functions is what its facets add: φ sum up to 1. With both terms, in motion.
 #[test]
 fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
     let problem = coupled(quadrilaterals(2, Pdc(1)), AUXETIC);
-    let mut outflow =
-        OutflowFacets::new(&problem.space, Some(AUXETIC), &problem.conditions, problem.quadrature);
-    assert!(!outflow.is_empty());
+    let (space, conditions, n) = (&problem.space, &problem.conditions, problem.quadrature);
+    let (outflow, backflow) =
+        (correction(space, AUXETIC, conditions, n), directional(space, AUXETIC, conditions, n));
+    assert!(!outflow.is_empty() && !backflow.is_empty());
+    let mut terms: [Box<dyn Operator<2>>; 2] = [Box::new(outflow), Box::new(backflow)];
     let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));
     let sides: Vec<Side> = problem.space.mesh.facets.iter().map(|facet| facet.side()).collect();
     for rule in [RULES[0], StepRule::galerkin(0.05), StepRule::theta(0.05, 1.0)] {
         let step = StepView { rule, new: &new, old: &old };
         let mut rows = vec![0.0; problem.space.n_unknowns()];
-        outflow.residual(&step, &mut rows);
-        if rule.has_explicit() {
-            outflow.explicit(&step, &mut rows);
+        let mut sum = Vector::zero();
+        for term in &mut terms {
+            term.residual(&step, &mut rows);
+            if rule.has_explicit() {
+                term.explicit(&step, &mut rows);
+            }
+            sum += term.force_through(&step, &sides);
         }
-        let sum = outflow.force_through(&step, &sides);
         for i in 0..2 {
             let expected: f64 = rows[..problem.space.n_v()].iter().skip(i).step_by(2).sum();
             assert!(

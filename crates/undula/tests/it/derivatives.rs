@@ -5,10 +5,10 @@ use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
 use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
-    Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Solid, StepRule, Tested,
-    WeakForm,
+    Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Pressure, Solid, StepRule,
+    Tested, WeakForm,
 };
-use undula::tangent::{ByHand, Difference, Stencil, automatic, automatic_facet, fixed_point};
+use undula::tangent::{ByHand, Difference, Stencil, Tangent, automatic, automatic_facet, facet, fixed_point};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -305,13 +305,40 @@ fn outflow_jacobian() {
                 for c in 0..Fields::<f64, D>::COMPONENTS {
                     *a.component(c) += eps * *w.component(c);
                 }
-                form.traction(&a, &n, 0.51)
+                form.traction(&a, &a, &n, 0.51)
             };
             let difference = (moved(1e-6) - moved(-1e-6)) * 5e5;
             let size = dual.dot(dual).sqrt();
             let (e, f) = (dual - hand, dual - difference);
             assert!(e.dot(e).sqrt() < 1e-12 * size);
             assert!(f.dot(f).sqrt() < 1e-7 * size);
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// The load of a pressure is linearised in ∇u; in a fixed-point iteration it is that of the last iterate.
+#[test]
+fn pressure_jacobian() {
+    fn run<const D: usize>() {
+        let mut random = Random(79);
+        for follows in [true, false] {
+            let form = Pressure { pressure: 1.3, follows };
+            for _ in 0..100 {
+                let (at, W, n) = (random.fields::<D>(0.6), random.fields::<D>(1.0), random.vector());
+                let automatic = facet((Tangent::Automatic, false), &form, 0.51, &at, &n, &W);
+                let hand = facet((Tangent::Analytic, false), &form, 0.51, &at, &n, &W);
+                let by = Difference::new(Stencil::Central, 1e-5);
+                let difference = facet((Tangent::Difference(by), false), &form, 0.51, &at, &n, &W);
+                let lagged = facet((Tangent::Automatic, true), &form, 0.51, &at, &n, &W);
+                assert_eq!(lagged.dot(lagged), 0.0);
+                let size = if follows { automatic.dot(automatic).sqrt() } else { 1.0 };
+                assert!(follows || automatic.dot(automatic) == 0.0);
+                let (e, f) = (automatic - hand, automatic - difference);
+                assert!(e.dot(e).sqrt() < 1e-12 * size);
+                assert!(f.dot(f).sqrt() < 1e-7 * size);
+            }
         }
     }
     run::<2>();
@@ -329,7 +356,7 @@ fn backflow_jacobian() {
         for _ in 0..200 {
             let (at, W, n) = (random.fields::<D>(0.6), random.fields::<D>(1.0), random.vector());
             let flow = (at.v - at.u).dot(undula::physics::kinematics::cofactor(&at.grad_u) * n);
-            let term = form.traction(&at, &n, 0.51);
+            let term = form.traction(&at, &at, &n, 0.51);
             let energy = term.dot(at.v) - 0.51 * 0.5 * 1.3 * (-flow).max(0.0) * at.v.dot(at.v);
             assert!(energy.abs() < 1e-12);
             let dual = automatic_facet(&form, 0.51, &at, &n, &W);
@@ -344,7 +371,7 @@ fn backflow_jacobian() {
                 for c in 0..Fields::<f64, D>::COMPONENTS {
                     *a.component(c) += eps * *w.component(c);
                 }
-                form.traction(&a, &n, 0.51)
+                form.traction(&a, &a, &n, 0.51)
             };
             let difference = (moved(1e-6) - moved(-1e-6)) * 5e5;
             let size = dual.dot(dual).sqrt();

@@ -39,6 +39,7 @@ mod modes;
 mod newton;
 mod output_vtu;
 mod patch;
+mod pressure;
 mod references;
 mod reproducible;
 mod resume;

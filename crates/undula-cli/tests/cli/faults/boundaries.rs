@@ -172,7 +172,8 @@ fn velocity_data_on_the_solid_are_refused() {
 #[test]
 fn conditions_that_are_proposed_for_both_bodies_are_accepted() {
     let channel = channel("proposed");
-    let proposed = "`velocity` (0 on the solid), `no-slip`, `do-nothing`, `traction-free` or `traction`";
+    let proposed =
+        "add [boundary.right] with condition = one of `velocity`, `no-slip`, `do-nothing`, `traction-free`";
     undula(&channel, "check case.toml", &["boundary.right=none"]).expect(2, &[proposed]);
     for condition in ["no-slip", "do-nothing", "traction-free"] {
         undula(&channel, "check case.toml", &[&format!("boundary.right.condition={condition}")])

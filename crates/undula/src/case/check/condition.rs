@@ -2,9 +2,10 @@
 
 use super::is_name;
 use crate::case::choices::BACKFLOW;
-use crate::case::conditions::{CONDITIONS, Condition, DATA};
+use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
 use crate::case::error::quoted;
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
+use crate::case::key::Key;
 use crate::case::read::Section;
 use crate::case::schema::SolidLaw;
 use crate::mesh::INTERFACE;
@@ -23,7 +24,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "pressure", "periodic", "symmetry"];
+        let later = ["sliding", "periodic", "symmetry"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         let condition = read_data(&mut s, condition);
         s.require_choice("condition", &CONDITIONS);
@@ -45,21 +46,47 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
 
 /// The condition with its data. Data of other conditions have no effect.
 fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Option<Condition> {
-    for key in &DATA {
-        let name = key.key.rsplit('.').next().unwrap_or_default();
-        let given = s.expressions(name);
-        let takes = condition.as_ref().is_some_and(|condition| condition.name() == name);
-        if takes && !s.has(name) {
+    let about = |name: &str| DATA.iter().find(|key| last(key) == name);
+    let mut taken = vec![];
+    for (name, datum) in condition.iter_mut().flat_map(Condition::data_mut) {
+        taken.push(name);
+        let needed = about(name).filter(|key| key.default.ends_with("required") && !s.has(name));
+        if let Some(key) = needed {
             s.missing(name, &format!("{} [{}]", key.about, key.unit));
-        } else if condition.is_some() && !takes && s.has(name) {
-            let note = format!("{} has no effect: the condition is not `{name}`", s.dotted(name));
-            s.checker.notes.borrow_mut().push(note);
         }
-        if let (true, Some(data)) = (takes, condition.as_mut().and_then(Condition::data_mut)) {
-            *data = given.unwrap_or_default();
+        read_datum(s, name, datum);
+    }
+    for name in DATA.iter().map(last).filter(|name| !taken.contains(name)) {
+        let others = CONDITIONS.iter().filter(|row| takes(&row.value, name));
+        let mut all = others.clone().map(|row| row.value.clone()).collect::<Vec<_>>();
+        let datum = all.iter_mut().flat_map(Condition::data_mut).find(|(own, _)| *own == name);
+        datum.into_iter().for_each(|(name, datum)| read_datum(s, name, datum));
+        if s.has(name) && condition.is_some() {
+            let note =
+                format!("{} has no effect: it is for {}", s.dotted(name), quoted(others.map(|row| row.name)));
+            s.checker.notes.borrow_mut().push(note);
         }
     }
     condition
+}
+
+/// Reads one datum; it stays as it is if it is not given.
+fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
+    match datum {
+        Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
+        Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
+        Datum::Word(choices, value) => *value = s.choice(name, choices, &[]).unwrap_or(*value),
+    }
+}
+
+/// The last part of a key of data.
+fn last(key: &Key) -> &'static str {
+    key.key.rsplit('.').next().unwrap_or_default()
+}
+
+/// Whether a condition has this datum.
+fn takes(condition: &Condition, name: &str) -> bool {
+    condition.clone().data_mut().iter().any(|(own, _)| *own == name)
 }
 
 /// The functionals that have a meaning for the bodies that are there, and the names of all.
