@@ -24,6 +24,12 @@ pub enum Condition {
     TractionFree,
     /// A clamped solid: v = 0, u = 0.
     Clamped,
+    /// Given displacement u \[m\] and v = ∂_t u, of the solid or of a wall of the fluid; components may be free.
+    Displacement([Option<Expression>; 2]),
+    /// n·v = 0, n·u = 0, and no traction along the boundary.
+    Slip,
+    /// The same on a plane of symmetry.
+    Symmetry,
     /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
     Traction(Pair),
     /// ρν ∇v n − p n = −P n for the fluid, whose boundary moves as with `DoNothing`; σ n = −P n for the solid.
@@ -36,12 +42,23 @@ pub enum Condition {
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 7] = [
+pub static CONDITIONS: [Choice<Condition>; 10] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
     choice("traction-free", Condition::TractionFree, "σ n = 0: no traction"),
     choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
+    choice(
+        "displacement",
+        Condition::Displacement([None, None]),
+        "prescribed displacement u of a solid or of a wall of the fluid, v = ∂u/∂t",
+    ),
+    choice(
+        "slip",
+        Condition::Slip,
+        "n·v = 0, n·u = 0, no traction along the boundary: a wall without friction",
+    ),
+    choice("symmetry", Condition::Symmetry, "the same as `slip`, on a plane of symmetry"),
     choice("traction", Condition::Traction(EMPTY), "prescribed force per area of the reference boundary"),
     choice(
         "pressure",
@@ -51,12 +68,18 @@ pub static CONDITIONS: [Choice<Condition>; 7] = [
 ];
 
 /// Keys of their data.
-pub static DATA: [Key; 4] = [
+pub static DATA: [Key; 5] = [
     Key::data(
         "boundary.NAME.velocity",
         "m/s",
         "velocity: required",
         "two expressions of x, y, t, as [\"1.5*y\", 0]",
+    ),
+    Key::data(
+        "boundary.NAME.displacement",
+        "m",
+        "displacement: required",
+        "two expressions of x, y, t at the reference position, or \"free\", as [\"0.1*sin(t)\", \"free\"]",
     ),
     Key::data(
         "boundary.NAME.traction",
@@ -83,6 +106,8 @@ pub static DATA: [Key; 4] = [
 pub enum Datum<'a> {
     /// Two components.
     Pair(&'a mut Pair),
+    /// Two components, `None` where they are free.
+    Components(&'a mut [Option<Expression>; 2]),
     /// One expression.
     Scalar(&'a mut Expression),
     /// A word.
@@ -99,11 +124,17 @@ impl Condition {
     pub(super) fn data_mut(&mut self) -> Vec<(&'static str, Datum<'_>)> {
         match self {
             Condition::Velocity(data) => vec![("velocity", Datum::Pair(data))],
+            Condition::Displacement(data) => vec![("displacement", Datum::Components(data))],
             Condition::Traction(data) => vec![("traction", Datum::Pair(data))],
             Condition::Pressure { pressure, follows } => {
                 vec![("pressure", Datum::Scalar(pressure)), ("at", Datum::Word(&PRESSURE_AT, follows))]
             }
-            Condition::NoSlip | Condition::DoNothing | Condition::TractionFree | Condition::Clamped => vec![],
+            Condition::NoSlip
+            | Condition::DoNothing
+            | Condition::TractionFree
+            | Condition::Clamped
+            | Condition::Slip
+            | Condition::Symmetry => vec![],
         }
     }
 
@@ -112,6 +143,7 @@ impl Condition {
         let mut copy = self.clone();
         let of = |(name, datum): (&'static str, Datum<'_>)| match datum {
             Datum::Pair(pair) => Some((name, pair.to_vec())),
+            Datum::Components(pair) => Some((name, pair.iter().flatten().cloned().collect())),
             Datum::Scalar(one) => Some((name, vec![one.clone()])),
             Datum::Word(..) => None,
         };
@@ -132,13 +164,14 @@ impl Condition {
         }
     }
 
-    /// Whether velocity and displacement are given.
+    /// Whether velocity and displacement are given, or some of their components.
     pub fn is_given(&self) -> bool {
-        matches!(self, Condition::Velocity(_) | Condition::NoSlip | Condition::Clamped)
+        !self.is_natural()
     }
 
     /// Whether the traction is what is given: velocity and displacement are free there, and an outlet may be there.
     pub fn is_natural(&self) -> bool {
-        !self.is_given()
+        use Condition::{DoNothing, Pressure, Traction, TractionFree};
+        matches!(self, DoNothing | TractionFree | Traction(_) | Pressure { .. })
     }
 }

@@ -113,6 +113,13 @@ impl Expression {
         (slope.value, slope.partial)
     }
 
+    /// Value and derivative with respect to t at the point `x` \[m\] and time `t` \[s\]. Where the expression has a kink
+    /// or a jump the derivative is that of one side.
+    pub fn eval_with_rate(&self, x: &[f64; 3], t: f64) -> (f64, f64) {
+        let slope = self.program.run_with_rate(x, t);
+        (slope.value, slope.partial[0])
+    }
+
     /// Whether the value is the same everywhere and always.
     pub fn is_constant(&self) -> bool {
         self.constant_value().is_some()

@@ -314,6 +314,10 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
     for (name, datum) in condition.clone().data_mut() {
         match datum {
             Datum::Pair(pair) => out.key(name, expressions(pair)),
+            Datum::Components(pair) => {
+                let text = |e: &Option<Expression>| e.as_ref().map_or_else(|| string("free"), expression);
+                out.key(name, format!("[{}, {}]", text(&pair[0]), text(&pair[1])));
+            }
             Datum::Scalar(one) => out.key(name, expression(one)),
             Datum::Word(choices, value) => out.word(name, name_of(choices, value)),
         }

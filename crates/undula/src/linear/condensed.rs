@@ -13,11 +13,11 @@ use crate::system::{Assembler, CondensedSystem, StepView};
 use std::sync::Arc;
 
 /// The matrix of (v, p), and what follows from (v, p).
-pub(super) struct Condensed {
+pub(super) struct Condensed<const D: usize> {
     system: Arc<CondensedSystem>,
     factored: Factored,
-    extension: Option<Extension>,
-    /// Nodes where δu = kθ δv.
+    extension: Option<Extension<D>>,
+    /// Places in u where δu = kθ δv.
     relation: Vec<u32>,
     b: Vec<f64>,
     x: Vec<f64>,
@@ -25,18 +25,18 @@ pub(super) struct Condensed {
     work: Vec<f64>,
 }
 
-impl Condensed {
+impl<const D: usize> Condensed<D> {
     /// With the extension at the iterate of `view`.
-    pub(super) fn new<const D: usize>(
+    pub(super) fn new(
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         make: &MakeSolver,
         krylov: Option<KrylovSettings>,
-    ) -> Result<Condensed, SolverError> {
+    ) -> Result<Condensed<D>, SolverError> {
         let system = assembler.try_condensed()?;
         let factored = Factored::new(&system.pattern, &system.unknowns, make(Purpose::Correction), krylov)?;
         let extension = Extension::new(assembler, view, make)?;
-        let relation = relation::nodes(assembler).map(|node| node as u32).collect();
+        let relation = relation::places(assembler).map(|place| place as u32).collect();
         let n = system.places.len();
         Ok(Condensed {
             factored,
@@ -50,7 +50,7 @@ impl Condensed {
     }
 
     /// (v, p) of δ from the residual `r`. Returns how many times factors were applied.
-    fn solve<const D: usize>(
+    fn solve(
         &mut self,
         assembler: &mut Assembler<D>,
         rule: &StepRule,
@@ -65,6 +65,7 @@ impl Condensed {
             scale_rows(assembler, 1.0 / ratio, &mut self.work);
         }
         assembler.eliminate_inner(&mut self.work);
+        assembler.project(&mut self.work);
         for (b, &place) in self.b.iter_mut().zip(&self.system.places) {
             *b = self.work[place as usize];
         }
@@ -101,7 +102,7 @@ impl Condensed {
     }
 }
 
-impl<const D: usize> Correction<D> for Condensed {
+impl<const D: usize> Correction<D> for Condensed<D> {
     fn factored(&mut self) -> &mut Factored {
         &mut self.factored
     }
@@ -132,10 +133,8 @@ impl<const D: usize> Correction<D> for Condensed {
         if !self.relation.is_empty() {
             let factor = view.rule.theta / view.rule.per_k;
             let (v, u) = delta.split_at_mut(assembler.space.n_v());
-            for &node in &self.relation {
-                for at in node as usize * D..(node as usize + 1) * D {
-                    u[at] = factor * v[at];
-                }
+            for at in self.relation.iter().map(|&at| at as usize) {
+                u[at] = factor * v[at];
             }
         }
         if let Some(extension) = &mut self.extension {
@@ -156,9 +155,17 @@ impl<const D: usize> Correction<D> for Condensed {
     }
 
     /// The solid moves, and its extension with it.
-    fn follow(&mut self, assembler: &Assembler<D>, rule: StepRule, new: &mut State, old: &State) {
+    fn follow(
+        &mut self,
+        assembler: &Assembler<D>,
+        rule: StepRule,
+        new: &mut State,
+        old: &State,
+        moved: &[(usize, f64)],
+    ) {
         let n_v = assembler.space.n_v();
         self.work.fill(0.0);
+        moved.iter().for_each(|&(at, change)| self.work[n_v + at] = change);
         relation::impose(assembler, rule, new, old, |at, change| self.work[n_v + at] = change);
         let Some(extension) = &mut self.extension else { return };
         extension.solve(Some(&self.work), &self.work);

@@ -53,6 +53,14 @@ pub(super) trait Correction<const D: usize>: Send {
     }
 
     /// Make `new` satisfy the velocity-deformation relation at the nodes and take the extension along, where
-    /// corrections take the relation for granted.
-    fn follow(&mut self, _: &Assembler<D>, _: StepRule, _new: &mut State, _old: &State) {}
+    /// corrections take the relation for granted; `moved` as in [`super::Linear::start`].
+    fn follow(
+        &mut self,
+        _: &Assembler<D>,
+        _: StepRule,
+        _new: &mut State,
+        _old: &State,
+        _moved: &[(usize, f64)],
+    ) {
+    }
 }

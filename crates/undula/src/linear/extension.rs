@@ -9,20 +9,20 @@ use crate::system::{Assembler, StepView};
 const SYMMETRIC: f64 = 1e-10;
 
 /// The system of the extension and its factors, which live as long as its operator.
-pub(super) struct Extension {
-    system: ExtensionSystem,
+pub(super) struct Extension<const D: usize> {
+    system: ExtensionSystem<D>,
     solver: Box<dyn LinearSolver>,
     b: Vec<f64>,
     x: Vec<f64>,
 }
 
-impl Extension {
+impl<const D: usize> Extension<D> {
     /// Factorised for the iterate of `view`; `None` where nothing is extended.
-    pub(super) fn new<const D: usize>(
+    pub(super) fn new(
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         make: &MakeSolver,
-    ) -> Result<Option<Extension>, SolverError> {
+    ) -> Result<Option<Extension<D>>, SolverError> {
         let Some(system) = assembler.extension(view) else { return Ok(None) };
         let purpose = if assembler.is_biharmonic() {
             // Of fourth order: single precision is not enough for the condition of its matrix.
@@ -55,11 +55,7 @@ impl Extension {
     }
 
     /// Where the operator is not constant, it changes with the Jacobian.
-    pub(super) fn renew<const D: usize>(
-        &mut self,
-        assembler: &Assembler<D>,
-        view: &StepView<'_>,
-    ) -> Result<(), SolverError> {
+    pub(super) fn renew(&mut self, assembler: &Assembler<D>, view: &StepView<'_>) -> Result<(), SolverError> {
         if assembler.renew_extension(view, &mut self.system) {
             self.solver.factor(&self.system.matrix)?;
         }

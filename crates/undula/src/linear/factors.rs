@@ -115,9 +115,7 @@ pub(super) fn scale_rows<const D: usize>(assembler: &Assembler<D>, factor: f64, 
     let space = &assembler.space;
     let (v, rest) = r.split_at_mut(space.n_v());
     v.iter_mut().for_each(|r| *r *= factor);
-    for node in relation::nodes(assembler) {
-        rest[node * D..(node + 1) * D].iter_mut().for_each(|r| *r *= factor);
-    }
+    relation::places(assembler).for_each(|place| rest[place] *= factor);
 }
 
 /// The pressure is not multiplied by θ: its correction makes up for the scaled rows.

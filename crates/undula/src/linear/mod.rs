@@ -8,6 +8,7 @@ mod extension;
 mod factors;
 mod full;
 mod krylov;
+mod lift;
 mod price;
 mod relation;
 mod scales;
@@ -26,6 +27,7 @@ use border::Bordered;
 use condensed::Condensed;
 use correction::{At, Correction};
 use full::Full;
+use lift::Lift;
 use std::time::Instant;
 
 /// Steps with the whole Jacobian after one that another linearisation could not do.
@@ -48,6 +50,8 @@ pub struct Linear<const D: usize> {
     made: [Option<Box<dyn Correction<D>>>; 2],
     /// Far couplings and scalar unknowns of the one in use.
     bordered: Bordered,
+    /// For displacements that are given, with the whole matrix.
+    lift: Lift<D>,
 }
 
 impl<const D: usize> Linear<D> {
@@ -63,6 +67,7 @@ impl<const D: usize> Linear<D> {
             krylov: None,
             made,
             bordered: Bordered::default(),
+            lift: Lift::new(),
         }
     }
 
@@ -90,8 +95,17 @@ impl<const D: usize> Linear<D> {
     /// What a checkpoint keeps: the steps to go with the whole Jacobian.
     pub fn save(&self) -> u32 {
         // The rest is asked for by the case, follows from it, or is made anew.
-        let Linear { active: _, chosen: _, detour, make: _, sizes: _, krylov: _, made: _, bordered: _ } =
-            *self;
+        let Linear {
+            active: _,
+            chosen: _,
+            detour,
+            make: _,
+            sizes: _,
+            krylov: _,
+            made: _,
+            bordered: _,
+            lift: _,
+        } = *self;
         detour
     }
 
@@ -232,16 +246,23 @@ impl<const D: usize> Linear<D> {
     /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes
     /// it for granted; with `follow` the extension goes along: the fluid then sees at once what a step behind the
     /// solid would cost half an iteration later, and a solid that moves by more than the size of a cell
-    /// does not fold its neighbours.
+    /// does not fold its neighbours. `moved` are the places in u that boundary data have changed, and by how much they
+    /// have become less.
     pub fn start(
         &mut self,
         assembler: &mut Assembler<D>,
         rule: StepRule,
         new: &mut State,
         old: &State,
-        follow: bool,
+        (moved, follow): (&[(usize, f64)], bool),
     ) {
-        if self.active != Linearization::Condensed || relation::nodes(assembler).next().is_none() {
+        if self.active != Linearization::Condensed {
+            if !moved.is_empty() {
+                self.lift.follow(assembler, &self.make, rule, (new, old), moved);
+            }
+            return;
+        }
+        if moved.is_empty() && relation::places(assembler).next().is_none() {
             return;
         }
         let slot = self.slot();
@@ -250,7 +271,7 @@ impl<const D: usize> Linear<D> {
             self.made[slot] = self.make(assembler, &StepView { rule, new, old }).ok();
         }
         match &mut self.made[slot] {
-            Some(made) if follow => made.follow(assembler, rule, new, old),
+            Some(made) if follow => made.follow(assembler, rule, new, old, moved),
             _ => relation::impose(assembler, rule, new, old, |_, _| {}),
         }
     }

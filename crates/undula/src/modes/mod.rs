@@ -185,7 +185,8 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
 
 fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, solid: Solid) -> Setting<'a> {
     let constraints = Constraints::new(space, &case.conditions(&space.mesh));
-    let held = constraints.v.iter().zip(&constraints.u).map(|(&v, &u)| u.map(|u| u || v)).collect();
+    let held = constraints.v.iter().zip(&constraints.u);
+    let held = held.map(|(v, u)| std::array::from_fn(|i| v[i] || u[i])).collect();
     let open = |name: &String| case.boundary.get(name).is_some_and(Condition::is_natural);
     Setting {
         space,

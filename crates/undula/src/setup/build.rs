@@ -9,12 +9,14 @@ use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
-use crate::mesh::{FacetDistance, INTERFACE, Mesh, MeshError};
+use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::{Newton, Settings};
 use crate::operators::pressure::pressure;
 use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::space::{
+    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
+};
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
 use crate::time::{Force, Scheme, Stepper, StepperSettings};
@@ -66,13 +68,18 @@ impl Case {
             _ => FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies),
         };
         space.walls = self.motion.walls;
+        // A solid deforms the domain, and so does a wall of the fluid that moves.
+        let displaced = self.displaced(&space.mesh);
+        let in_fluid = |facet: &Facet| space.regions[facet.cell as usize] == Region::Fluid;
+        space.deforms |= space.mesh.facets_on(&displaced).iter().any(in_fluid);
         let message =
-            "no boundary of the fluid is straight and parallel to an axis, so that nothing can slide";
+            "no node of the boundary of the fluid lies on one smooth boundary, so that nothing can slide";
         if space.walls == Walls::Sliding && space.deforms && self.fluid.is_some() && !space.slides() {
             return Err(self.refuse("motion.walls", message.into()));
         }
         self.check_patches(&space)?;
         self.check_ends(&space).map_err(Error::Case)?;
+        self.check_supports(&space)?;
         Ok(space)
     }
 
@@ -200,6 +207,8 @@ impl Case {
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => BoundaryCondition::Velocity(Arc::from(function(v))),
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
+            Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
+            Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
             Some(Condition::DoNothing | Condition::Pressure { .. }) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
@@ -247,14 +256,22 @@ impl Case {
         }
     }
 
-    /// E_e(x) with the distance to the interface, and its largest value.
+    /// Boundaries of `mesh` whose displacement is given.
+    fn displaced<'a>(&self, mesh: &'a Mesh<2>) -> Vec<&'a str> {
+        let moves = |name: &&str| matches!(self.boundary.get(*name), Some(Condition::Displacement(_)));
+        mesh.boundaries.iter().map(String::as_str).filter(moves).collect()
+    }
+
+    /// E_e(x) with the distance to the interface and to boundaries that are moved, and its largest value.
     #[allow(clippy::type_complexity)]
     fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
         let (model, numbers) = (self.motion.model, self.motion_on(space).numbers());
-        if !model.is_stiffened(&numbers) || !space.deforms || space.mesh.boundary(INTERFACE).is_none() {
+        let mut moving = self.displaced(&space.mesh);
+        moving.extend(space.mesh.boundary(INTERFACE).map(|_| INTERFACE));
+        if !model.is_stiffened(&numbers) || !space.deforms || moving.is_empty() {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
-        let distance = FacetDistance::new(&space.mesh, &[INTERFACE])?;
+        let distance = FacetDistance::new(&space.mesh, &moving)?;
         let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance.distance(*x));
         Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
@@ -289,6 +306,18 @@ fn function(f: &[Expression; 2]) -> Force<2> {
     Box::new(move |x, t| {
         let x = [x[0], x[1], 0.0];
         [f[0].eval(&x, t), f[1].eval(&x, t)]
+    })
+}
+
+/// A displacement with its rate.
+fn motion(u: &[Option<Expression>; 2]) -> MotionData<2> {
+    let u = u.clone();
+    Arc::new(move |x, t| {
+        let at = |e: &Expression| {
+            let (u, rate) = e.eval_with_rate(&[x[0], x[1], 0.0], t);
+            [u, rate]
+        };
+        [0, 1].map(|i: usize| u[i].as_ref().map(at))
     })
 }
 

@@ -12,6 +12,9 @@ use crate::time::{DataFault, DataKind};
 /// Times between the start and the end at which data are looked at in advance.
 const TIMES: usize = 50;
 
+/// Displacement at the start relative to the extent of its boundary that is rounding.
+const STARTS: f64 = 1e-9;
+
 /// Places at which body forces are looked at, at times other than the first one.
 const PLACES: usize = 2000;
 
@@ -28,6 +31,9 @@ impl Case {
             for (key, data) in condition.expressions() {
                 let nodes = space.boundary_nodes(name);
                 let places: Vec<[f64; 2]> = nodes.iter().map(|&n| space.nodes.points[n as usize]).collect();
+                if matches!(condition, Condition::Displacement(_)) {
+                    errors.extend(self.starts_elsewhere(&data_key(name, key), &data, &places));
+                }
                 let fault = find(&data, &places, &self.times(&data, true));
                 errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, key), &data, f)));
             }
@@ -39,6 +45,28 @@ impl Case {
             }
         }
         if errors.is_empty() { Ok(()) } else { Err(Error::Case(CaseErrors(errors))) }
+    }
+
+    /// The mistake that a displacement is not 0 at the beginning, where u is.
+    fn starts_elsewhere(&self, key: &str, data: &[Expression], places: &[[f64; 2]]) -> Option<CaseError> {
+        let time = self.time.as_ref().filter(|_| self.initial.is_none())?;
+        let extent = |d: usize| {
+            let along = places.iter().map(|x| x[d]);
+            along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
+        };
+        let tolerance = STARTS * extent(0).max(extent(1));
+        let moved = |at: &&[f64; 2]| values(data, at, time.start).iter().any(|u| u.abs() > tolerance);
+        let at = places.iter().find(moved)?;
+        let value: Vec<String> =
+            values(data, at, time.start).iter().map(|&u| shortest(rounded(u, u, 4))).collect();
+        let message = format!(
+            "expected a displacement that is 0 at the start t = {} s, where all is at rest; it is {} m at ({}, {})",
+            shortest(time.start),
+            value.join(", "),
+            shortest(rounded(at[0], at[0], 6)),
+            shortest(rounded(at[1], at[1], 6))
+        );
+        Some(CaseError { place: self.place_of(key), key: key.into(), value: None, message })
     }
 
     /// The mistake behind data that turned out not to be finite in the course of a computation.

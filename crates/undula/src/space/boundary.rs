@@ -6,6 +6,10 @@ use std::sync::Arc;
 /// A velocity given as a function of position and time \[m/s\].
 pub type VelocityData<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
+/// A displacement given as a function of reference position and time: for each component u \[m\] and ∂_t u \[m/s\], or
+/// `None` where it is free.
+pub type MotionData<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [Option<[f64; 2]>; D] + Send + Sync>;
+
 /// What holds on a named boundary, as far as the spaces are concerned. On each facet it means what it can mean to the
 /// body of its cell.
 #[derive(Clone)]
@@ -14,6 +18,10 @@ pub enum BoundaryCondition<const D: usize> {
     Velocity(VelocityData<D>),
     /// v = 0, u = 0.
     Fixed,
+    /// u given, v = ∂_t u; components may be free.
+    Displacement(MotionData<D>),
+    /// n·v = 0, n·u = 0, free along the boundary.
+    Slip,
     /// Of the fluid: v free, u = 0. Where a free end of the solid meets the boundary, all of it moves along: u is
     /// free there, too, with the natural condition of the extension, see [`super::ends`]. Of the solid: as `Free`.
     Outflow {
@@ -32,13 +40,12 @@ pub enum Walls {
     /// u = 0.
     #[default]
     Fixed,
-    /// n·u = 0 where the boundary is straight and parallel to an axis; u = 0 at corners, where boundaries meet,
-    /// and where they are curved or inclined.
+    /// n·u = 0 with the normals of [`super::normals`]; u = 0 at corners and where boundaries meet.
     Sliding,
 }
 
 /// Their names in a case.
 pub static WALLS: [Choice<Walls>; 2] = [
     choice("fixed", Walls::Fixed, "the mesh does not move on the outer boundary"),
-    choice("sliding", Walls::Sliding, "the mesh slides along straight outer boundaries parallel to an axis"),
+    choice("sliding", Walls::Sliding, "the mesh slides along outer boundaries, n·u = 0"),
 ];

@@ -1,82 +1,183 @@
-//! Dirichlet data.
+//! What is given at nodes: Dirichlet data, displacements, directions that a boundary does not let pass.
 
-use super::{BoundaryCondition, FsiSpace, PsiOwner, VelocityData, Walls};
+use super::{BoundaryCondition, FsiSpace, MotionData, PsiOwner, VelocityData, Walls, normals};
+use crate::math::Vector;
+use crate::mesh::Facet;
+use std::sync::Arc;
 
 /// Constrained unknowns and the data they take.
 #[derive(Clone)]
 pub struct Constraints<const D: usize> {
-    /// Velocity nodes that are given.
-    pub v: Vec<bool>,
-    /// Components of the deformation that are given (always 0), those of bubbles among them.
+    /// Components of the velocity that are given.
+    pub v: Vec<[bool; D]>,
+    /// Components of the deformation that are given, those of bubbles among them: 0 but for [`Constraints::motion`].
     pub u: Vec<[bool; D]>,
     /// Pressure unknowns that are given; empty if none is, see [`super::ClosedPressure`].
     pub p: Vec<bool>,
     /// Nodes with velocity data, and which.
     pub data: Vec<(u32, VelocityData<D>)>,
-    /// Factor of the velocity data, for loads that are raised in parts.
+    /// Nodes with a given displacement, and which.
+    pub motion: Vec<(u32, MotionData<D>)>,
+    /// Nodes at which v or u vanishes in directions that are no axes.
+    pub directions: Vec<Directions<D>>,
+    /// Factor of the data, for loads that are raised in parts.
     pub load: f64,
     /// Whether velocity data depend on the deformation: they are taken at x + u, and nodes with data slide.
     pub follows: bool,
 }
 
+/// Directions in which v or u vanishes at a node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Directions<const D: usize> {
+    /// The node.
+    pub node: u32,
+    /// Whether n·v = 0 there.
+    pub v: bool,
+    /// Whether n·u = 0 there.
+    pub u: bool,
+    /// The directions n, orthonormal.
+    pub normals: Vec<Vector<f64, D>>,
+}
+
+impl<const D: usize> Directions<D> {
+    /// x − Σ n n·x.
+    pub fn project(&self, x: &mut [f64]) {
+        for n in &self.normals {
+            let along: f64 = (0..D).map(|i| n.0[i] * x[i]).sum();
+            (0..D).for_each(|i| x[i] -= along * n.0[i]);
+        }
+    }
+}
+
+/// What the facets at a node say of it.
+#[derive(Clone, Default)]
+struct Seen<const D: usize> {
+    fixed: bool,
+    velocity: Option<VelocityData<D>>,
+    /// Given displacements; the first that gives a component rules.
+    motion: Vec<MotionData<D>>,
+    /// An outlet of the fluid that does not move.
+    outlet: bool,
+}
+
 impl<const D: usize> Constraints<D> {
-    /// From one condition per boundary of the mesh, in its order. Where several meet, a fixed wall rules.
+    /// From one condition per boundary of the mesh, in its order. Where several meet, a displacement rules, then a fixed
+    /// wall, then a velocity, then `Slip`.
     pub fn new(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Constraints<D> {
         let n = space.nodes.len();
-        let mut fixed = vec![false; n];
-        let (v, u) = (vec![false; n], vec![[false; D]; n]);
-        let mut c = Constraints { v, u, p: vec![], data: vec![], load: 1.0, follows: false };
-        let mut given: Vec<Option<VelocityData<D>>> = vec![None; n];
-        let moves = super::ends::moving(space, conditions);
-        for facet in &space.mesh.facets {
-            for node in space.facet_nodes(facet) {
-                let node = node as usize;
-                match &conditions[facet.boundary as usize] {
-                    BoundaryCondition::Velocity(data) => {
-                        (c.v[node], c.u[node]) = (true, [true; D]);
-                        given[node] = Some(data.clone());
-                    }
-                    BoundaryCondition::Fixed => {
-                        (c.v[node], c.u[node], fixed[node]) = (true, [true; D], true);
-                    }
-                    // Nodes of the solid are free, as both u and v.
-                    BoundaryCondition::Outflow { .. }
-                        if space.owner[node] == PsiOwner::Extension && !moves[facet.boundary as usize] =>
-                    {
-                        c.u[node] = [true; D];
-                    }
-                    BoundaryCondition::Outflow { .. } | BoundaryCondition::Free => {}
-                }
+        let (v, u) = (vec![[false; D]; n], vec![[false; D]; n]);
+        let (data, motion, directions) = (vec![], vec![], vec![]);
+        let mut c = Constraints { v, u, p: vec![], data, motion, directions, load: 1.0, follows: false };
+        let mut seen = seen(space, conditions);
+        for (node, seen) in seen.iter().enumerate() {
+            let free = !seen.motion.is_empty() && !seen.fixed;
+            if (seen.fixed || seen.velocity.is_some()) && !free {
+                (c.v[node], c.u[node]) = ([true; D], [true; D]);
+            }
+            if seen.outlet && !free {
+                c.u[node] = [true; D];
             }
         }
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
         if space.walls == Walls::Sliding {
-            for (node, axis) in super::sliding::normals(space).into_iter().enumerate() {
-                if let Some(axis) = axis.filter(|_| c.u[node] == [true; D]) {
-                    c.u[node] = std::array::from_fn(|d| d == axis);
-                }
-            }
+            c.slide(space);
         }
-        for node in 0..n {
-            if let (false, Some(data)) = (fixed[node], given[node].take()) {
+        let slips = |facet: &&Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
+        for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(slips)) {
+            c.hold(node as usize, normals, [true, true]);
+        }
+        for (node, seen) in seen.iter_mut().enumerate() {
+            if !seen.motion.is_empty() {
+                c.moved(space, node, std::mem::take(&mut seen.motion));
+            } else if let (false, Some(data)) = (seen.fixed, seen.velocity.take()) {
                 c.follows |= space.deforms && c.u[node] != [true; D];
                 c.data.push((node as u32, data));
             }
         }
+        c.directions.retain(|at| at.v || at.u);
         c
     }
 
-    /// Write the data of time `t` into `v` and zero into the other given entries of v and u.
-    pub fn apply(&self, space: &FsiSpace<D>, t: f64, v: &mut [f64], u: &mut [f64]) {
-        for (node, &is) in self.v.iter().enumerate() {
-            if is {
-                v[node * D..(node + 1) * D].fill(0.0);
+    /// n·u = 0 in place of u = 0 where the mesh may slide.
+    fn slide(&mut self, space: &FsiSpace<D>) {
+        for (node, normal) in super::sliding::sliding(space).into_iter().enumerate() {
+            if let Some(normal) = normal.filter(|_| self.u[node] == [true; D]) {
+                self.u[node] = [false; D];
+                self.hold(node, vec![normal], [false, true]);
             }
         }
-        if !u.is_empty() {
-            for (u, given) in u.chunks_exact_mut(D).zip(&self.u) {
-                (0..D).filter(|&i| given[i]).for_each(|i| u[i] = 0.0);
+    }
+
+    /// Lets v or u vanish in the directions `normals` at a node, where they are not given already.
+    fn hold(&mut self, node: usize, normals: Vec<Vector<f64, D>>, [v, u]: [bool; 2]) {
+        let axes: Option<Vec<usize>> = match normals.len() {
+            n if n == D => Some((0..D).collect()),
+            _ => normals.iter().map(normals::axis).collect(),
+        };
+        let free = |given: &[bool; D]| given.contains(&false);
+        let (v, u) = (v && free(&self.v[node]), u && free(&self.u[node]));
+        match axes {
+            Some(axes) => {
+                for d in axes {
+                    self.v[node][d] |= v;
+                    self.u[node][d] |= u;
+                }
+            }
+            None => self.directions.push(Directions { node: node as u32, v, u, normals }),
+        }
+    }
+
+    /// Gives the displacement of a node. Components that are free in it stay what walls and `Slip` make of them.
+    fn moved(&mut self, space: &FsiSpace<D>, node: usize, mut motions: Vec<MotionData<D>>) {
+        let motion: MotionData<D> = match motions.len() {
+            1 => motions.remove(0),
+            _ => Arc::new(move |x, t| {
+                let all: Vec<_> = motions.iter().map(|motion| motion(x, t)).collect();
+                std::array::from_fn(|i| all.iter().find_map(|given| given[i]))
+            }),
+        };
+        let given = motion(&space.nodes.points[node], 0.0).map(|component| component.is_some());
+        for i in (0..D).filter(|&i| given[i]) {
+            (self.v[node][i], self.u[node][i]) = (true, true);
+        }
+        if given == [true; D] {
+            self.directions.retain(|at| at.node as usize != node);
+        }
+        self.motion.push((node as u32, motion));
+    }
+
+    /// Whether all components of v are given at a node.
+    pub fn is_given(&self, node: usize) -> bool {
+        self.v[node] == [true; D]
+    }
+
+    /// Write the data of time `t` into `v` and `u`, and zero into the other given entries.
+    pub fn apply(&self, space: &FsiSpace<D>, t: f64, v: &mut [f64], u: &mut [f64]) {
+        let zero = |x: &mut [f64], given: &[[bool; D]]| {
+            for (x, given) in x.chunks_exact_mut(D).zip(given) {
+                (0..D).filter(|&i| given[i]).for_each(|i| x[i] = 0.0);
+            }
+        };
+        zero(v, &self.v);
+        zero(u, &self.u);
+        for at in &self.directions {
+            let node = at.node as usize * D..(at.node as usize + 1) * D;
+            if at.v {
+                at.project(&mut v[node.clone()]);
+            }
+            if at.u && !u.is_empty() {
+                at.project(&mut u[node]);
+            }
+        }
+        for (node, motion) in &self.motion {
+            let node = *node as usize;
+            let given = motion(&space.nodes.points[node], t);
+            for (i, [displacement, rate]) in (0..D).filter_map(|i| Some((i, given[i]?))) {
+                v[node * D + i] = self.load * rate;
+                if let Some(u) = u.get_mut(node * D + i) {
+                    *u = self.load * displacement;
+                }
             }
         }
         self.apply_data(space, t, v, u);
@@ -95,4 +196,25 @@ impl<const D: usize> Constraints<D> {
             (0..D).for_each(|i| v[node * D + i] = self.load * value[i]);
         }
     }
+}
+
+fn seen<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<Seen<D>> {
+    let mut seen = vec![Seen::default(); space.nodes.len()];
+    let moves = super::ends::moving(space, conditions);
+    for facet in &space.mesh.facets {
+        for node in space.facet_nodes(facet) {
+            let (seen, owner) = (&mut seen[node as usize], space.owner[node as usize]);
+            match &conditions[facet.boundary as usize] {
+                BoundaryCondition::Velocity(data) => seen.velocity = Some(data.clone()),
+                BoundaryCondition::Fixed => seen.fixed = true,
+                BoundaryCondition::Displacement(motion) => seen.motion.push(motion.clone()),
+                // Nodes of the solid are free, as both u and v.
+                BoundaryCondition::Outflow { .. } => {
+                    seen.outlet |= owner == PsiOwner::Extension && !moves[facet.boundary as usize];
+                }
+                BoundaryCondition::Slip | BoundaryCondition::Free => {}
+            }
+        }
+    }
+    seen
 }

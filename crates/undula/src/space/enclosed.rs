@@ -75,11 +75,12 @@ impl<const D: usize> Enclosed<D> {
         Enclosed { cells, lower, upper, touches_solid, outflow }
     }
 
-    /// ∫ v·n ds \[m^D/s\] of the velocity with nodal values `v`, and about ½ ∫ |v| ds, where `given` holds.
-    pub fn flux(&self, v: &[f64], given: impl Fn(usize) -> bool) -> (f64, f64) {
+    /// ∫ v·n ds \[m^D/s\] of the velocity with nodal values `v`, and about ½ ∫ |v| ds, with the components that are `given`.
+    pub fn flux(&self, v: &[f64], given: impl Fn(usize) -> [bool; D]) -> (f64, f64) {
         let (mut net, mut size) = (0.0, 0.0);
-        for (node, weight) in self.outflow.iter().filter(|(node, _)| given(*node as usize)) {
-            let v: [f64; D] = std::array::from_fn(|i| v[*node as usize * D + i]);
+        for (node, weight) in &self.outflow {
+            let given = given(*node as usize);
+            let v: [f64; D] = std::array::from_fn(|i| if given[i] { v[*node as usize * D + i] } else { 0.0 });
             net += Vector(v).dot(Vector(*weight));
             size += 0.5 * (Vector(v).dot(Vector(v)) * Vector(*weight).dot(Vector(*weight))).sqrt();
         }

@@ -27,12 +27,12 @@ pub struct End {
     pub kind: EndKind,
 }
 
-/// Nodes that a condition on a facet of the solid holds.
+/// Nodes that a condition on a facet of the solid holds, in some direction at least.
 fn held<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<bool> {
     let mut held = vec![false; space.nodes.len()];
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Solid) {
         let condition = &conditions[facet.boundary as usize];
-        if matches!(condition, BoundaryCondition::Fixed | BoundaryCondition::Velocity(_)) {
+        if !matches!(condition, BoundaryCondition::Outflow { .. } | BoundaryCondition::Free) {
             space.facet_nodes(facet).into_iter().for_each(|node| held[node as usize] = true);
         }
     }
@@ -52,7 +52,9 @@ pub fn ends<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition
             BoundaryCondition::Fixed => EndKind::Wall,
             BoundaryCondition::Velocity(_) => EndKind::Inflow,
             BoundaryCondition::Outflow { .. } => EndKind::Free,
-            BoundaryCondition::Free => continue,
+            BoundaryCondition::Slip | BoundaryCondition::Displacement(_) | BoundaryCondition::Free => {
+                continue;
+            }
         };
         for node in space.facet_nodes(facet).into_iter().map(|node| node as usize) {
             if space.owner[node] == PsiOwner::Relation && !held[node] {
@@ -66,11 +68,16 @@ pub fn ends<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition
     found.into_iter().enumerate().filter_map(end).collect()
 }
 
-/// For each boundary whether it is an outflow that moves along with a free end of the solid.
+/// For each boundary whether it is an outflow that moves along with a free end of the solid, or with a boundary whose
+/// displacement is given.
 pub fn moving<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<bool> {
     let mut free = vec![false; space.nodes.len()];
     for end in ends(space, conditions).iter().filter(|end| end.kind == EndKind::Free) {
         free[end.node as usize] = true;
+    }
+    let displaced = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Displacement(_));
+    for facet in space.mesh.facets.iter().filter(|facet| displaced(facet.boundary)) {
+        space.facet_nodes(facet).into_iter().for_each(|node| free[node as usize] = true);
     }
     let mut moving = vec![false; space.mesh.boundaries.len()];
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {

@@ -6,12 +6,13 @@ pub mod dofs;
 pub mod enclosed;
 pub mod ends;
 pub mod fluid_boundary;
+pub mod normals;
 pub mod pressure;
 mod sliding;
 pub mod state;
 
-pub use boundary::{BoundaryCondition, VelocityData, WALLS, Walls};
-pub use conditions::Constraints;
+pub use boundary::{BoundaryCondition, MotionData, VelocityData, WALLS, Walls};
+pub use conditions::{Constraints, Directions};
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
@@ -160,7 +161,7 @@ impl<const D: usize> FsiSpace<D> {
 
     /// Whether there is a node that may slide, see [`Walls::Sliding`].
     pub fn slides(&self) -> bool {
-        sliding::normals(self).iter().any(Option::is_some)
+        sliding::sliding(self).iter().any(Option::is_some)
     }
 
     /// All facets of the boundary or part of the interface called `name`.

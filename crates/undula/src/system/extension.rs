@@ -2,14 +2,15 @@
 //!
 //! Where the model is linear its matrix stays for the run, and is factorised once.
 
+use super::directions::DirectedBlocks;
 use crate::algebra::{Csr, Pattern};
 use crate::loops::scatter::DROP;
-use crate::space::{Constraints, FsiSpace, PsiOwner};
+use crate::space::{Constraints, Directions, FsiSpace, PsiOwner};
 use std::sync::Arc;
 
 /// `A_F δu_F = r_F − A_I δu_I` over the free unknowns of the fluid off the interface.
 #[derive(Clone, Debug)]
-pub struct ExtensionSystem {
+pub struct ExtensionSystem<const D: usize> {
     /// A_F.
     pub matrix: Csr,
     /// Place in `[v, u, p]` of each unknown.
@@ -18,19 +19,25 @@ pub struct ExtensionSystem {
     rows: Vec<(u32, u32)>,
     /// Entries of A_I: place in `[v, u, p]`, value.
     entries: Vec<(u32, f64)>,
+    /// Directions in which u vanishes, in the matrix and in right-hand sides.
+    directions: DirectedBlocks<D>,
+    along: Vec<(u32, Directions<D>)>,
     /// Where each entry visited goes: in the matrix, behind it in `entries`, or nowhere.
     slots: Vec<u32>,
 }
 
-impl ExtensionSystem {
+impl<const D: usize> ExtensionSystem<D> {
     /// From `visit`, which calls back with (row, column, value) by places in `[v, u, p]`, always alike.
-    pub(super) fn new<const D: usize>(
+    pub(super) fn new(
         space: &FsiSpace<D>,
         constraints: &Constraints<D>,
         mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64)),
-    ) -> ExtensionSystem {
+    ) -> ExtensionSystem<D> {
         let first = space.n_v() as u32;
         let given = |place: u32| constraints.u[(place - first) as usize / D][(place - first) as usize % D];
+        let moved: Vec<u32> = constraints.motion.iter().map(|(node, _)| *node).collect();
+        // Given, and not 0: the update of an interface, or of a boundary whose displacement is given.
+        let drives = |place: u32| !given(place) || moved.binary_search(&((place - first) / D as u32)).is_ok();
         let mut number = vec![DROP; space.n_unknowns()];
         let mut places = vec![];
         for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
@@ -45,13 +52,18 @@ impl ExtensionSystem {
             let (row, other) = (number[row as usize], number[column as usize]);
             match (row, other) {
                 (DROP, _) => {}
-                (row, DROP) if !given(column) => interface[row as usize].push(column),
+                (row, DROP) if drives(column) => interface[row as usize].push(column),
                 (_, DROP) => {}
                 (row, other) => lists[row as usize].push(other),
             }
         });
+        let mut directions = DirectedBlocks::new(space, constraints, &number, &mut lists);
         let pattern = Arc::new(Pattern::from_rows(&lists));
         drop(lists);
+        directions.place(&pattern);
+        let in_fluid = |at: &&Directions<D>| at.u && number[space.n_v() + at.node as usize * D] != DROP;
+        let along = constraints.directions.iter().filter(in_fluid);
+        let along = along.map(|at| (number[space.n_v() + at.node as usize * D], at.clone())).collect();
         let (mut rows, mut entries, mut starts) = (vec![], vec![], vec![0; places.len()]);
         for (row, list) in interface.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
             starts[row] = entries.len();
@@ -63,7 +75,7 @@ impl ExtensionSystem {
             let (row, other) = (number[row as usize], number[column as usize]);
             slots.push(match (row, other) {
                 (DROP, _) => DROP,
-                (row, DROP) if !given(column) => {
+                (row, DROP) if drives(column) => {
                     starts[row as usize] += 1;
                     behind + starts[row as usize] as u32 - 1
                 }
@@ -71,7 +83,8 @@ impl ExtensionSystem {
                 (row, other) => pattern.find(row as usize, other as usize).map_or(DROP, |at| at as u32),
             });
         });
-        let mut system = ExtensionSystem { matrix: Csr::zeros(&pattern), places, rows, entries, slots };
+        let mut system =
+            ExtensionSystem { matrix: Csr::zeros(&pattern), places, rows, entries, directions, along, slots };
         system.fill(visit);
         system
     }
@@ -87,6 +100,7 @@ impl ExtensionSystem {
             Some(&at) if (at as usize) < behind => matrix.values[at as usize] += value,
             Some(&at) => entries[at as usize - behind].1 = value,
         });
+        self.directions.constrain(&mut self.matrix);
     }
 
     /// `b ← r_F − A_I δu_I` with the residual `r` and the update `delta`, both `[v, u, p]`; without `r` it is zero
@@ -102,6 +116,9 @@ impl ExtensionSystem {
                 b[row as usize] -= value * delta[place as usize];
             }
             start = end as usize;
+        }
+        for (first, at) in &self.along {
+            at.project(&mut b[*first as usize..*first as usize + D]);
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The matrices of the linear systems: of all unknowns, and of v and p alone.
 
+use super::directions::{self, DirectedBlocks};
 use super::{Assembler, granted};
 use crate::algebra::{Csr, Pattern, SolverError, Unknown};
 use crate::loops::scatter::DROP;
@@ -66,8 +67,11 @@ impl<const D: usize> Assembler<D> {
         for operator in self.operators() {
             operator.entries(matrix, number, &mut |row, column| rows[row as usize].push(column));
         }
+        let mut directions = DirectedBlocks::new(&self.space, &self.constraints, number, &mut rows);
         let pattern = Arc::new(Pattern::from_rows(&rows));
         drop(rows);
+        directions.place(&pattern);
+        self.directions[matrix as usize] = directions;
         let find =
             |row: u32, column: u32| pattern.find(row as usize, column as usize).map_or(DROP, |at| at as u32);
         let entries = Entries { n: pattern.nnz(), find: &find };
@@ -102,10 +106,16 @@ impl<const D: usize> Assembler<D> {
         for &diagonal in self.whole.iter().flat_map(|whole| &whole.diagonals) {
             out.values[diagonal as usize] = 1.0;
         }
+        self.constrain(out);
+    }
+
+    /// Let a matrix on [`Assembler::pattern`] hold the directions that boundaries do not let pass.
+    pub fn constrain(&self, out: &mut Csr) {
+        self.directions[Matrix::Whole as usize].constrain(out);
     }
 
     /// y ← A x with the Jacobian A of [`Assembler::residual`], without a matrix: `x` and `y` are `[v, u, p, s]`, and rows of
-    /// given unknowns read y = x. `work` is overwritten.
+    /// given unknowns read y = x; y has nothing in the directions that boundaries do not let pass. `work` is overwritten.
     pub fn apply(&mut self, step: &StepView<'_>, x: &[f64], y: &mut [f64], work: &mut Vec<f64>) {
         self.product(Matrix::Whole, step, x, y, work);
     }
@@ -126,7 +136,7 @@ impl<const D: usize> Assembler<D> {
     ) {
         work.clear();
         work.extend_from_slice(x);
-        self.given.iter().for_each(|&row| work[row as usize] = 0.0);
+        self.zero_given(work);
         y.fill(0.0);
         for operator in self.operators_mut() {
             operator.apply(matrix, step, work, y);
@@ -145,6 +155,7 @@ impl<const D: usize> Assembler<D> {
             }
         }
         self.borders = borders;
+        directions::project(&self.space, &self.constraints, y);
         self.given.iter().for_each(|&row| y[row as usize] = x[row as usize]);
     }
 
@@ -205,6 +216,7 @@ impl<const D: usize> Assembler<D> {
         for term in &mut self.terms {
             term.linearise(Matrix::Condensed, step, how, &mut out.values);
         }
+        self.directions[Matrix::Condensed as usize].constrain(out);
     }
 
     /// Forward elimination of the unknowns inside of cells from a right-hand side `[v, u, p]`.

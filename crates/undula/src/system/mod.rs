@@ -1,5 +1,6 @@
 //! The sum of all operators: residual and Jacobian of one step of the coupled problem.
 
+mod directions;
 pub mod extension;
 mod matrices;
 mod unknowns;
@@ -20,6 +21,7 @@ use crate::operators::{Blocks, RegionOperator};
 pub use crate::operators::{DataTime, End, ForceAt, Matrix, NotFinite, Operator, Options, Physics, StepView};
 use crate::physics::{Extension, Stabilization};
 use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, Region, State};
+use directions::DirectedBlocks;
 use extension::ExtensionSystem;
 pub use matrices::CondensedSystem;
 use matrices::Whole;
@@ -54,6 +56,8 @@ pub struct Assembler<const D: usize> {
     /// The whole matrix and the condensed one, once asked for.
     whole: Option<Whole>,
     condensed: Option<Arc<CondensedSystem>>,
+    /// Directions in the whole matrix and in the condensed one.
+    directions: [DirectedBlocks<D>; 2],
     blocks: Blocks,
     stabilized: bool,
     /// Number of scalar unknowns.
@@ -116,6 +120,7 @@ impl Assembler<2> {
             closed: vec![],
             whole: None,
             condensed: None,
+            directions: Default::default(),
             blocks: Blocks::default(),
             stabilized: false,
             scalars: 0,
@@ -258,6 +263,7 @@ impl<const D: usize> Assembler<D> {
         for &row in &self.given[..self.given.len() - self.closed.len()] {
             out[row as usize] = 0.0;
         }
+        directions::project(&self.space, &self.constraints, out);
         if min_j == f64::INFINITY { 1.0 } else { min_j }
     }
 
@@ -301,7 +307,7 @@ impl<const D: usize> Assembler<D> {
     }
 
     /// The extension as a system of its own; `None` without fluid or deformation.
-    pub fn extension(&self, step: &StepView<'_>) -> Option<ExtensionSystem> {
+    pub fn extension(&self, step: &StepView<'_>) -> Option<ExtensionSystem<D>> {
         if !self.space.deforms || self.physics.fluid.is_none() {
             return None;
         }
@@ -324,7 +330,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Take the derivative at the iterate of `step` into a `system` of [`Assembler::extension`]; whether there is
     /// anything to take, the operator not being constant.
-    pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem) -> bool {
+    pub fn renew_extension(&self, step: &StepView<'_>, system: &mut ExtensionSystem<D>) -> bool {
         let changes = !self.extension_is_constant();
         if changes {
             system.fill(|put: &mut dyn FnMut(u32, u32, f64)| self.visit_extension(step, put));
@@ -357,11 +363,24 @@ impl<const D: usize> Assembler<D> {
         Worst { min_j, cells: list.into_iter().flat_map(cells).collect() }
     }
 
-    /// Zero the rows of given unknowns of a vector `[v, u, p]`.
+    /// Whether each unknown `[v, u, p]` is given.
+    pub fn is_given(&self) -> Vec<bool> {
+        let mut given = vec![false; self.space.n_unknowns()];
+        self.given.iter().for_each(|&row| given[row as usize] = true);
+        given
+    }
+
+    /// Take the directions that boundaries do not let pass out of a vector `[v, u, p]`.
+    pub fn project(&self, out: &mut [f64]) {
+        directions::project(&self.space, &self.constraints, out);
+    }
+
+    /// Zero the rows of given unknowns of a vector `[v, u, p]`, and the directions that boundaries do not let pass.
     pub fn zero_given(&self, out: &mut [f64]) {
         for &row in &self.given {
             out[row as usize] = 0.0;
         }
+        directions::project(&self.space, &self.constraints, out);
     }
 }
 

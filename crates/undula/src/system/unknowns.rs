@@ -32,7 +32,7 @@ impl<const D: usize> Assembler<D> {
 
 /// Rows of unknowns that are given, ascending.
 pub(super) fn given_rows<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
-    let velocity = constraints.v.iter().flat_map(|&given| [given; D]);
+    let velocity = constraints.v.iter().flatten().copied();
     let deformation = constraints.u.iter().flatten().copied();
     let all = velocity.chain(deformation.filter(|_| space.deforms));
     all.zip(0..).filter(|(given, _)| *given).map(|(_, row)| row).collect()

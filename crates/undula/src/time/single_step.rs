@@ -29,22 +29,30 @@ impl Start<'_> {
         if let Some((older, ratio)) = self.older {
             system.new.extrapolate(older, self.old, ratio);
             let follow = system.assembler.extension_is_constant();
-            self.complete(system, follow);
+            complete(system, follow);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
             if norm.is_some() {
                 return norm;
             }
         }
         system.new.copy_from(self.old);
-        self.complete(system, true);
+        complete(system, true);
         newton.norm(system)
     }
+}
 
-    fn complete<const D: usize>(&self, system: &mut StepSystem<'_, D>, follow: bool) {
-        let assembler = &mut *system.assembler;
-        assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
-        system.linear.start(assembler, system.rule, system.new, system.old, follow);
-    }
+/// Set the boundary data, and take along what follows from them; the extension if asked to.
+fn complete<const D: usize>(system: &mut StepSystem<'_, D>, follow: bool) {
+    let assembler = &mut *system.assembler;
+    let given = |u: &[f64]| -> Vec<(usize, f64)> {
+        let nodes = assembler.constraints.motion.iter().filter(|_| !u.is_empty());
+        let places = nodes.flat_map(|(node, _)| (0..D).map(move |i| *node as usize * D + i));
+        places.map(|at| (at, u[at])).collect()
+    };
+    let mut moved = given(&system.new.u);
+    assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
+    moved.iter_mut().for_each(|(at, before)| *before -= system.new.u[*at]);
+    system.linear.start(assembler, system.rule, system.new, system.old, (&moved, follow));
 }
 
 impl<const D: usize> Stepper<D> {
@@ -151,6 +159,11 @@ fn iterate<const D: usize>(
     older: Option<(&State, f64)>,
 ) -> Result<(NewtonReport, f64), NewtonError> {
     // The criterion refers to the old solution with the new boundary data, whatever the start value.
+    if !system.assembler.constraints.motion.is_empty() {
+        // A boundary that moves further than a cell takes the domain along, which would fold else.
+        system.new.copy_from(old);
+        complete(system, true);
+    }
     let reference = newton.norm(system).ok_or(NewtonError::Inadmissible)?;
     let start = Start { old, older, reference };
     let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;

@@ -176,7 +176,8 @@ impl<const D: usize> Stepper<D> {
         self.assembler.constraints.load = load;
         let Assembler { constraints, space, .. } = &self.assembler;
         constraints.apply(space, t, v, u);
-        let given = v.chunks_exact(D).zip(&constraints.v).enumerate().filter(|(_, (_, given))| **given);
+        let given =
+            v.chunks_exact(D).zip(&constraints.v).enumerate().filter(|(_, (_, given))| given.contains(&true));
         let wrong = |(_, (v, _)): &(usize, (&[f64], _))| !v.iter().all(|v| v.is_finite());
         if let Some((node, (value, _))) = given.into_iter().find(wrong) {
             let kind = DataKind::Velocity { node: node as u32 };

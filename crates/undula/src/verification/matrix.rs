@@ -36,18 +36,17 @@ pub struct Portrait {
 pub fn portrait(simulation: &mut Simulation) -> Result<Portrait, SolverError> {
     let matrix = whole_jacobian(simulation)?;
     let assembler = &simulation.stepper.assembler;
-    let mut free = vec![1.0; matrix.pattern.n];
-    assembler.zero_given(&mut free);
+    let given = assembler.is_given();
     let groups = groups(&assembler.space);
     let (mut entries, mut unknowns) = ([[0; 7]; 7], [0; 7]);
     let (mut zero_diagonal, mut dominant, mut rows) = (0, 0, 0usize);
-    for row in (0..matrix.pattern.n).filter(|&row| free[row] != 0.0) {
+    for row in (0..matrix.pattern.n).filter(|&row| !given[row]) {
         unknowns[groups[row]] += 1;
         rows += 1;
         let (mut diagonal, mut others) = (0.0, 0.0);
         for at in matrix.pattern.row(row) {
             let (col, value) = (matrix.pattern.col[at] as usize, matrix.values[at]);
-            if value == 0.0 || free[col] == 0.0 {
+            if value == 0.0 || given[col] {
                 continue;
             }
             entries[groups[row]][groups[col]] += 1;
@@ -65,7 +64,7 @@ pub fn portrait(simulation: &mut Simulation) -> Result<Portrait, SolverError> {
     Ok(Portrait {
         entries,
         unknowns,
-        asymmetry: asymmetry(&matrix, &scaling, &free),
+        asymmetry: asymmetry(&matrix, &scaling, &given),
         zero_diagonal,
         dominant: dominant as f64 / rows.max(1) as f64,
         plain_lu_error: plain_lu_error(&matrix)?,
@@ -89,13 +88,13 @@ fn groups(space: &FsiSpace<2>) -> Vec<usize> {
     list
 }
 
-fn asymmetry(a: &Csr, scaling: &Scaling, free: &[f64]) -> f64 {
+fn asymmetry(a: &Csr, scaling: &Scaling, given: &[bool]) -> f64 {
     let (mut gaps, mut squares) = (0.0, 0.0);
     let scaled = |row: usize, col: usize, value: f64| value * scaling.row[row] * scaling.col[col];
-    for row in (0..a.pattern.n).filter(|&row| free[row] != 0.0) {
+    for row in (0..a.pattern.n).filter(|&row| !given[row]) {
         for at in a.pattern.row(row) {
             let col = a.pattern.col[at] as usize;
-            if free[col] == 0.0 {
+            if given[col] {
                 continue;
             }
             let value = scaled(row, col, a.values[at]);

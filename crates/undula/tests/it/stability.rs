@@ -70,7 +70,7 @@ fn pairs_of_equal_order_lose_their_constants() {
 
 /// Smallest eigenvalues of B A⁻¹ Bᵀ q = γ² M q by dense matrices, ascending.
 fn dense(space: &FsiSpace<2>, constraints: &Constraints<2>) -> Vec<f64> {
-    let free: Vec<usize> = (0..space.nodes.len()).filter(|&node| !constraints.v[node]).collect();
+    let free: Vec<usize> = (0..space.nodes.len()).filter(|&node| !constraints.is_given(node)).collect();
     let place = |node: u32| free.iter().position(|&f| f == node as usize);
     let (n, m) = (2 * free.len(), space.n_p());
     let (mut A, mut B, mut M) = (Mat::<f64>::zeros(n, n), Mat::<f64>::zeros(m, n), Mat::<f64>::zeros(m, m));

@@ -24,7 +24,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "periodic", "symmetry"];
+        let later = ["sliding", "periodic"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         let condition = read_data(&mut s, condition);
         s.require_choice("condition", &CONDITIONS);
@@ -74,6 +74,7 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
 fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
     match datum {
         Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
+        Datum::Components(pair) => *pair = s.components(name).unwrap_or_default(),
         Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
         Datum::Word(choices, value) => *value = s.choice(name, choices, &[]).unwrap_or(*value),
     }

@@ -109,8 +109,20 @@ impl Program {
         stack[0]
     }
 
-    /// The same with partial derivatives.
+    /// The same with partial derivatives with respect to x, y, z.
     pub(super) fn run_with_slope(&self, x: &[f64; 3], t: f64) -> Slope {
+        let [a, b, c] = std::array::from_fn(|d| Slope::coordinate(x[d], d));
+        self.run_seeded([a, b, c, Slope::constant(t)])
+    }
+
+    /// The same with the derivative with respect to t in place of the first.
+    pub(super) fn run_with_rate(&self, x: &[f64; 3], t: f64) -> Slope {
+        let [a, b, c] = x.map(Slope::constant);
+        self.run_seeded([a, b, c, Slope::coordinate(t, 0)])
+    }
+
+    /// The value with the derivatives that x, y, z, t bring along.
+    fn run_seeded(&self, [x, y, z, t]: [Slope; 4]) -> Slope {
         let mut stack = [Slope::constant(0.0); STACK];
         let mut n = 0;
         for instruction in &self.code {
@@ -121,10 +133,10 @@ impl Program {
                 }
                 Instruction::Load(variable) => {
                     stack[n] = match variable {
-                        Variable::X => Slope::coordinate(x[0], 0),
-                        Variable::Y => Slope::coordinate(x[1], 1),
-                        Variable::Z => Slope::coordinate(x[2], 2),
-                        Variable::T => Slope::constant(t),
+                        Variable::X => x,
+                        Variable::Y => y,
+                        Variable::Z => z,
+                        Variable::T => t,
                     };
                     n += 1;
                 }

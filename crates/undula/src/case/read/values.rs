@@ -186,6 +186,19 @@ impl Section<'_, '_> {
         self.pair_of(key, "two expressions, as [\"x component\", \"y component\"]", Self::expression_of)
     }
 
+    /// Two expressions, x and y component, or `None` for the word `free`.
+    pub fn components(&mut self, key: &str) -> Option<[Option<Expression>; 2]> {
+        let expected = "two expressions or \"free\", as [\"x component\", \"free\"]";
+        let found = self.pair_of(key, expected, |section, key, item| match &item.value {
+            Value::String(word) if word == "free" => Some(None),
+            _ => section.expression_of(key, item).map(Some),
+        });
+        if found == Some([None, None]) {
+            self.wrong(key, "expected one component at least that is not free; else use `traction-free`");
+        }
+        found
+    }
+
     /// Two numbers in `range`.
     pub fn pair(&mut self, key: &str, range: Range) -> Option<[f64; 2]> {
         self.pair_of(key, "two numbers", |section, key, item| {

@@ -115,13 +115,13 @@ pub(super) struct Blocks {
 }
 
 impl Blocks {
-    /// Of the Jacobian `exact`; `free` is 0 at given unknowns.
-    pub(super) fn new(space: &FsiSpace<2>, exact: &Csr, free: &[f64]) -> Blocks {
+    /// Of the Jacobian `exact`; with which unknowns are given.
+    pub(super) fn new(space: &FsiSpace<2>, exact: &Csr, given: Vec<bool>) -> Blocks {
         let unknowns = unknowns(space);
         let equations = equations(space);
         let mut sizes = vec![[0.0f64; 3]; unknowns.len()];
         let mut largest = [[0.0f64; 3]; 6];
-        for (row, sizes) in sizes.iter_mut().enumerate().filter(|(row, _)| free[*row] != 0.0) {
+        for (row, sizes) in sizes.iter_mut().enumerate().filter(|(row, _)| !given[*row]) {
             for at in exact.pattern.row(row) {
                 let field = unknowns[exact.pattern.col[at] as usize].field as usize;
                 sizes[field] = sizes[field].max(exact.values[at].abs());
@@ -134,7 +134,7 @@ impl Blocks {
                 *size = size.max(SMALL * block);
             }
         }
-        Blocks { unknowns, equations, given: free.iter().map(|x| *x == 0.0).collect(), sizes }
+        Blocks { unknowns, equations, given, sizes }
     }
 
     /// `other` beside `exact`. With `noise`, what rounding explains of a row of the residual, and the perturbation

@@ -52,11 +52,10 @@ impl Differences {
     pub fn new<const D: usize>(assembler: &mut Assembler<D>) -> Differences {
         let pattern = assembler.pattern();
         let columns = Columns::new(&pattern);
-        let mut free = vec![1.0; pattern.n];
-        assembler.zero_given(&mut free);
+        let is_given = assembler.is_given();
         let given: Vec<usize> =
-            (0..pattern.n).filter(|&i| free[i] == 0.0).filter_map(|i| pattern.find(i, i)).collect();
-        let groups = colour(&pattern, &columns, |col| free[col] != 0.0);
+            (0..pattern.n).filter(|&i| is_given[i]).filter_map(|i| pattern.find(i, i)).collect();
+        let groups = colour(&pattern, &columns, |col| !is_given[col]);
         let zeros = || vec![0.0; pattern.n];
         Differences { groups, columns, given, plus: zeros(), minus: zeros(), direction: zeros() }
     }
@@ -95,6 +94,7 @@ impl Differences {
                 }
             }
         }
+        assembler.constrain(out);
     }
 }
 

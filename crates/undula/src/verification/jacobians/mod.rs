@@ -131,9 +131,7 @@ fn matrices(
     let pattern = assembler.try_pattern()?;
     let (mut exact, mut other) = (Csr::zeros(&pattern), Csr::zeros(&pattern));
     assembler.jacobian(&view, Tangent::Automatic, &mut exact);
-    let mut given = vec![1.0; pattern.n];
-    assembler.zero_given(&mut given);
-    let blocks = Blocks::new(&assembler.space, &exact, &given);
+    let blocks = Blocks::new(&assembler.space, &exact, assembler.is_given());
     let mut comparisons = vec![];
     let by = |stencil, epsilon| Tangent::Difference(Difference::new(stencil, epsilon));
     for (name, tolerance, tangent) in [

@@ -31,12 +31,15 @@ pub struct InfSup {
 
 /// Numbers of the velocities that take part: in the fluid, neither given nor on the interface.
 fn free_velocities<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
+    let directed: Vec<u32> = constraints.directions.iter().map(|at| at.node).collect();
     let mut number = vec![u32::MAX; space.nodes.len()];
     let mut n = 0;
     for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid) {
         for &node in space.nodes.cell(cell) {
             let node = node as usize;
-            let given = constraints.v[node] || space.owner[node] == PsiOwner::Relation;
+            // Where a boundary lets the flow along it pass, all of it is left out.
+            let slips = constraints.v[node].contains(&true) || directed.contains(&(node as u32));
+            let given = slips || space.owner[node] == PsiOwner::Relation;
             if number[node] == u32::MAX && !given {
                 number[node] = n;
                 n += 1;

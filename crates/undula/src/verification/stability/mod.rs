@@ -125,7 +125,7 @@ fn blocks<const D: usize>(
         let all = nodes.flat_map(|node| (0..D).map(move |i| (node, i)));
         all.filter(|&(node, i)| !given(node, i)).map(|(node, i)| (first + node * D + i) as u32).collect()
     };
-    let v = [true, false].map(|fluid| places(0, &|node, _| constraints.v[node], fluid));
+    let v = [true, false].map(|fluid| places(0, &|node, i| constraints.v[node][i], fluid));
     let there = space.deforms;
     let u = [true, false].map(|fluid| places(n_v, &|node, i| !there || constraints.u[node][i], fluid));
     let p: Vec<u32> = (n_v + n_u..space.n_unknowns()).map(|p| p as u32).collect();
