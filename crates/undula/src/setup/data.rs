@@ -82,6 +82,7 @@ impl Case {
         }
         let key = "time.step";
         let message = format!("expected a value above 0 at all times, it is {k} at t = {t} s");
+        let message = message + &time.step.gap(&[0.0; 3], t);
         let value = Some(text(&time.step));
         Err(Error::Case(CaseErrors(vec![CaseError {
             place: self.place_of(key),
@@ -120,7 +121,7 @@ impl Case {
             place: self.place_of(key),
             key: key.into(),
             value: Some(format!("[{}, {}]", text(&data[0]), text(&data[1]))),
-            message: found.message(self, space, in_time),
+            message: found.message(self, space, in_time) + &found.gap(data),
         }
     }
 }
@@ -133,6 +134,12 @@ struct Found {
 }
 
 impl Found {
+    /// Which table has no value there, if one has none.
+    fn gap(&self, data: &Pair) -> String {
+        let wrong = data.iter().zip(self.value).find(|(_, value)| !value.is_finite());
+        wrong.map_or(String::new(), |(data, _)| data.gap(&[self.at[0], self.at[1], 0.0], self.time))
+    }
+
     fn message(&self, case: &Case, space: &FsiSpace<2>, in_time: bool) -> String {
         let value = self.value.map(|x| shortest(rounded(x, x, 4))).join(", ");
         let mut message =
