@@ -126,6 +126,10 @@ pub struct ModesArgs {
 
 /// `undula keys`.
 #[derive(Debug, Args)]
+#[command(
+    after_help = "Numbers may have a unit, as in \"120 mmHg\"; expressions may take values from a file, as in \
+                        table(\"inflow.csv\", t)."
+)]
 pub struct KeysArgs {
     /// A key, a table, a part of a key or of a value; `*` and `?` stand for any characters [default: all keys]
     pub pattern: Option<String>,

@@ -68,7 +68,8 @@ fn wrap(text: &mut String, head: &str, about: &str, begin: usize) {
 fn markdown(found: &[Found]) -> String {
     let mut text = String::from(
         "# Keys of a case\n\nThis page is the output of `undula keys --markdown`. `NAME` stands for a name that the case \
-         chooses. A row that begins\nwith `=` is a value of the key above it.\n",
+         chooses. A row that begins\nwith `=` is a value of the key above it. A number may have a unit, as in `\"1 mm\"` or `\"120 mmHg\"`; an expression \
+         may\ntake values from a table, as in `table(\"inflow.csv\", t)`: see [methods/data.md](methods/data.md).\n",
     );
     let mut table = None;
     for Found { key, choices } in found {

@@ -12,6 +12,7 @@ mod modes;
 mod outputs;
 mod pictures;
 mod study;
+mod tables;
 
 // Sources of the program, of which some tests call functions.
 #[path = "../../src/args.rs"]

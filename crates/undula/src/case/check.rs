@@ -42,7 +42,22 @@ impl Case {
         mesh: Option<&OwnMesh>,
     ) -> Result<Self, CaseErrors> {
         let document = Document::parse(text, file_name, overrides).map_err(CaseErrors)?;
-        let checker = Checker::new(&document, mesh);
+        Self::from_document(&document, Checker::new(&document, mesh))
+    }
+
+    /// The case in the `text` that a run has left. Tables of values are not read: wherever their files are now, the
+    /// text tells what is asked of it.
+    ///
+    /// # Errors
+    /// As [`Case::from_toml`].
+    pub(crate) fn from_record(text: &str) -> Result<Self, CaseErrors> {
+        let document = Document::parse(text, "case.toml", &[]).map_err(CaseErrors)?;
+        let mut checker = Checker::new(&document, None);
+        checker.reads_tables = false;
+        Self::from_document(&document, checker)
+    }
+
+    fn from_document<'d>(document: &'d Document, checker: Checker<'d>) -> Result<Self, CaseErrors> {
         let case = read(&checker);
         let places =
             checker.origins.borrow().iter().map(|(key, o)| (key.clone(), document.place(o))).collect();
@@ -50,8 +65,9 @@ impl Case {
         let errors = checker.into_errors();
         match case {
             Some(mut case) if errors.is_empty() => {
-                let relative_mesh = relative_mesh(&document);
-                case.record = Record { file_name: file_name.into(), places, notes, relative_mesh };
+                let relative_mesh = relative_mesh(document);
+                let file_name = document.file_name.clone();
+                case.record = Record { file_name, places, notes, relative_mesh };
                 Ok(case)
             }
             _ => Err(CaseErrors(errors)),

@@ -114,6 +114,18 @@ pub enum Datum<'a> {
     Word(&'static [Choice<bool>], &'a mut bool),
 }
 
+impl<'a> Datum<'a> {
+    /// Its expressions.
+    pub(super) fn expressions(self) -> Vec<&'a mut Expression> {
+        match self {
+            Datum::Pair(pair) => pair.iter_mut().collect(),
+            Datum::Components(pair) => pair.iter_mut().flatten().collect(),
+            Datum::Scalar(one) => vec![one],
+            Datum::Word(..) => vec![],
+        }
+    }
+}
+
 impl Condition {
     /// The name in a case.
     pub fn name(&self) -> &'static str {
@@ -139,20 +151,29 @@ impl Condition {
     }
 
     /// Its expressions by the last part of their keys.
+    pub fn data(&self) -> Vec<(&'static str, Vec<&Expression>)> {
+        match self {
+            Condition::Velocity(data) => vec![("velocity", data.iter().collect())],
+            Condition::Traction(data) => vec![("traction", data.iter().collect())],
+            Condition::Displacement(data) => vec![("displacement", data.iter().flatten().collect())],
+            Condition::Pressure { pressure, .. } => vec![("pressure", vec![pressure])],
+            Condition::NoSlip
+            | Condition::DoNothing
+            | Condition::TractionFree
+            | Condition::Clamped
+            | Condition::Slip
+            | Condition::Symmetry => vec![],
+        }
+    }
+
+    /// The same, copied.
     pub fn expressions(&self) -> Vec<(&'static str, Vec<Expression>)> {
-        let mut copy = self.clone();
-        let of = |(name, datum): (&'static str, Datum<'_>)| match datum {
-            Datum::Pair(pair) => Some((name, pair.to_vec())),
-            Datum::Components(pair) => Some((name, pair.iter().flatten().cloned().collect())),
-            Datum::Scalar(one) => Some((name, vec![one.clone()])),
-            Datum::Word(..) => None,
-        };
-        copy.data_mut().into_iter().filter_map(of).collect()
+        self.data().into_iter().map(|(name, data)| (name, data.into_iter().cloned().collect())).collect()
     }
 
     /// Whether its data depend on time.
     pub fn depends_on_time(&self) -> bool {
-        self.expressions().iter().any(|(_, data)| data.iter().any(Expression::depends_on_time))
+        self.data().into_iter().any(|(_, data)| data.into_iter().any(Expression::depends_on_time))
     }
 
     /// Whether it has a meaning on a boundary of the fluid, of the solid, or of both.

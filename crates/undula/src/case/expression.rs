@@ -12,16 +12,26 @@
 //! | functions | `sin cos tan asin acos atan atan2 sinh cosh tanh exp ln log10 sqrt abs sign floor ceil min max pow hypot` |
 //! | cases | `step(a)`: 0 for a < 0, else 1; `if(condition, a, b)`; `clamp(a, low, high)` |
 //! | start-up | `ramp(t, T)`: 0 for t < 0, ½(1 − cos(πt/T)) up to T, then 1 |
+//! | tables | `table("file.csv", t)`, `table("file.csv", t, "cubic periodic")`: values of a file, see [`Table`] |
+//! | units | `80 [mmHg]`: a number in SI units, see [`crate::case::unit`] |
 //!
 //! All numbers are real numbers: `1/2` is 0.5.
 
 mod derivative;
+mod functions;
 mod parse;
 mod program;
+mod rows;
+mod table;
 mod tree;
 
+pub(crate) use functions::is_name;
+use parse::Parsed;
 use program::Program;
+pub(crate) use rows::Files;
 use std::fmt;
+use std::path::Path;
+pub use table::Table;
 
 /// A compiled expression of x, y, z and t.
 ///
@@ -50,6 +60,10 @@ pub struct ExpressionError {
     pub message: String,
 }
 
+fn error<T>(position: usize, message: String) -> Result<T, ExpressionError> {
+    Err(ExpressionError { position, message })
+}
+
 /// Names that an expression may use besides its own, each a number: results of runs.
 pub trait Names {
     /// The number that `name` stands for, or why there is none; `None` if it is no name of these.
@@ -70,7 +84,7 @@ pub trait Names {
 /// # Errors
 /// As [`Expression::parse`]; x, y, z and t are no names here.
 pub fn evaluate(source: &str, names: &dyn Names) -> Result<f64, ExpressionError> {
-    let program = Program::compile(&parse::parse(source, Some(names))?)?;
+    let program = Program::compile(&parse::parse(source, Some(names), Files::Unread)?.tree, vec![])?;
     let variable = ExpressionError { position: 0, message: "x, y, z and t are no names of results".into() };
     program.as_constant().ok_or(variable)
 }
@@ -79,10 +93,10 @@ impl Expression {
     /// No expression yet, in tables of values that have one; its value is 0.
     pub(crate) const EMPTY: Expression = Expression { source: String::new(), program: Program::EMPTY };
 
-    /// Compiles `source`.
+    /// Compiles `source`. Tables are read from the working directory, where their paths are relative.
     ///
     /// # Errors
-    /// Says what is wrong and at which byte.
+    /// Says what is wrong and at which byte; of a table, in which line of its file.
     ///
     /// ```
     /// # use undula::case::expression::Expression;
@@ -90,9 +104,14 @@ impl Expression {
     /// assert_eq!(error.to_string(), "unknown function `sinn`; did you mean `sin`? (at byte 4)");
     /// ```
     pub fn parse(source: &str) -> Result<Self, ExpressionError> {
-        let tree = parse::parse(source, None)?;
-        let program = Program::compile(&tree)?;
-        Ok(Self { source: source.trim().to_string(), program })
+        Self::parse_in(source, Files::In(Path::new("")))
+    }
+
+    /// The same with tables from `files`.
+    pub(crate) fn parse_in(source: &str, files: Files<'_>) -> Result<Self, ExpressionError> {
+        let Parsed { tree, calls, written } = parse::parse(source, None, files)?;
+        let program = Program::compile(&tree, calls)?;
+        Ok(Self { source: written, program })
     }
 
     /// The same value everywhere and always.
@@ -140,9 +159,42 @@ impl Expression {
         self.program.depends_on_space()
     }
 
-    /// The text it was made from.
+    /// The text it was made from, in SI units.
     pub fn source(&self) -> &str {
         &self.source
+    }
+
+    /// The tables in it, inner ones first.
+    pub fn tables(&self) -> impl Iterator<Item = &Table> {
+        self.program.calls.iter().map(|call| &*call.table)
+    }
+
+    /// Names the files of its tables anew.
+    pub(crate) fn name_tables(&mut self, name: impl Fn(&Table) -> String) {
+        // By how many bytes what follows has moved.
+        let mut moved = 0;
+        let mut calls: Vec<_> = self.program.calls.iter_mut().collect();
+        calls.sort_by_key(|call| call.name.start);
+        for call in calls {
+            let name = name(&call.table);
+            let quote = if name.contains('"') { '\'' } else { '"' };
+            let text = format!("{quote}{name}{quote}");
+            let old = call.name.start.wrapping_add_signed(moved)..call.name.end.wrapping_add_signed(moved);
+            moved += text.len() as isize - old.len() as isize;
+            call.name = old.start..old.start + text.len();
+            self.source.replace_range(old, &text);
+        }
+    }
+
+    /// Which table has no value at the point `x` \[m\] and time `t` \[s\], in words; empty if all have one.
+    pub fn gap(&self, x: &[f64; 3], t: f64) -> String {
+        let Some((call, argument)) = self.program.gap(x, t) else { return String::new() };
+        let [first, last] = call.table.range().unwrap_or_default();
+        let (file, text) = (call.table.path.display(), &call.argument);
+        format!(
+            "; the table {file} has arguments from {first} to {last}, `{text}` is {argument}: take more rows, \
+             `clamp({text}, {first}, {last})` as the argument, which keeps the values of the ends, or `\"periodic\"`"
+        )
     }
 }
 

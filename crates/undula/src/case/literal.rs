@@ -25,3 +25,21 @@ pub(crate) fn string(s: &str) -> String {
 pub(super) fn pair(x: &[f64; 2]) -> String {
     format!("[{}, {}]", number(x[0]), number(x[1]))
 }
+
+/// Bytes of the number literal at the start of `bytes`.
+pub(crate) fn number_length(bytes: &[u8]) -> usize {
+    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let mut length = digits(0);
+    if bytes.get(length) == Some(&b'.') {
+        length += 1;
+        length += digits(length);
+    }
+    if matches!(bytes.get(length), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(length + 1), Some(b'+' | b'-')));
+        if bytes.get(length + 1 + sign).is_some_and(u8::is_ascii_digit) {
+            length += 1 + sign;
+            length += digits(length);
+        }
+    }
+    length
+}

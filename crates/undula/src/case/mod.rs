@@ -5,7 +5,7 @@
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
 //! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `functionals` the kinds of
 //! functionals, `expression` the
-//! formulas in x, y and t, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
+//! formulas in x, y and t with tables of values, `expressions` those of a case, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
 
 pub mod builtin;
@@ -15,6 +15,7 @@ pub mod conditions;
 pub mod element;
 pub mod error;
 pub mod expression;
+mod expressions;
 pub mod functionals;
 pub(crate) mod key;
 pub mod keys;
@@ -23,6 +24,7 @@ mod raw;
 mod read;
 pub mod schema;
 mod synonyms;
+pub mod unit;
 mod write;
 
 pub use check::name_of_file;

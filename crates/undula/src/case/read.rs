@@ -3,17 +3,21 @@
 mod values;
 
 use super::error::{CaseError, did_you_mean, quoted};
+use super::expression::Files;
 use super::raw::{Document, Item, Origin, Table, Value};
 use super::schema::OwnMesh;
 use super::{keys, synonyms};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
+use std::path::Path;
 
 /// The document under check, and what was found so far.
 pub(super) struct Checker<'d> {
     pub document: &'d Document,
     /// The mesh, if the program gives it.
     pub mesh: Option<&'d OwnMesh>,
+    /// Whether tables of values are read; else their values are 1.
+    pub reads_tables: bool,
     /// Each with the byte it belongs to, to be sorted at the end.
     errors: RefCell<Vec<(usize, CaseError)>>,
     /// Settings without effect and parts left out.
@@ -25,7 +29,18 @@ pub(super) struct Checker<'d> {
 impl<'d> Checker<'d> {
     pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
         let (errors, notes, origins) = Default::default();
-        Self { document, mesh, errors, notes, origins }
+        Self { document, mesh, reads_tables: true, errors, notes, origins }
+    }
+
+    /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes
+    /// from `--set`.
+    pub fn files(&self, origin: &Origin) -> Files<'_> {
+        let folder = Path::new(&self.document.file_name).parent();
+        match origin {
+            _ if !self.reads_tables => Files::Unread,
+            Origin::File(_) => Files::In(folder.unwrap_or(Path::new(""))),
+            Origin::Set(_) => Files::In(Path::new("")),
+        }
     }
 
     pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {
@@ -95,11 +110,7 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// The number under `key` if there is one, which does not make it a known key.
     pub fn look_at_number(&self, key: &str) -> Option<f64> {
-        match self.table?.get(key)?.value {
-            Value::Float(x) => Some(x),
-            Value::Integer(i) => Some(i as f64),
-            _ => None,
-        }
+        self.value_of(key, &self.table?.get(key)?.value)?.ok()
     }
 
     /// Says `message` of `key` if it turns out to be unknown.

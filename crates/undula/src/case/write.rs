@@ -2,7 +2,7 @@
 
 use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
-use super::expression::Expression;
+use super::expression::{Expression, Table};
 use super::functionals::{FUNCTIONALS, FunctionalSpec};
 use super::literal::{number, pair, string};
 use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
@@ -73,6 +73,17 @@ impl Lines {
 impl Case {
     /// The case as TOML, every default written out; it loads again to an equal case.
     pub fn to_toml(&self) -> String {
+        self.to_toml_with(|table| table.path.display().to_string())
+    }
+
+    /// The same with the files of tables named by `name`.
+    pub(crate) fn to_toml_with(&self, name: impl Fn(&Table) -> String) -> String {
+        let mut case = self.clone();
+        case.name_tables(name);
+        case.text()
+    }
+
+    fn text(&self) -> String {
         let mut out = Lines::default();
         out.word("name", &self.name);
         out.word("title", &self.title);
@@ -114,8 +125,8 @@ impl Case {
         out.text
     }
 
-    /// The same for a file in `directory`: a mesh file that the case names by a relative path is named relative to it,
-    /// so that both can be moved together.
+    /// The same for a file in `directory`: files of a mesh and of tables that the case names by a relative path are named
+    /// relative to it, so that all can be moved together.
     pub fn to_toml_in(&self, directory: &Path) -> String {
         let mut case = self.clone();
         if let MeshSource::File(path) = &mut case.mesh.source
@@ -124,7 +135,10 @@ impl Case {
         {
             *path = relative;
         }
-        case.to_toml()
+        case.to_toml_with(|table| {
+            let moves = table.relative.then(|| relative(&table.path, directory)).flatten();
+            moves.as_ref().unwrap_or(&table.path).display().to_string()
+        })
     }
 
     fn write_mesh(&self, out: &mut Lines) {

@@ -2,6 +2,7 @@
 
 use chrono::{SecondsFormat, Utc};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Which program computed a run, when, on which processor, from which input.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -20,6 +21,9 @@ pub struct Provenance {
     pub case_hash: Option<String>,
     /// [`hash`] of the mesh file; `None` where the mesh is built in.
     pub mesh_hash: Option<String>,
+    /// [`hash`] of each file with a table of values, by its path; absent where there are none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub table_hashes: BTreeMap<String, String>,
 }
 
 impl Provenance {
@@ -32,6 +36,7 @@ impl Provenance {
             processor: processor(),
             case_hash: None,
             mesh_hash: None,
+            table_hashes: BTreeMap::new(),
         }
     }
 }

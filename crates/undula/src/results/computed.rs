@@ -97,7 +97,7 @@ impl Results {
 /// The case of the run in `directory`; `None` if it is missing or of another version of the program.
 pub fn case_of(directory: &Path) -> Option<Case> {
     let text = std::fs::read_to_string(directory.join(CASE)).ok()?;
-    Case::from_toml(&text, CASE, &[]).ok()
+    Case::from_record(&text).ok()
 }
 
 fn of_summary(f: &FunctionalSummary) -> Computed {

@@ -1,7 +1,7 @@
 //! A run with its open files: what is written, and when.
 
 use super::checkpoint::{self, OfRun};
-use super::identity::mesh_hash;
+use super::identity::{mesh_hash, table_hashes};
 use super::rows::{columns, numbers};
 use super::{Flow, Observer, RunOptions, snapshot};
 use crate::error::Error;
@@ -221,6 +221,7 @@ impl Run {
             provenance: Provenance {
                 case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
                 mesh_hash: self.mesh.clone(),
+                table_hashes: table_hashes(&simulation.case),
                 ..Provenance::now(self.commit.clone())
             },
         }

@@ -1,5 +1,6 @@
 //! What a run is, for a checkpoint: all that must not change when it goes on.
 
+use crate::case::expression::Table;
 use crate::case::{Case, MeshSource, OutputSpec};
 use crate::output::hash;
 use std::collections::BTreeMap;
@@ -10,9 +11,31 @@ use toml::Value;
 const SHOWN: usize = 8;
 
 /// The case without what may change when a run goes on: its name, its end, its output, how its equations are
-/// solved, where its mesh file is, and the run from which it started.
+/// solved, where the files of its mesh and its tables are, and the run from which it started. A table is named by its
+/// file and its content.
 pub(super) fn identity(case: &Case) -> String {
-    without_choices(case).to_toml()
+    without_choices(case).to_toml_with(|table| format!("{}#{}", file_name(table), table.hash))
+}
+
+/// The same without the content of tables.
+fn without_contents(case: &Case) -> String {
+    without_choices(case).to_toml_with(file_name)
+}
+
+fn file_name(table: &Table) -> String {
+    table.path.file_name().unwrap_or_default().to_string_lossy().into()
+}
+
+/// Tables whose file has another content, by their keys.
+fn other_contents(former: &Case, now: &Case) -> Vec<String> {
+    let (former, now) = (former.tables(), now.tables());
+    let is_other = |((key, old), (other, new)): &((String, &Table), (String, &Table))| {
+        key == other && file_name(old) == file_name(new) && old.hash != new.hash
+    };
+    let told = |((key, table), _)| format!("{key}: the content of the file {} is another", file_name(table));
+    let mut told: Vec<String> = former.into_iter().zip(now).filter(is_other).map(told).collect();
+    told.dedup();
+    told
 }
 
 fn without_choices(case: &Case) -> Case {
@@ -48,16 +71,19 @@ pub(crate) fn mesh_hash(case: &Case) -> Option<String> {
 /// What of `case` is not as it was in a run with the identity `former` and the mesh file `mesh`; empty if it can go on.
 pub(super) fn changes(former: &str, mesh: Option<&str>, case: &Case) -> Vec<String> {
     // Written anew: keys that came later have their defaults, numbers are written alike.
-    let earlier = Case::from_toml(former, "case.toml", &[]).ok();
+    let earlier = Case::from_record(former).ok();
     let now = identity(case);
     let mut changes = vec![];
     let same = earlier.as_ref().is_some_and(|earlier| {
-        let again = Case::from_toml(&now, "case.toml", &[]);
+        let again = Case::from_record(&now);
         again.is_ok_and(|again| without_choices(earlier) == without_choices(&again))
     });
     if !same {
         changes = match &earlier {
-            Some(earlier) => differences(&identity(earlier), &now),
+            Some(earlier) => {
+                let others = differences(&without_contents(earlier), &without_contents(case));
+                [other_contents(earlier, case), others].concat()
+            }
             // No case any more: its text has no defaults, so that keys which it does not name are not told.
             None => differences(former, &now).into_iter().filter(|told| !told.contains(WAS_ABSENT)).collect(),
         };
@@ -78,6 +104,14 @@ pub(super) fn changes(former: &str, mesh: Option<&str>, case: &Case) -> Vec<Stri
 /// In place of a value that is not given.
 const ABSENT: &str = "absent";
 const WAS_ABSENT: &str = " was absent, now ";
+
+/// The files of the tables of `case` with the [`hash`] of their content.
+pub(crate) fn table_hashes(case: &Case) -> BTreeMap<String, String> {
+    case.tables()
+        .into_iter()
+        .map(|(_, table)| (table.path.display().to_string(), table.hash.clone()))
+        .collect()
+}
 
 /// Keys that differ between two cases in TOML, with both values.
 fn differences(former: &str, now: &str) -> Vec<String> {

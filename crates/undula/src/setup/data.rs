@@ -113,6 +113,7 @@ impl Case {
         }
         let key = "time.step";
         let message = format!("expected a value above 0 at all times, it is {k} at t = {t} s");
+        let message = message + &time.step.gap(&[0.0; 3], t);
         let value = Some(text(&time.step));
         Err(Error::Case(CaseErrors(vec![CaseError {
             place: self.place_of(key),
@@ -154,7 +155,7 @@ impl Case {
                 [one] => text(one),
                 all => format!("[{}]", all.iter().map(text).collect::<Vec<_>>().join(", ")),
             }),
-            message: found.message(self, space, in_time),
+            message: found.message(self, space, in_time) + &found.gap(data),
         }
     }
 }
@@ -167,6 +168,12 @@ struct Found {
 }
 
 impl Found {
+    /// Which table has no value there, if one has none.
+    fn gap(&self, data: &[Expression]) -> String {
+        let wrong = data.iter().zip(&self.value).find(|(_, value)| !value.is_finite());
+        wrong.map_or(String::new(), |(data, _)| data.gap(&[self.at[0], self.at[1], 0.0], self.time))
+    }
+
     fn message(&self, case: &Case, space: &FsiSpace<2>, in_time: bool) -> String {
         let value: Vec<String> = self.value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
         let value = if let [one] = &value[..] { one.clone() } else { format!("({})", value.join(", ")) };

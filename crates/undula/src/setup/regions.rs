@@ -113,9 +113,18 @@ impl Case {
     pub(super) fn assign_regions(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
         let (mut before, mut notes) = (BTreeMap::new(), vec![]);
         for (name, inside) in &self.mesh.region {
+            let gap = std::cell::RefCell::new(String::new());
+            let value = |x: [f64; 2]| {
+                let value = inside.eval(&[x[0], x[1], 0.0], 0.0);
+                if value.is_nan() && gap.borrow().is_empty() {
+                    gap.replace(inside.gap(&[x[0], x[1], 0.0], 0.0));
+                }
+                value
+            };
+            let key = crate::case::key::join("mesh.region", name);
             let cells = mesh
-                .assign_region(name, |x| inside.eval(&[x[0], x[1], 0.0], 0.0))
-                .map_err(|e| self.blame(&crate::case::key::join("mesh.region", name), e))?;
+                .assign_region(name, value)
+                .map_err(|e| self.refuse(&key, format!("{e}{}", gap.borrow())))?;
             let shared: Vec<&str> =
                 cells.iter().filter_map(|cell| before.insert(*cell, name.as_str())).collect();
             if let Some(other) = shared.first() {

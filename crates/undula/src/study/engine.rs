@@ -43,7 +43,8 @@ impl Settings {
         let before = jobs.iter().find(|other| other.name == job.from).map(|other| self.asked(other, &[]));
         let before =
             before.map_or(String::new(), |text| format!("# goes on from {}\n", hash(text.as_bytes())));
-        format!("# mesh {mesh}\n{before}{}{}", job.asked_numbers(), job.case.to_toml())
+        let case = job.case.to_toml_with(|table| format!("{}#{}", table.path.display(), table.hash));
+        format!("# mesh {mesh}\n{before}{}{}", job.asked_numbers(), case)
     }
 
     /// The file with the case as it was asked for.

@@ -51,5 +51,6 @@ mod stability;
 mod stabilization;
 mod statistics;
 mod studies;
+mod tables;
 mod traction;
 mod transfer;

@@ -225,7 +225,8 @@ fn check_schedule(
     if step.is_constant() {
         s.wrong("step", "expected a number above 0");
     } else {
-        s.wrong("step", format!("expected a value above 0 at all times, it is {k} at t = {t}"));
+        let gap = step.gap(&[0.0; 3], t);
+        s.wrong("step", format!("expected a value above 0 at all times, it is {k} at t = {t}{gap}"));
     }
 }
 

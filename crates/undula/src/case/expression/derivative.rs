@@ -46,6 +46,11 @@ impl Slope {
         chain(value, [(derivative, a)])
     }
 
+    /// f(a) by the chain rule, of a function with this value and this derivative at a.
+    pub fn of(value: f64, derivative: f64, a: Slope) -> Slope {
+        chain(value, [(derivative, a)])
+    }
+
     /// f(a, b) by the chain rule.
     pub fn binary(f: Binary, a: Slope, b: Slope) -> Slope {
         let (x, y, value) = (a.value, b.value, f.apply(a.value, b.value));

@@ -1,106 +1,96 @@
 //! From text to tree: a tokenizer and a Pratt parser.
 
-use super::program::Program;
-use super::tree::{Binary, Tree, Unary, Variable};
-use super::{ExpressionError, Names};
+use super::functions::{FUNCTIONS, TABLE, apply, named};
+use super::program::{Call, Program};
+use super::rows::Files;
+use super::table::Interpolation;
+use super::tree::{Binary, Tree, Unary};
+use super::{ExpressionError, Names, error};
 use crate::case::error::did_you_mean;
+use crate::case::literal::{number, number_length};
+use crate::case::unit;
+use std::sync::Arc;
 
 /// Longest source, so that the depth of the tree is bounded.
 const MAX_SOURCE: usize = 4096;
 /// Deepest nesting of parentheses, signs and powers.
 const MAX_DEPTH: usize = 64;
 
-/// Functions by name with the number of arguments they take.
-const FUNCTIONS: &[(&str, Function)] = &[
-    ("sin", Function::One(Unary::Sin)),
-    ("cos", Function::One(Unary::Cos)),
-    ("tan", Function::One(Unary::Tan)),
-    ("asin", Function::One(Unary::Asin)),
-    ("acos", Function::One(Unary::Acos)),
-    ("atan", Function::One(Unary::Atan)),
-    ("sinh", Function::One(Unary::Sinh)),
-    ("cosh", Function::One(Unary::Cosh)),
-    ("tanh", Function::One(Unary::Tanh)),
-    ("exp", Function::One(Unary::Exp)),
-    ("ln", Function::One(Unary::Ln)),
-    ("log10", Function::One(Unary::Log10)),
-    ("sqrt", Function::One(Unary::Sqrt)),
-    ("abs", Function::One(Unary::Abs)),
-    ("sign", Function::One(Unary::Sign)),
-    ("floor", Function::One(Unary::Floor)),
-    ("ceil", Function::One(Unary::Ceil)),
-    ("step", Function::One(Unary::Step)),
-    ("atan2", Function::Two(Binary::Atan2)),
-    ("min", Function::Many(Binary::Min)),
-    ("max", Function::Many(Binary::Max)),
-    ("pow", Function::Two(Binary::Pow)),
-    ("hypot", Function::Two(Binary::Hypot)),
-    ("ramp", Function::Two(Binary::Ramp)),
-    ("if", Function::If),
-    ("clamp", Function::Clamp),
-];
-
-/// Names that stand for a number.
-const NAMES: &[(&str, Tree)] = &[
-    ("x", Tree::Variable(Variable::X)),
-    ("y", Tree::Variable(Variable::Y)),
-    ("z", Tree::Variable(Variable::Z)),
-    ("t", Tree::Variable(Variable::T)),
-    ("pi", Tree::Constant(std::f64::consts::PI)),
-];
-
-#[derive(Copy, Clone)]
-enum Function {
-    One(Unary),
-    Two(Binary),
-    /// Two or more, combined from the left.
-    Many(Binary),
-    If,
-    Clamp,
-}
-
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Token<'a> {
     Number(f64),
     Name(&'a str),
+    /// In quotes.
+    Text(&'a str),
     Operator(&'static str),
     End,
 }
 
 const OPERATORS: &[&str] = &["<=", ">=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
 
+/// What an expression is.
+pub(super) struct Parsed {
+    pub tree: Tree,
+    /// The tables in it.
+    pub calls: Vec<Call>,
+    /// The source with numbers in place of those with a unit.
+    pub written: String,
+}
+
 /// The tree of `source`; `names` are known besides those of every expression.
-pub(super) fn parse(source: &str, names: Option<&dyn Names>) -> Result<Tree, ExpressionError> {
+pub(super) fn parse(
+    source: &str,
+    names: Option<&dyn Names>,
+    files: Files<'_>,
+) -> Result<Parsed, ExpressionError> {
     if source.len() > MAX_SOURCE {
         return error(MAX_SOURCE, format!("longer than {MAX_SOURCE} bytes"));
     }
-    let mut parser = Parser { source, names, position: 0, token: Token::End, start: 0, depth: 0 };
+    let source = source.trim_end();
+    let blanks = source.len() - source.trim_start().len();
+    let (calls, written) = Default::default();
+    let mut parser = Parser {
+        source,
+        names,
+        files,
+        position: blanks,
+        token: Token::End,
+        start: 0,
+        depth: 0,
+        calls,
+        written,
+        copied: blanks,
+    };
     parser.advance()?;
     if parser.token == Token::End {
         return error(0, "empty expression".into());
     }
     let tree = parser.expression(0)?;
     match parser.token {
-        Token::End => Ok(tree),
+        Token::End => {
+            parser.copy(parser.source.len());
+            Ok(Parsed { tree, calls: parser.calls, written: parser.written })
+        }
         Token::Operator(")") => error(parser.start, "`)` without `(`".into()),
         Token::Operator(",") => error(parser.start, "`,` outside of a function's arguments".into()),
         _ => error(parser.start, format!("expected an operator before `{}`", parser.shown())),
     }
 }
 
-fn error<T>(position: usize, message: String) -> Result<T, ExpressionError> {
-    Err(ExpressionError { position, message })
-}
-
 struct Parser<'a> {
     source: &'a str,
     names: Option<&'a dyn Names>,
+    files: Files<'a>,
     /// Byte after the current token.
     position: usize,
     token: Token<'a>,
     /// Byte where the current token starts.
     start: usize,
     depth: usize,
+    calls: Vec<Call>,
+    /// The source up to byte `copied`, with SI numbers.
+    written: String,
+    copied: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -122,18 +112,26 @@ impl<'a> Parser<'a> {
             return Ok(());
         };
         if first.is_ascii_digit() || first == '.' {
-            let length = number_length(rest.as_bytes());
-            let Ok(value) = rest[..length].parse::<f64>() else {
-                return error(self.start, format!("`{}` is not a number", &rest[..length]));
+            self.token = Token::Number(self.number(rest)?);
+        } else if first == '"' || first == '\'' {
+            let Some((text, _)) = rest[1..].split_once(first) else {
+                return error(self.start, format!("`{first}` without a second one"));
             };
-            self.position += length;
-            self.token = Token::Number(value);
+            self.position += text.len() + 2;
+            self.token = Token::Text(text);
         } else if first.is_ascii_alphabetic() || first == '_' {
             let dots = self.names.is_some();
             let inner = |b: &u8| b.is_ascii_alphanumeric() || *b == b'_' || (dots && *b == b'.');
             let length = rest.bytes().take_while(inner).count();
+            let (name, behind) = (&rest[..length], rest[length..].trim_start());
+            // `min(` and `h` are no units where they are functions and names of results.
+            let is_unit = !dots && !behind.starts_with('(') && unit::is_unit(name);
+            if matches!(self.token, Token::Number(_)) && is_unit {
+                let message = "; a unit in a formula stands in brackets, as in `80 [mmHg]`";
+                return error(self.start, format!("expected an operator before `{name}`{message}"));
+            }
             self.position += length;
-            self.token = Token::Name(&rest[..length]);
+            self.token = Token::Name(name);
         } else if rest.starts_with("**") {
             return error(self.start, "unknown operator `**`; did you mean `^`?".into());
         } else if let Some(operator) = OPERATORS.iter().find(|o| rest.starts_with(**o)) {
@@ -143,6 +141,36 @@ impl<'a> Parser<'a> {
             return error(self.start, format!("unexpected character `{first}`"));
         }
         Ok(())
+    }
+
+    /// The number at the start of `rest`, in SI units if a unit stands in brackets behind it.
+    fn number(&mut self, rest: &str) -> Result<f64, ExpressionError> {
+        let length = number_length(rest.as_bytes());
+        let Ok(value) = rest[..length].parse::<f64>() else {
+            return error(self.start, format!("`{}` is not a number", &rest[..length]));
+        };
+        self.position += length;
+        let behind = rest[length..].trim_start();
+        let Some(inner) = behind.strip_prefix('[') else { return Ok(value) };
+        let bracket = self.start + rest.len() - behind.len();
+        let Some((unit, _)) = inner.split_once(']') else {
+            return error(bracket, "`[` without `]`".into());
+        };
+        let value = match unit::in_si(&rest[..length], unit.trim()) {
+            Ok((value, _)) => value,
+            Err(message) => return error(bracket + 1, message),
+        };
+        self.position = bracket + unit.len() + 2;
+        self.copy(self.start);
+        self.written += &number(value);
+        self.copied = self.position;
+        Ok(value)
+    }
+
+    /// Writes the source up to byte `end`.
+    fn copy(&mut self, end: usize) {
+        self.written += &self.source[self.copied..end];
+        self.copied = end;
     }
 
     fn expect(&mut self, operator: &'static str, after: &str) -> Result<(), ExpressionError> {
@@ -210,6 +238,7 @@ impl<'a> Parser<'a> {
             Token::Operator(other) => {
                 error(start, format!("expected a number, a name or `(` before `{other}`"))
             }
+            Token::Text(_) => error(start, "a text stands only in `table(\"file.csv\", t)`".into()),
             Token::End => error(start, "ends where a number, a name or `(` is expected".into()),
         }
     }
@@ -251,7 +280,7 @@ impl<'a> Parser<'a> {
                 Token::Operator(")") => break,
                 _ => {
                     let at = self.start;
-                    let argument = Program::compile(&self.expression(0)?)?;
+                    let argument = Program::compile(&self.expression(0)?, vec![])?;
                     let Some(number) = argument.as_constant() else {
                         return error(at, "expected a number".into());
                     };
@@ -274,8 +303,11 @@ impl<'a> Parser<'a> {
         if let Some(names) = self.names.filter(|names| names.has_function(name)) {
             return self.call_of_names(names, name, start);
         }
+        if name == TABLE && self.names.is_none() {
+            return self.table();
+        }
         let Some((_, function)) = FUNCTIONS.iter().find(|(n, _)| *n == name) else {
-            let hint = did_you_mean(name, FUNCTIONS.iter().map(|(n, _)| *n));
+            let hint = did_you_mean(name, FUNCTIONS.iter().map(|(n, _)| *n).chain([TABLE]));
             return error(start, format!("unknown function `{name}`{hint}"));
         };
         self.advance()?;
@@ -289,6 +321,40 @@ impl<'a> Parser<'a> {
         }
         self.expect(")", &format!("to close `{name}(`"))?;
         apply(*function, name, arguments, start)
+    }
+
+    /// `table("file.csv", argument)` or `table("file.csv", argument, "words")`; the current token is its `(`.
+    fn table(&mut self) -> Result<Tree, ExpressionError> {
+        const FORM: &str = "as in `table(\"file.csv\", t)` or `table(\"file.csv\", t, \"cubic periodic\")`";
+        self.advance()?;
+        let (Token::Text(file), at) = (self.token, self.start) else {
+            return error(self.start, format!("expected the name of a file in quotes, {FORM}"));
+        };
+        self.copy(self.start);
+        let begin = self.written.len();
+        self.copy(self.position);
+        let name = begin..self.written.len();
+        self.advance()?;
+        if self.token != Token::Operator(",") {
+            return error(self.start, format!("expected `,` and the argument, {FORM}"));
+        }
+        let from = self.position;
+        self.advance()?;
+        let argument = self.expression(0)?;
+        let text = self.source[from..self.start].trim().to_string();
+        let mut how = Interpolation::default();
+        if self.token == Token::Operator(",") {
+            self.advance()?;
+            let Token::Text(words) = self.token else {
+                return error(self.start, format!("expected words in quotes, {FORM}"));
+            };
+            how = Interpolation::of(words).or_else(|message| error(self.start, message))?;
+            self.advance()?;
+        }
+        self.expect(")", "to close `table(`")?;
+        let table = self.files.table(file, how).or_else(|message| error(at, message))?;
+        self.calls.push(Call { table: Arc::new(table), name, argument: text });
+        Ok(Tree::Table(self.calls.len() - 1, Box::new(argument)))
     }
 }
 
@@ -311,69 +377,4 @@ fn infix(symbol: &str) -> Option<(Binary, u8)> {
         "^" => (Binary::Pow, 7),
         _ => return None,
     })
-}
-
-/// Bytes of the number literal at the start of `bytes`.
-fn number_length(bytes: &[u8]) -> usize {
-    let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-    let mut length = digits(0);
-    if bytes.get(length) == Some(&b'.') {
-        length += 1;
-        length += digits(length);
-    }
-    if matches!(bytes.get(length), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(length + 1), Some(b'+' | b'-')));
-        if bytes.get(length + 1 + sign).is_some_and(u8::is_ascii_digit) {
-            length += 1 + sign;
-            length += digits(length);
-        }
-    }
-    length
-}
-
-fn named(name: &str, start: usize) -> Result<Tree, ExpressionError> {
-    if let Some((_, tree)) = NAMES.iter().find(|(n, _)| *n == name) {
-        return Ok(tree.clone());
-    }
-    if FUNCTIONS.iter().any(|(n, _)| *n == name) {
-        return error(start, format!("expected `(` after the function `{name}`"));
-    }
-    let hint = did_you_mean(name, NAMES.iter().map(|(n, _)| *n));
-    let hint = if hint.is_empty() { "; there are `x`, `y`, `z`, `t` and `pi`".into() } else { hint };
-    error(start, format!("unknown name `{name}`{hint}"))
-}
-
-fn apply(
-    function: Function,
-    name: &str,
-    arguments: Vec<Tree>,
-    start: usize,
-) -> Result<Tree, ExpressionError> {
-    let given = arguments.len();
-    let mut arguments = arguments.into_iter();
-    let mut next = || arguments.next().map(Box::new);
-    let (tree, wanted) = match function {
-        Function::One(f) => (next().map(|a| Tree::Unary(f, a)), "1 argument"),
-        Function::Two(f) => (next().zip(next()).map(|(a, b)| Tree::Binary(f, a, b)), "2 arguments"),
-        Function::Many(f) if given >= 2 => {
-            let all = arguments.by_ref().reduce(|a, b| Tree::Binary(f, Box::new(a), Box::new(b)));
-            (all, "2 or more arguments")
-        }
-        Function::Many(_) => (None, "2 or more arguments"),
-        Function::If => (
-            next().zip(next()).zip(next()).map(|((c, a), b)| Tree::If(c, a, b)),
-            "3 arguments (condition, then, else)",
-        ),
-        Function::Clamp => {
-            let tree = next().zip(next()).zip(next()).map(|((a, low), high)| {
-                let raised = Tree::Binary(Binary::Max, a, low);
-                Tree::Binary(Binary::Min, Box::new(raised), high)
-            });
-            (tree, "3 arguments (value, low, high)")
-        }
-    };
-    match tree {
-        Some(tree) if arguments.next().is_none() => Ok(tree),
-        _ => error(start, format!("`{name}` takes {wanted}, not {given}")),
-    }
 }

@@ -2,7 +2,10 @@
 
 use super::ExpressionError;
 use super::derivative::Slope;
+use super::table::Table;
 use super::tree::{Binary, Tree, Unary, Variable};
+use std::ops::Range;
+use std::sync::Arc;
 
 /// Numbers the stack machine holds.
 const STACK: usize = 32;
@@ -28,32 +31,53 @@ enum Instruction {
     Square,
     /// Pops else, then, condition.
     Select,
+    /// The table number i.
+    Table(usize),
+}
+
+/// A table in an expression.
+#[derive(Clone, Debug)]
+pub(super) struct Call {
+    pub table: Arc<Table>,
+    /// Bytes of the source with the name of the file and its quotes.
+    pub name: Range<usize>,
+    /// The text of the argument.
+    pub argument: String,
+}
+
+/// Whether they have the same values.
+impl PartialEq for Call {
+    fn eq(&self, other: &Self) -> bool {
+        self.table == other.table
+    }
 }
 
 /// Instructions in postfix order; at most [`STACK`] numbers are alive at once.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Program {
     code: Vec<Instruction>,
+    pub(super) calls: Vec<Call>,
 }
 
 impl Program {
     /// No instructions, which leave 0.
-    pub(super) const EMPTY: Program = Program { code: Vec::new() };
+    pub(super) const EMPTY: Program = Program { code: Vec::new(), calls: Vec::new() };
 
     pub(super) fn constant(value: f64) -> Self {
-        Self { code: vec![Instruction::Push(value)] }
+        Self { code: vec![Instruction::Push(value)], calls: vec![] }
     }
 
-    pub(super) fn compile(tree: &Tree) -> Result<Self, ExpressionError> {
+    /// The program of `tree` with the tables `calls`.
+    pub(super) fn compile(tree: &Tree, calls: Vec<Call>) -> Result<Self, ExpressionError> {
         let mut code = Vec::new();
-        let depth = emit(tree, &mut code);
+        let depth = emit(tree, &calls, &mut code);
         if depth > STACK {
             return Err(ExpressionError {
                 position: 0,
                 message: format!("needs more than {STACK} numbers at once"),
             });
         }
-        Ok(Self { code })
+        Ok(Self { code, calls })
     }
 
     pub(super) fn as_constant(&self) -> Option<f64> {
@@ -71,8 +95,26 @@ impl Program {
         [Variable::X, Variable::Y, Variable::Z].iter().any(|v| self.code.contains(&Instruction::Load(*v)))
     }
 
+    /// The value at the point `x` and time `t`.
     #[inline]
     pub(super) fn run(&self, x: &[f64; 3], t: f64) -> f64 {
+        self.run_noting(x, t, |_, _| {})
+    }
+
+    /// The first table whose range is left at the point `x` and time `t`, with the argument there.
+    pub(super) fn gap(&self, x: &[f64; 3], t: f64) -> Option<(&Call, f64)> {
+        let mut found = None;
+        self.run_noting(x, t, |call, argument| {
+            if found.is_none() && call.table.value(argument).is_nan() {
+                found = Some((call, argument));
+            }
+        });
+        found
+    }
+
+    /// The value; `note` is told of every table and its argument.
+    #[inline]
+    fn run_noting<'p>(&'p self, x: &[f64; 3], t: f64, mut note: impl FnMut(&'p Call, f64)) -> f64 {
         if let [Instruction::Push(value)] = *self.code {
             return value;
         }
@@ -103,6 +145,10 @@ impl Program {
                 Instruction::Select => {
                     n -= 2;
                     stack[n - 1] = select(stack[n - 1], stack[n], stack[n + 1]);
+                }
+                Instruction::Table(i) => {
+                    note(&self.calls[i], stack[n - 1]);
+                    stack[n - 1] = self.calls[i].table.value(stack[n - 1]);
                 }
             }
         }
@@ -156,6 +202,10 @@ impl Program {
                         _ => stack[n],
                     };
                 }
+                Instruction::Table(i) => {
+                    let (table, at) = (&self.calls[i].table, stack[n - 1]);
+                    stack[n - 1] = Slope::of(table.value(at.value), table.slope(at.value), at);
+                }
             }
         }
         stack[0]
@@ -163,7 +213,7 @@ impl Program {
 }
 
 /// Appends the instructions of `tree`; returns how many numbers they need at once.
-fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
+fn emit(tree: &Tree, calls: &[Call], code: &mut Vec<Instruction>) -> usize {
     let start = code.len();
     match tree {
         Tree::Constant(value) => {
@@ -175,7 +225,7 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
             1
         }
         Tree::Unary(f, a) => {
-            let depth = emit(a, code);
+            let depth = emit(a, calls, code);
             if let [Instruction::Push(value)] = code[start..] {
                 code[start] = Instruction::Push(f.apply(value));
             } else if *f != Unary::Plus {
@@ -183,10 +233,11 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
             }
             depth
         }
+        Tree::Table(i, a) => emit_table(*i, a, calls, code),
         Tree::Binary(f, a, b) => {
-            let first = emit(a, code);
+            let first = emit(a, calls, code);
             let middle = code.len();
-            let second = emit(b, code);
+            let second = emit(b, calls, code);
             let (left, right) = (&code[start..middle], &code[middle..]);
             if let ([Instruction::Push(a)], [Instruction::Push(b)]) = (left, right) {
                 let value = f.apply(*a, *b);
@@ -201,7 +252,7 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
             first.max(1 + second)
         }
         Tree::If(condition, a, b) => {
-            let first = emit(condition, code);
+            let first = emit(condition, calls, code);
             // The other branch of a constant condition is never looked at: nested ones would take 2^depth times.
             if let [Instruction::Push(value)] = code[start..] {
                 code.truncate(start);
@@ -209,12 +260,26 @@ fn emit(tree: &Tree, code: &mut Vec<Instruction>) -> usize {
                     code.push(Instruction::Push(value));
                     return 1;
                 }
-                return emit(if value != 0.0 { a } else { b }, code);
+                return emit(if value != 0.0 { a } else { b }, calls, code);
             }
-            let second = emit(a, code);
-            let third = emit(b, code);
+            let second = emit(a, calls, code);
+            let third = emit(b, calls, code);
             code.push(Instruction::Select);
             first.max(1 + second).max(2 + third)
         }
     }
+}
+
+/// The same of the table number `i` at the argument `a`.
+fn emit_table(i: usize, a: &Tree, calls: &[Call], code: &mut Vec<Instruction>) -> usize {
+    let start = code.len();
+    let depth = emit(a, calls, code);
+    // Beyond the ends there is no value: that is told where it is needed.
+    match code[start..] {
+        [Instruction::Push(argument)] if !calls[i].table.value(argument).is_nan() => {
+            code[start] = Instruction::Push(calls[i].table.value(argument));
+        }
+        _ => code.push(Instruction::Table(i)),
+    }
+    depth
 }

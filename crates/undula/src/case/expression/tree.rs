@@ -8,6 +8,8 @@ pub(super) enum Tree {
     Unary(Unary, Box<Tree>),
     Binary(Binary, Box<Tree>, Box<Tree>),
     If(Box<Tree>, Box<Tree>, Box<Tree>),
+    /// The table number i of the expression.
+    Table(usize, Box<Tree>),
 }
 
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

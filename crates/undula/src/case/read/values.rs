@@ -2,27 +2,49 @@
 
 use super::{Range, Section};
 use crate::case::error::{did_you_mean, quoted};
-use crate::case::expression::Expression;
+use crate::case::expression::{self, Expression};
 use crate::case::raw::{Item, Origin, Value};
+use crate::case::{keys, unit};
 use crate::choice::{self, Choice};
 
 impl Section<'_, '_> {
     pub fn optional_number(&mut self, key: &str, range: Range) -> Option<f64> {
         let item = self.item(key)?;
-        let value = match item.value {
-            Value::Float(x) => x,
-            Value::Integer(i) => i as f64,
-            _ => {
-                self.wrong_type(key, item, range.text);
-                return None;
-            }
-        };
-        if (range.holds)(value) {
-            Some(value)
-        } else {
-            self.wrong_item(key, item, format!("expected {}", range.text));
-            None
+        self.number_of(key, item, range)
+    }
+
+    /// The number of an item, in SI units, if it is one in `range`; else what is wrong is told.
+    fn number_of(&self, key: &str, item: &Item, range: Range) -> Option<f64> {
+        match self.value_of(key, &item.value) {
+            Some(Ok(value)) if (range.holds)(value) => return Some(value),
+            Some(Ok(_)) => self.wrong_item(key, item, format!("expected {}", range.text)),
+            Some(Err(message)) => self.wrong_item(key, item, message),
+            None => self.wrong_type(key, item, range.text),
         }
+        None
+    }
+
+    /// The number that a value of `key` is, with or without a unit, in SI units; what is wrong with the unit.
+    pub(super) fn value_of(&self, key: &str, value: &Value) -> Option<Result<f64, String>> {
+        match value {
+            Value::Float(x) => Some(Ok(*x)),
+            Value::Integer(i) => Some(Ok(*i as f64)),
+            Value::String(text) => {
+                let found = unit::quantity(text)?;
+                Some(found.and_then(|(value, dimension)| {
+                    unit::mismatch(dimension, &self.unit_of(key)).map_or(Ok(value), Err)
+                }))
+            }
+            _ => None,
+        }
+    }
+
+    /// The unit of `key`, which may have an index such as `velocity[0]`.
+    fn unit_of(&self, key: &str) -> String {
+        let (name, index) = key.strip_suffix(']').and_then(|key| key.rsplit_once('[')).unwrap_or((key, ""));
+        let units = keys::find(&self.dotted(name)).map_or("", |key| key.unit);
+        let mut each = units.split(", ");
+        each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("").into()
     }
 
     pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
@@ -120,9 +142,20 @@ impl Section<'_, '_> {
         let expression = match &item.value {
             Value::Float(x) => Expression::constant(*x),
             Value::Integer(i) => Expression::constant(*i as f64),
-            Value::String(source) => match Expression::parse(source) {
+            Value::String(source) => match Expression::parse_in(source, self.checker.files(&item.origin)) {
                 Ok(expression) => expression,
                 Err(e) => {
+                    // `2x` is a formula without its `*`, not a unit.
+                    if !unit::begins_with(source, expression::is_name) {
+                        match self.value_of(key, &item.value) {
+                            Some(Ok(value)) => return Some(Expression::constant(value)),
+                            Some(Err(message)) => {
+                                self.wrong_item(key, item, message);
+                                return None;
+                            }
+                            None => {}
+                        }
+                    }
                     let origin = self.inside(&item.origin, source, e.position);
                     self.checker.error(
                         &origin,
@@ -201,18 +234,7 @@ impl Section<'_, '_> {
 
     /// Two numbers in `range`.
     pub fn pair(&mut self, key: &str, range: Range) -> Option<[f64; 2]> {
-        self.pair_of(key, "two numbers", |section, key, item| {
-            let value = match item.value {
-                Value::Float(x) => x,
-                Value::Integer(i) => i as f64,
-                _ => f64::NAN,
-            };
-            if (range.holds)(value) {
-                return Some(value);
-            }
-            section.wrong_type(key, item, range.text);
-            None
-        })
+        self.pair_of(key, "two numbers", |section, key, item| section.number_of(key, item, range))
     }
 
     /// Two counts, 1 or above.

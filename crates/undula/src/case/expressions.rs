@@ -1,0 +1,52 @@
+//! The expressions of a case, and the tables in them.
+
+use super::Case;
+use super::conditions::Condition;
+use super::expression::{Expression, Table};
+use super::key;
+
+impl Case {
+    /// All expressions, with the keys that they stand under.
+    pub(crate) fn expressions(&self) -> Vec<(String, &Expression)> {
+        let mut found: Vec<(String, &Expression)> = vec![];
+        for (name, expression) in &self.mesh.region {
+            found.push((key::join("mesh.region", name), expression));
+        }
+        let fluid = self.fluid.as_ref().map(|fluid| ("fluid.body-force", &fluid.body_force));
+        let solid = self.solid.as_ref().map(|solid| ("solid.body-force", &solid.body_force));
+        for (key, force) in fluid.into_iter().chain(solid) {
+            found.extend(force.iter().map(|expression| (key.to_string(), expression)));
+        }
+        for (name, condition) in &self.boundary {
+            for (last, data) in condition.data() {
+                let key = key::join(&key::join("boundary", name), last);
+                found.extend(data.into_iter().map(|data| (key.clone(), data)));
+            }
+        }
+        found.extend(self.time.as_ref().map(|time| ("time.step".to_string(), &time.step)));
+        found
+    }
+
+    /// The same to be changed, without keys.
+    fn expressions_mut(&mut self) -> Vec<&mut Expression> {
+        let mut found: Vec<&mut Expression> = self.mesh.region.values_mut().collect();
+        found.extend(self.fluid.iter_mut().flat_map(|fluid| &mut fluid.body_force));
+        found.extend(self.solid.iter_mut().flat_map(|solid| &mut solid.body_force));
+        for (_, datum) in self.boundary.values_mut().flat_map(Condition::data_mut) {
+            found.extend(datum.expressions());
+        }
+        found.extend(self.time.iter_mut().map(|time| &mut time.step));
+        found
+    }
+
+    /// All tables, with the keys that they stand under.
+    pub(crate) fn tables(&self) -> Vec<(String, &Table)> {
+        let expressions = self.expressions().into_iter();
+        expressions.flat_map(|(key, e)| e.tables().map(move |table| (key.clone(), table))).collect()
+    }
+
+    /// Names the files of all tables anew.
+    pub(super) fn name_tables(&mut self, name: impl Fn(&Table) -> String) {
+        self.expressions_mut().into_iter().for_each(|expression| expression.name_tables(&name));
+    }
+}
