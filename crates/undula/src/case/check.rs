@@ -85,7 +85,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
-        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
+        condition::functional(root.section("functional"), fluid.as_ref(), solid.as_ref());
     let largest = time.as_ref().map_or(0.0, |time| time.start.abs().max(time.end.abs()));
     let output = solver::output(root.section("output"), &names, &functional, largest);
     if time.is_none() {

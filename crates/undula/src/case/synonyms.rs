@@ -53,6 +53,8 @@ const SYNONYMS: &[(&str, &str, &[&str])] = &[
     ("functional", "on", &["boundary", "boundaries", "where"]),
     ("functional", "component", &["direction", "axis"]),
     ("functional", "point", &["at", "position", "location", "x"]),
+    ("functional", "take", &["operation", "reduction", "statistic"]),
+    ("functional", "region", &["body", "domain", "in"]),
     ("output", "fields-every", &["every", "interval", "fields", "write-every", "frequency"]),
     ("output", "checkpoint-every", &["checkpoint", "checkpoints", "checkpoint-interval"]),
 ];

@@ -5,6 +5,8 @@ pub mod energy;
 pub mod fields;
 pub mod force;
 pub mod point;
+pub mod quantity;
+pub mod sampled;
 mod signal;
 pub mod statistics;
 pub mod transfer;

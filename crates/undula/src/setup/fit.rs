@@ -3,7 +3,7 @@
 use super::names::MeshNames;
 use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
 use crate::case::key;
-use crate::case::{Case, Condition, FunctionalSpec};
+use crate::case::{Case, Condition};
 use crate::mesh::INTERFACE;
 
 #[doc(hidden)]
@@ -147,9 +147,13 @@ impl Fit<'_> {
 
     fn functionals(&mut self) {
         for (name, functional) in &self.case.functional {
-            let FunctionalSpec::Force { on, .. } = functional else { continue };
+            let key = format!("functional.{name}.region");
+            if let Some(region) = functional.region().filter(|r| !self.names.regions.iter().any(|n| n == r)) {
+                let message = absent("region", region, self.names.regions.iter().map(String::as_str));
+                self.error(&key, message);
+            }
             let key = format!("functional.{name}.on");
-            for boundary in on {
+            for boundary in functional.on() {
                 match self.names.boundaries.iter().find(|(n, _)| n == boundary) {
                     None => {
                         let message = self.absent_boundary(boundary);

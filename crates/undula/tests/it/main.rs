@@ -25,6 +25,7 @@ mod derivatives;
 mod elements;
 mod examples;
 mod extension;
+mod functionals;
 mod hierarchy;
 mod incompressible;
 mod keys;
