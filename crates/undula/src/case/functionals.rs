@@ -2,7 +2,7 @@
 
 use crate::choice::{Choice, choice};
 use crate::functional::energy::Integral;
-use crate::functional::quantity::{Component, Take};
+use crate::functional::quantity::{Component, Take, WALL_SHEAR_STRESS};
 use crate::physics::SolidLaw;
 
 /// Where a field is looked at.
@@ -134,7 +134,7 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 11] = [
         "Cauchy stress at a point or in a region [Pa]",
     ),
     choice(
-        "wall-shear-stress",
+        WALL_SHEAR_STRESS,
         FunctionalSpec::WallShearStress { component: Component::Magnitude, on: Vec::new(), take: Take::Mean },
         "tangential force of the fluid per area of boundaries [Pa]",
     ),

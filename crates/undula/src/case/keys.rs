@@ -14,6 +14,7 @@ use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;
 use crate::functional::energy::ENERGIES;
+use crate::functional::nodal::FIELDS;
 use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::material::LAWS;
@@ -209,6 +210,19 @@ static KEYS_BUT_DATA: &[Key] = &[
     word("functional.NAME.term", &ENERGIES, "energy: required", "energy: which one"),
     number("output.fields-every", "", "0", "fields are written after so many steps; 0: only at the end"),
     number("output.fields-interval", "s", "none", "fields are written after this time, steps end there"),
+    number(
+        "output.fields-times",
+        "s",
+        "none",
+        "fields are written at the ends of steps nearest to these times",
+    ),
+    word(
+        "output.fields",
+        &FIELDS,
+        "[\"velocity\", \"displacement\", \"pressure\"]",
+        "fields that are written, derived ones with an array for each body",
+    ),
+    number("output.window", "s", "none", "first and last time of the means in mean.vtu, as [4, 6]"),
     word("output.mesh", &OUTPUT_MESH, "deformed", "positions of the nodes in field files"),
     word("output.cells", &OUTPUT_CELLS, "linear", "cells of higher order in field files"),
     number("output.checkpoint-every", "", "0", "checkpoint after so many steps; 0: not by steps"),

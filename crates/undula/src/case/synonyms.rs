@@ -55,7 +55,10 @@ const SYNONYMS: &[(&str, &str, &[&str])] = &[
     ("functional", "point", &["at", "position", "location", "x"]),
     ("functional", "take", &["operation", "reduction", "statistic"]),
     ("functional", "region", &["body", "domain", "in"]),
-    ("output", "fields-every", &["every", "interval", "fields", "write-every", "frequency"]),
+    ("output", "fields-every", &["every", "interval", "write-every", "frequency"]),
+    ("output", "fields-times", &["times", "at-times", "write-times"]),
+    ("output", "fields", &["variables", "arrays", "quantities"]),
+    ("output", "window", &["average", "averages", "means", "averaging-window"]),
     ("output", "checkpoint-every", &["checkpoint", "checkpoints", "checkpoint-interval"]),
 ];
 

@@ -9,6 +9,7 @@ use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::energy::ENERGIES;
+use crate::functional::nodal::FIELDS;
 use crate::functional::quantity::{self, COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
@@ -103,6 +104,14 @@ impl Case {
         out.key("fields-every", self.output.fields_every.to_string());
         if let Some(interval) = self.output.fields_interval {
             out.key("fields-interval", number(interval));
+        }
+        if !self.output.fields_times.is_empty() {
+            let times: Vec<String> = self.output.fields_times.iter().map(|t| number(*t)).collect();
+            out.key("fields-times", format!("[{}]", times.join(", ")));
+        }
+        out.key("fields", names(self.output.fields.iter().map(|field| name_of(&FIELDS, field))));
+        if let Some(window) = &self.output.window {
+            out.key("window", pair(window));
         }
         out.choice("mesh", &OUTPUT_MESH, &self.output.deformed);
         out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
@@ -316,8 +325,8 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
 }
 
 /// An array of strings.
-fn names(list: &[String]) -> String {
-    format!("[{}]", list.iter().map(|name| string(name)).collect::<Vec<_>>().join(", "))
+fn names(list: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    format!("[{}]", list.into_iter().map(|name| string(name.as_ref())).collect::<Vec<_>>().join(", "))
 }
 
 impl Site {

@@ -1,9 +1,11 @@
 //! Numbers of interest.
 
+pub mod averages;
 pub mod balance;
 pub mod energy;
 pub mod fields;
 pub mod force;
+pub mod nodal;
 pub mod point;
 pub mod quantity;
 pub mod sampled;

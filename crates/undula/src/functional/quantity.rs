@@ -26,6 +26,11 @@ pub enum Component {
     PrincipalMin,
 }
 
+/// Name of the equivalent stress, as a component and as a field.
+pub const VON_MISES: &str = "von-mises";
+/// Name of the wall shear stress, as a kind of functional and as a field.
+pub const WALL_SHEAR_STRESS: &str = "wall-shear-stress";
+
 /// Their names in a case; each kind of functional takes some that stand side by side.
 pub static COMPONENTS: [Choice<Component>; 10] = [
     choice("x", Component::Along(0), "first component of a vector"),
@@ -39,7 +44,7 @@ pub static COMPONENTS: [Choice<Component>; 10] = [
     choice("xx", Component::Entry(0, 0), "normal stress along x"),
     choice("xy", Component::Entry(0, 1), "shear stress"),
     choice("yy", Component::Entry(1, 1), "normal stress along y"),
-    choice("von-mises", Component::VonMises, "equivalent stress after von Mises, with σ_zz of plane strain"),
+    choice(VON_MISES, Component::VonMises, "equivalent stress after von Mises, with σ_zz of plane strain"),
     choice("principal-max", Component::PrincipalMax, "largest principal stress in the plane"),
     choice("principal-min", Component::PrincipalMin, "smallest principal stress in the plane"),
 ];

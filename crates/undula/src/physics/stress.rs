@@ -75,7 +75,7 @@ fn rotate<const D: usize>(a: &mut [[f64; D]; D], i: usize, j: usize) {
 }
 
 /// The same gradient, with a third direction in which nothing changes and nothing moves.
-fn in_space<const D: usize>(a: &Tensor<f64, D>) -> Tensor<f64, 3> {
+pub fn in_space<const D: usize>(a: &Tensor<f64, D>) -> Tensor<f64, 3> {
     let entry = |i: usize, j: usize| if i < D && j < D { a.0[i][j] } else { 0.0 };
     Tensor(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
 }

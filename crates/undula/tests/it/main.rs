@@ -38,6 +38,7 @@ mod mesh;
 mod methods;
 mod modes;
 mod newton;
+mod output_fields;
 mod output_vtu;
 mod patch;
 mod references;

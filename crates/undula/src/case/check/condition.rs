@@ -106,7 +106,7 @@ fn refuse_region(
     fluid: Option<&FluidSpec>,
     solid: Option<&SolidSpec>,
 ) {
-    let Some(region) = spec.region() else { return };
+    let Some(region) = spec.region().filter(|region| !region.is_empty()) else { return };
     let in_solid = solid.filter(|solid| solid.region == region);
     let bodies = [fluid.map(|f| f.region.as_str()), solid.map(|s| s.region.as_str())];
     if let [Some(one), Some(two)] = bodies
