@@ -62,6 +62,11 @@ pub enum FunctionalSpec {
         /// Boundary names; `interface` is allowed.
         on: Vec<String>,
     },
+    /// Power of the force of the fluid on boundaries where the velocity is not free \[W/m\].
+    Power {
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+    },
     /// p \[Pa\].
     Pressure(Site),
     /// A component of v \[m/s\].
@@ -95,7 +100,7 @@ pub enum FunctionalSpec {
 }
 
 /// Their names in a case, in the order of the messages.
-pub static FUNCTIONALS: [Choice<FunctionalSpec>; 11] = [
+pub static FUNCTIONALS: [Choice<FunctionalSpec>; 12] = [
     choice(
         "force",
         FunctionalSpec::Force { on: Vec::new(), component: 0, surface_integral: false, coefficient: None },
@@ -117,6 +122,11 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 11] = [
         "flux",
         FunctionalSpec::Flux { on: Vec::new() },
         "flow ∫ v·n out of the fluid through boundaries [m²/s]",
+    ),
+    choice(
+        "power",
+        FunctionalSpec::Power { on: Vec::new() },
+        "power of the force of the fluid on walls, inlets, the interface [W/m]",
     ),
     choice(
         "pressure",
@@ -148,6 +158,7 @@ impl FunctionalSpec {
             self,
             FunctionalSpec::Force { .. }
                 | FunctionalSpec::PressureDifference { .. }
+                | FunctionalSpec::Power { .. }
                 | FunctionalSpec::Pressure(_)
                 | FunctionalSpec::Stress { .. }
         )
@@ -158,6 +169,7 @@ impl FunctionalSpec {
         match self {
             FunctionalSpec::Force { on, .. }
             | FunctionalSpec::Flux { on }
+            | FunctionalSpec::Power { on }
             | FunctionalSpec::WallShearStress { on, .. } => on,
             _ => match self.site() {
                 Some(Site::Boundaries(on, _)) => on,

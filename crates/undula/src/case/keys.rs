@@ -194,7 +194,11 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("linear.krylov-tolerance", "", "0.03", "residual of GMRES, relative to the right-hand side"),
     number("linear.krylov-size", "", "20", "iterations of GMRES before the factors are renewed"),
     word("functional.NAME.kind", &FUNCTIONALS, "required", "quantity of the column NAME of history.csv"),
-    text("functional.NAME.on", "force, flux: required", "names of boundaries of the fluid, also `interface`"),
+    text(
+        "functional.NAME.on",
+        "force, flux, power: required",
+        "names of boundaries of the fluid, also `interface`",
+    ),
     word("functional.NAME.method", &METHODS, "residual", "force: computation"),
     number("functional.NAME.point", "m", "displacement: required", "material point in the reference domain"),
     text(

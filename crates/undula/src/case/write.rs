@@ -373,7 +373,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
             FunctionalSpec::Rotation => {}
-            FunctionalSpec::Flux { on } => out.key("on", names(on)),
+            FunctionalSpec::Flux { on } | FunctionalSpec::Power { on } => out.key("on", names(on)),
             FunctionalSpec::Pressure(at) => at.write(out),
             FunctionalSpec::Velocity { component, at } | FunctionalSpec::Stress { component, at } => {
                 out.choice("component", &COMPONENTS, component);

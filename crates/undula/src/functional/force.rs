@@ -45,6 +45,11 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         (self.space, facets.collect(), self.quadrature)
     }
 
+    /// The nodes of the boundaries `names` whose velocity is not free, ascending.
+    pub(super) fn nodes_on(&self, names: &[String]) -> Vec<u32> {
+        self.carrying(&self.of(names)).into_keys().collect()
+    }
+
     fn nodes(&self, n: usize) -> Vec<u32> {
         self.space.facet_nodes(&self.boundary.facets[n].facet())
     }

@@ -7,6 +7,7 @@ pub mod fields;
 pub mod force;
 pub mod nodal;
 pub mod point;
+pub mod power;
 pub mod quantity;
 pub mod sampled;
 mod signal;

@@ -3,7 +3,7 @@
 use super::names::MeshNames;
 use crate::case::error::{CaseError, CaseErrors, Place, suggestion};
 use crate::case::key;
-use crate::case::{Case, Condition};
+use crate::case::{Case, Condition, FunctionalSpec};
 use crate::mesh::INTERFACE;
 
 #[doc(hidden)]
@@ -162,6 +162,13 @@ impl Fit<'_> {
                     Some((_, regions)) if boundary != INTERFACE && !self.touches(regions).0 => {
                         self.error(&key, format!("the fluid does not touch the boundary `{boundary}`"));
                     }
+                    Some(_) if free(self.case, functional, boundary) => {
+                        let message = format!(
+                            "the velocity on the boundary `{boundary}` is free; power is that on walls, inlets and the \
+                             interface"
+                        );
+                        self.error(&key, message);
+                    }
                     Some(_) => {}
                 }
             }
@@ -174,6 +181,12 @@ impl Fit<'_> {
             self.error(key, message);
         }
     }
+}
+
+/// Whether `functional` is a power and the velocity on `boundary` not given.
+fn free(case: &Case, functional: &FunctionalSpec, boundary: &str) -> bool {
+    let natural = case.boundary.get(boundary).is_some_and(Condition::is_natural);
+    natural && matches!(functional, FunctionalSpec::Power { .. })
 }
 
 /// `name` as a key of TOML, in quotes where it needs them.

@@ -5,6 +5,7 @@ use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use crate::functional::point::{Displacement, Pressure, PressureDifference};
+use crate::functional::power::Power;
 use crate::functional::quantity::{Quantity, Take};
 use crate::functional::sampled::{AtPoint, InRegion, OnBoundary};
 use crate::mesh::MeshError;
@@ -65,6 +66,7 @@ impl FunctionalSpec {
             FunctionalSpec::Flux { on } => {
                 Box::new(OnBoundary::new(surfaces, on, Quantity::NormalVelocity, Take::Integral))
             }
+            FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
             FunctionalSpec::Pressure(Site::Point { point, region }) => {
                 let body = region.as_ref().and_then(|region| case.body_in(region));
                 Box::new(Pressure::new(space, *point, body)?)

@@ -403,6 +403,55 @@ fn principal_stresses_are_eigenvalues() {
     }
 }
 
+/// v = 4 y (1 − y) given at the inlet: what the inlet does, −power, is what viscosity dissipates, μ ∫ |∂_y v|² dx = 32/15.
+#[test]
+fn power_of_poiseuille_flow_is_dissipated() {
+    for element in ["space.velocity=Q2", "space.velocity=P2-bubble"] {
+        let more = [
+            element,
+            "boundary.left={condition=\"velocity\", velocity=[\"4*y*(1-y)\", 0]}",
+            r#"functional.power={kind="power", on=["left", "top", "bottom"]}"#,
+            r#"functional.lid={kind="power", on="top"}"#,
+            r#"functional.loss={kind="energy", term="dissipation"}"#,
+        ];
+        let mut simulation = Simulation::new(channel("1", &more), 1).unwrap();
+        let row = simulation.step().unwrap();
+        assert!((row["power"] + 32.0 / 15.0).abs() < 1e-9, "{element}: {}", row["power"]);
+        assert!((row["loss"] - 32.0 / 15.0).abs() < 1e-9 && row["lid"].abs() < 1e-12, "{element}");
+    }
+}
+
+/// What the fluid does to the beam of fsi3 is the change of the energy of the beam, to the order 2 of the scheme.
+#[test]
+fn power_on_a_body_is_the_change_of_its_energy() {
+    let residuals = ["0.02", "0.01", "0.005"].map(|step| {
+        let step = format!("time.step={step}");
+        let more = [
+            "mesh.refine=0",
+            "time.scheme=crank-nicolson",
+            "time.end=0.4",
+            "newton.tolerance=1e-10",
+            "boundary.inflow.velocity=[\"20*y*(0.41-y)*t^2*(1+y)\", 0]",
+            step.as_str(),
+            r#"functional.power={kind="power", on="interface"}"#,
+            r#"functional.kinetic={kind="energy", term="solid-kinetic"}"#,
+            r#"functional.elastic={kind="energy", term="elastic"}"#,
+        ];
+        let mut simulation = Simulation::new(crate::common::builtin("fsi3", &more), 1).unwrap();
+        let (mut work, mut time, mut energy) = (0.0, 0.0, 0.0);
+        while !simulation.finished() {
+            let row = simulation.step().unwrap();
+            work += (row.time - time) * row["power"];
+            (time, energy) = (row.time, row["kinetic"] + row["elastic"]);
+        }
+        println!("work {work:e}, energy {energy:e}");
+        (work - energy).abs() / energy
+    });
+    println!("{residuals:?}");
+    let order = (residuals[0] / residuals[2]).log2() / 2.0;
+    assert!(residuals[2] < 1e-2 && order > 1.8, "{residuals:?}: order {order}");
+}
+
 /// What the built-in case `name` says of a functional `f`.
 fn told(name: &str, table: &str, more: &[&str]) -> String {
     let set = format!("functional.f={table}");
@@ -424,6 +473,7 @@ fn combinations_without_sense_are_refused() {
         (r#"{kind="flux"}"#, "functional.f.on: missing: the boundaries"),
         (r#"{kind="flux", on="inlet"}"#, "functional.f.on: the mesh has no boundary `inlet`"),
         (r#"{kind="flux", on="inflow", take="mean"}"#, "unknown key; [functional.f] takes `kind`, `on`"),
+        (r#"{kind="power", on="outflow"}"#, "the velocity on the boundary `outflow` is free"),
         (r#"{kind="pressure"}"#, "functional.f.on: missing: `point`, `on` or `region`"),
         (
             r#"{kind="pressure", on="inflow"}"#,

@@ -26,6 +26,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Rotation => FunctionalSpec::Rotation,
             FunctionalSpec::Flux { .. } => FunctionalSpec::Flux { on: boundaries(s) },
+            FunctionalSpec::Power { .. } => FunctionalSpec::Power { on: boundaries(s) },
             FunctionalSpec::Pressure(_) => FunctionalSpec::Pressure(site(s, true)),
             FunctionalSpec::Velocity { .. } => FunctionalSpec::Velocity {
                 component: component(s, Component::of_velocity()),
