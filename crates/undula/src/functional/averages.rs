@@ -35,8 +35,8 @@ impl Averages {
     }
 }
 
-/// Oscillatory shear index ½ (1 − |mean τ| / mean |τ|): 0 where the direction does not change, ½ where the mean vanishes;
-/// 0 where there is no shear stress.
+/// Oscillatory shear index ½ (1 − |mean τ| / mean |τ|): 0 where the direction does not change, ½ where the mean
+/// vanishes; 0 where there is no shear stress.
 pub fn oscillatory_shear_index(mean: &[f64], mean_magnitude: f64) -> f64 {
     if mean_magnitude <= 0.0 {
         return 0.0;

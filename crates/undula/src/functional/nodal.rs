@@ -108,8 +108,8 @@ impl NodalField {
     }
 }
 
-/// A derived field in `region` at the nodes, `n_nodes × components`: the mean over the cells of the region that meet at a
-/// node, NaN at nodes where there is none.
+/// A derived field in `region` at the nodes, `n_nodes × components`: the mean over the cells of the region that meet
+/// at a node, NaN at nodes where there is none.
 pub fn in_body<const D: usize>(
     space: &FsiSpace<D>,
     physics: &Physics,
@@ -178,8 +178,8 @@ impl<const D: usize> WallShear<D> {
         WallShear { facets: FluidBoundary::new(space).facets.iter().map(of).collect() }
     }
 
-    /// −(I − n ⊗ n) σ n \[Pa\] at the nodes, `n_nodes × D`, n pointing out of the fluid: the mean over the facets of walls
-    /// that meet at a node, 0 off the walls.
+    /// −(I − n ⊗ n) σ n \[Pa\] at the nodes, `n_nodes × D`, n pointing out of the fluid: the mean over the facets of
+    /// walls that meet at a node, 0 off the walls.
     pub fn at_nodes(&self, space: &FsiSpace<D>, physics: &Physics, state: &State) -> Vec<f64> {
         let mut values = vec![0.0; space.nodes.n_lagrange * D];
         let mut count = vec![0.0; space.nodes.n_lagrange];

@@ -6,9 +6,9 @@ use super::{Functional, Snapshot};
 /// −R_f(v): the residual of the fluid alone, tested with the velocity at the nodes of boundaries where it is not free,
 /// and with 0 elsewhere \[W/m\].
 ///
-/// That is what the fluid does to an elastic body, to the order of the time scheme the change of its energy: the residual
-/// of the solid is the opposite at the interface. v is (1 − θ) v⁻ + θ v. A node at which the boundaries end counts as a
-/// whole; v is 0 there where they end at a wall.
+/// That is what the fluid does to an elastic body, to the order of the time scheme the change of its energy: the
+/// residual of the solid is the opposite at the interface. v is (1 − θ) v⁻ + θ v. A node at which the boundaries end
+/// counts as a whole; v is 0 there where they end at a wall.
 pub struct Power {
     nodes: Vec<u32>,
 }

@@ -11,7 +11,8 @@ use crate::system::Physics;
 
 /// The fields that `output` names, on the mesh that it wants.
 ///
-/// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other one.
+/// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
+/// one.
 pub fn fields(space: &FsiSpace<2>, physics: &Physics, state: &State, output: &OutputSpec) -> FieldSnapshot {
     let mut snapshot = snapshot(space, state, output.deformed);
     let [velocity, displacement, pressure] =

@@ -16,8 +16,8 @@ const ARRAYS: [&str; 3] = ["window_weight", "window_mean", "window_squares"];
 
 /// Means of the fields at the nodes over the steps that lie in a window of time.
 ///
-/// A step of length k counts with k; v, u and the wall shear stress with the trapezoidal rule, the pressure, which belongs
-/// to the step, as it is.
+/// A step of length k counts with k; v, u and the wall shear stress with the trapezoidal rule, the pressure, which
+/// belongs to the step, as it is.
 pub(super) struct Window {
     /// First and last time \[s\].
     times: [f64; 2],

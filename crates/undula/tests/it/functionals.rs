@@ -334,8 +334,8 @@ fn wall_shear_stress_is_along_the_moved_boundary() {
     }
 }
 
-/// A smooth displacement at the nodes of Q2: stresses at points and their extremes are of order 2, their mean of order 3
-/// at least.
+/// A smooth displacement at the nodes of Q2: stresses at points and their extremes are of order 2, their mean of order
+/// 3 at least.
 #[test]
 fn stress_converges_with_the_mesh() {
     let physics = Physics { fluid: None, ..physics(NEO) };
@@ -403,7 +403,8 @@ fn principal_stresses_are_eigenvalues() {
     }
 }
 
-/// v = 4 y (1 − y) given at the inlet: what the inlet does, −power, is what viscosity dissipates, μ ∫ |∂_y v|² dx = 32/15.
+/// v = 4 y (1 − y) given at the inlet: what the inlet does, −power, is what viscosity dissipates, μ ∫ |∂_y v|² dx =
+/// 32/15.
 #[test]
 fn power_of_poiseuille_flow_is_dissipated() {
     for element in ["space.velocity=Q2", "space.velocity=P2-bubble"] {

@@ -98,8 +98,8 @@ pub(super) fn functional(
     (functionals, names)
 }
 
-/// A region that no body fills, or one without a pressure that is asked for. Without one of the bodies its region is not
-/// known; [`crate::setup::fit`] compares it with the mesh.
+/// A region that no body fills, or one without a pressure that is asked for. Without one of the bodies its region is
+/// not known; [`crate::setup::fit`] compares it with the mesh.
 fn refuse_region(
     s: &Section<'_, '_>,
     spec: &FunctionalSpec,
