@@ -5,9 +5,9 @@
     read_vtu.py out/fsi3/fields.pvd
     read_vtu.py fields.pvd --area 2.356194 --expect "pressure=x*x-y*y+x*y" --expect "velocity=-y,x,x*y"
 
-Checked for every file: the collection's time is that of the file, all values are finite, all cells have one
-type that Undula writes, every point belongs to a cell, and the Jacobian of every cell map, by VTK's own shape
-functions, is positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
+Checked for every file: the collection's time is that of the file, all values are finite but those of one body where it
+is not, all cells have one type that Undula writes, every point belongs to a cell, and the Jacobian of every cell map, by
+VTK's own shape functions, is positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
 --expect compares point data with expressions of x, y at the points, and inside the cells the interpolation by
 VTK's shape functions. The exit code is 1 if anything is wrong.
 """
@@ -107,7 +107,7 @@ def check(time, path, args):
     for kind, arrays in (("points", at_points), ("cells", in_cells), ("points", {"(position)": points})):
         for name, array in arrays.items():
             print(f"  {kind} {name} {array.dtype} x {array[0].size}: {array.min():.6g} .. {array.max():.6g}")
-            if not np.isfinite(array).all():
+            if not np.isfinite(array).all() and not name.startswith(("fluid-", "solid-")):
                 wrong.append(f"{name}: {(~np.isfinite(array)).sum()} values are not finite")
     inside = np.einsum("qn,cnd->cqd", phi, points[nodes])
     for name, expression in (e.split("=", 1) for e in args.expect):

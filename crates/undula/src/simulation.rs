@@ -283,8 +283,34 @@ impl Simulation {
         }
     }
 
-    /// Whether the present time is one of `output.fields-interval`.
+    /// Whether fields are written in the course of the run.
+    pub(crate) fn writes_fields(&self) -> bool {
+        let output = &self.case.output;
+        let any =
+            output.fields_every > 0 || output.fields_interval.is_some() || !output.fields_times.is_empty();
+        any && self.case.time.is_some()
+    }
+
+    /// Whether the present time is nearest, among the ends of steps, to one of `output.fields-times`.
+    fn is_nearest_time(&self) -> bool {
+        let times = &self.case.output.fields_times;
+        let (Some(time), Some(last), false) = (&self.case.time, self.history.last(), times.is_empty()) else {
+            return false;
+        };
+        let before = self.history.iter().rev().nth(1).map_or(time.start, |row| row.time);
+        let (now, schedule) = (last.time, schedule(&self.case, time));
+        let k = self.wanted_step(time).min((schedule.target(now) - now).max(0.0));
+        // Halfway between two steps it is the earlier one.
+        let slack = 1e-9 * (now - before);
+        let (from, to) = (0.5 * (before + now) + slack, now + 0.5 * k + slack);
+        times.iter().any(|&t| from < t && t <= to)
+    }
+
+    /// Whether fields are written at the present time because of `output.fields-interval` or `output.fields-times`.
     pub fn is_output_time(&self) -> bool {
+        if self.is_nearest_time() {
+            return true;
+        }
         let (Some(interval), Some(time)) = (self.case.output.fields_interval, &self.case.time) else {
             return false;
         };

@@ -101,9 +101,8 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
     let linear = solver::linear(root.section("linear"));
     let (functional, names) =
-        condition::functional(root.section("functional"), fluid.is_some(), solid.as_ref().map(|s| s.law));
-    let largest = time.as_ref().map_or(0.0, |time| time.start.abs().max(time.end.abs()));
-    let output = solver::output(root.section("output"), &names, &functional, largest);
+        condition::functional(root.section("functional"), fluid.as_ref(), solid.as_ref());
+    let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     if time.is_none() {
         note_steps(checker, &output);
     }
@@ -176,6 +175,8 @@ fn note_steps(checker: &Checker<'_>, output: &super::schema::OutputSpec) {
     for (key, given) in [
         ("fields-every", output.fields_every > 0),
         ("fields-interval", output.fields_interval.is_some()),
+        ("fields-times", !output.fields_times.is_empty()),
+        ("window", output.window.is_some()),
         ("checkpoint-every", output.checkpoint_every > 0),
         ("checkpoint-minutes", minutes != 0.0 && minutes != solver::CHECKPOINT_MINUTES),
     ] {

@@ -27,10 +27,6 @@ pub static METHODS: [Choice<bool>; 2] = [
     choice("surface-integral", true, "integral of the traction over the boundary"),
 ];
 
-/// Components of a vector.
-pub static COMPONENTS: [Choice<usize>; 2] =
-    [choice("x", 0, "first component"), choice("y", 1, "second component")];
-
 /// Whether Newton's method starts from an extrapolation.
 pub static STARTS: [Choice<bool>; 2] = [
     choice("extrapolated", true, "linear extrapolation of the last two solutions"),

@@ -2,7 +2,28 @@
 
 use crate::choice::{Choice, choice};
 use crate::functional::energy::Integral;
+use crate::functional::quantity::{Component, Take, WALL_SHEAR_STRESS};
 use crate::physics::SolidLaw;
+
+/// Where a field is looked at.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Site {
+    /// A material point.
+    Point {
+        /// Reference coordinates \[m\].
+        point: [f64; 2],
+        /// Region of the body that is meant where two meet.
+        region: Option<String>,
+    },
+    /// Boundaries of the fluid.
+    Boundaries(Vec<String>, Take),
+    /// The region of a body.
+    Region(String, Take),
+}
+
+impl Site {
+    const NOWHERE: Site = Site::Boundaries(Vec::new(), Take::Mean);
+}
 
 /// One number of interest.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +57,50 @@ pub enum FunctionalSpec {
     Energy(Integral),
     /// Average rotation (1/|S|) ∫_S x × u dx \[m²\].
     Rotation,
+    /// ∫ v · n da out of the fluid \[m²/s\].
+    Flux {
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+    },
+    /// Power of the force of the fluid on boundaries where the velocity is not free \[W/m\].
+    Power {
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+    },
+    /// p \[Pa\].
+    Pressure(Site),
+    /// A component of v \[m/s\].
+    Velocity {
+        /// Which.
+        component: Component,
+        /// Where.
+        at: Site,
+    },
+    /// A component of the Cauchy stress \[Pa\].
+    Stress {
+        /// Which.
+        component: Component,
+        /// Where; not on boundaries.
+        at: Site,
+    },
+    /// The tangential part of the force of the fluid per area \[Pa\].
+    WallShearStress {
+        /// Which: the norm, or along the tangent.
+        component: Component,
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+        /// What is taken of it.
+        take: Take,
+    },
+    /// Current area of a body \[m²\].
+    Volume {
+        /// The region of the body.
+        region: String,
+    },
 }
 
 /// Their names in a case, in the order of the messages.
-pub static FUNCTIONALS: [Choice<FunctionalSpec>; 5] = [
+pub static FUNCTIONALS: [Choice<FunctionalSpec>; 12] = [
     choice(
         "force",
         FunctionalSpec::Force { on: Vec::new(), component: 0, surface_integral: false, coefficient: None },
@@ -57,21 +118,93 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 5] = [
     ),
     choice("energy", FunctionalSpec::Energy(Integral::FluidKinetic), "energy or power per unit depth"),
     choice("rotation", FunctionalSpec::Rotation, "average rotation of the solid [m²]"),
+    choice(
+        "flux",
+        FunctionalSpec::Flux { on: Vec::new() },
+        "flow ∫ v·n out of the fluid through boundaries [m²/s]",
+    ),
+    choice(
+        "power",
+        FunctionalSpec::Power { on: Vec::new() },
+        "power of the force of the fluid on walls, inlets, the interface [W/m]",
+    ),
+    choice(
+        "pressure",
+        FunctionalSpec::Pressure(Site::NOWHERE),
+        "pressure at a point, on boundaries or in a region [Pa]",
+    ),
+    choice(
+        "velocity",
+        FunctionalSpec::Velocity { component: Component::Magnitude, at: Site::NOWHERE },
+        "velocity at a point, on boundaries or in a region [m/s]",
+    ),
+    choice(
+        "stress",
+        FunctionalSpec::Stress { component: Component::VonMises, at: Site::NOWHERE },
+        "Cauchy stress at a point or in a region [Pa]",
+    ),
+    choice(
+        WALL_SHEAR_STRESS,
+        FunctionalSpec::WallShearStress { component: Component::Magnitude, on: Vec::new(), take: Take::Mean },
+        "tangential force of the fluid per area of boundaries [Pa]",
+    ),
+    choice("volume", FunctionalSpec::Volume { region: String::new() }, "current area of a region [m²]"),
 ];
 
 impl FunctionalSpec {
     /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
     pub fn at_force_time(&self) -> bool {
-        matches!(self, FunctionalSpec::Force { .. } | FunctionalSpec::PressureDifference { .. })
+        matches!(
+            self,
+            FunctionalSpec::Force { .. }
+                | FunctionalSpec::PressureDifference { .. }
+                | FunctionalSpec::Power { .. }
+                | FunctionalSpec::Pressure(_)
+                | FunctionalSpec::Stress { .. }
+        )
     }
 
-    /// Whether it has no meaning without the fluid; others have none without the solid.
-    pub(super) fn needs_fluid(&self, solid: Option<SolidLaw>) -> bool {
+    /// Names of its boundaries.
+    pub fn on(&self) -> &[String] {
         match self {
-            FunctionalSpec::Force { .. } => true,
-            FunctionalSpec::PressureDifference { .. } => !solid.is_some_and(SolidLaw::is_incompressible),
-            FunctionalSpec::Energy(integral) => integral.is_of_fluid(),
-            FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation => false,
+            FunctionalSpec::Force { on, .. }
+            | FunctionalSpec::Flux { on }
+            | FunctionalSpec::Power { on }
+            | FunctionalSpec::WallShearStress { on, .. } => on,
+            _ => match self.site() {
+                Some(Site::Boundaries(on, _)) => on,
+                _ => &[],
+            },
+        }
+    }
+
+    /// The region of the mesh that it names.
+    pub fn region(&self) -> Option<&str> {
+        match (self, self.site()) {
+            (FunctionalSpec::Volume { region }, _) | (_, Some(Site::Region(region, _))) => Some(region),
+            (_, Some(Site::Point { region, .. })) => region.as_deref(),
+            _ => None,
+        }
+    }
+
+    fn site(&self) -> Option<&Site> {
+        match self {
+            FunctionalSpec::Pressure(at)
+            | FunctionalSpec::Velocity { at, .. }
+            | FunctionalSpec::Stress { at, .. } => Some(at),
+            _ => None,
+        }
+    }
+
+    /// The body without which it has no meaning, `true`: the fluid; `None`: it is that of a point or of a region.
+    pub(super) fn needs_fluid(&self, solid: Option<SolidLaw>) -> Option<bool> {
+        let pressure = !solid.is_some_and(SolidLaw::is_incompressible);
+        match self {
+            FunctionalSpec::PressureDifference { .. } => Some(pressure),
+            FunctionalSpec::Energy(integral) => Some(integral.is_of_fluid()),
+            FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation => Some(false),
+            FunctionalSpec::Pressure(Site::Point { region: None, .. }) => pressure.then_some(true),
+            _ => (!self.on().is_empty()).then_some(true),
         }
     }
 }

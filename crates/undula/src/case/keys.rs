@@ -3,7 +3,7 @@
 //! Reading asks for keys of this table only, unknown-key messages list its keys, `case.toml` takes its comments from it,
 //! and `undula keys` prints it.
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BACKFLOW, BODY_FORCE_AT, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::{CONDITIONS, DATA};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
@@ -14,6 +14,8 @@ use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;
 use crate::functional::energy::ENERGIES;
+use crate::functional::nodal::FIELDS;
+use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::material::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
@@ -192,16 +194,39 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("linear.krylov-tolerance", "", "0.03", "residual of GMRES, relative to the right-hand side"),
     number("linear.krylov-size", "", "20", "iterations of GMRES before the factors are renewed"),
     word("functional.NAME.kind", &FUNCTIONALS, "required", "quantity of the column NAME of history.csv"),
-    text("functional.NAME.on", "force: required", "names of boundaries, also `interface`"),
+    text(
+        "functional.NAME.on",
+        "force, flux, power: required",
+        "names of boundaries of the fluid, also `interface`",
+    ),
     word("functional.NAME.method", &METHODS, "residual", "force: computation"),
     number("functional.NAME.point", "m", "displacement: required", "material point in the reference domain"),
-    word("functional.NAME.component", &COMPONENTS, "required", "force, displacement: component"),
+    text(
+        "functional.NAME.region",
+        "volume: required",
+        "region of a body; beside `point` the body that is meant",
+    ),
+    word("functional.NAME.take", &TAKES, "required", "what is taken on boundaries and in regions"),
+    word("functional.NAME.component", &COMPONENTS, "required", "component of a vector or of a stress"),
     number("functional.NAME.coefficient", "m/s, m", "none", "force: V and L, the factor is 2/(density V² L)"),
     number("functional.NAME.a", "m", "required", "pressure-difference: first point"),
     number("functional.NAME.b", "m", "required", "pressure-difference: second point"),
     word("functional.NAME.term", &ENERGIES, "energy: required", "energy: which one"),
     number("output.fields-every", "", "0", "fields are written after so many steps; 0: only at the end"),
     number("output.fields-interval", "s", "none", "fields are written after this time, steps end there"),
+    number(
+        "output.fields-times",
+        "s",
+        "none",
+        "fields are written at the ends of steps nearest to these times",
+    ),
+    word(
+        "output.fields",
+        &FIELDS,
+        "[\"velocity\", \"displacement\", \"pressure\"]",
+        "fields that are written, derived ones with an array for each body",
+    ),
+    number("output.window", "s", "none", "first and last time of the means in mean.vtu, as [4, 6]"),
     word("output.mesh", &OUTPUT_MESH, "deformed", "positions of the nodes in field files"),
     word("output.cells", &OUTPUT_CELLS, "linear", "cells of higher order in field files"),
     number("output.checkpoint-every", "", "0", "checkpoint after so many steps; 0: not by steps"),

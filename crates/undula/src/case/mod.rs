@@ -30,7 +30,7 @@ mod write;
 pub use check::name_of_file;
 pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};
-pub use functionals::{FUNCTIONALS, FunctionalSpec};
+pub use functionals::{FUNCTIONALS, FunctionalSpec, Site};
 pub use schema::{
     AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, Integral, KRYLOV, KrylovSpec,
     LinearSolverKind, LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec,

@@ -53,7 +53,12 @@ const SYNONYMS: &[(&str, &str, &[&str])] = &[
     ("functional", "on", &["boundary", "boundaries", "where"]),
     ("functional", "component", &["direction", "axis"]),
     ("functional", "point", &["at", "position", "location", "x"]),
-    ("output", "fields-every", &["every", "interval", "fields", "write-every", "frequency"]),
+    ("functional", "take", &["operation", "reduction", "statistic"]),
+    ("functional", "region", &["body", "domain", "in"]),
+    ("output", "fields-every", &["every", "interval", "write-every", "frequency"]),
+    ("output", "fields-times", &["times", "at-times", "write-times"]),
+    ("output", "fields", &["variables", "arrays", "quantities"]),
+    ("output", "window", &["average", "averages", "means", "averaging-window"]),
     ("output", "checkpoint-every", &["checkpoint", "checkpoints", "checkpoint-interval"]),
 ];
 

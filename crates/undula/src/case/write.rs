@@ -1,15 +1,17 @@
 //! A case as TOML with all defaults resolved.
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, COMPONENTS, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BACKFLOW, BODY_FORCE_AT, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
-use super::functionals::{FUNCTIONALS, FunctionalSpec};
+use super::functionals::{FUNCTIONALS, FunctionalSpec, Site};
 use super::literal::{number, pair, string};
 use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::energy::ENERGIES;
+use crate::functional::nodal::FIELDS;
+use crate::functional::quantity::{self, COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
@@ -115,6 +117,14 @@ impl Case {
         if let Some(interval) = self.output.fields_interval {
             out.key("fields-interval", number(interval));
         }
+        if !self.output.fields_times.is_empty() {
+            let times: Vec<String> = self.output.fields_times.iter().map(|t| number(*t)).collect();
+            out.key("fields-times", format!("[{}]", times.join(", ")));
+        }
+        out.key("fields", names(self.output.fields.iter().map(|field| name_of(&FIELDS, field))));
+        if let Some(window) = &self.output.window {
+            out.key("window", pair(window));
+        }
         out.choice("mesh", &OUTPUT_MESH, &self.output.deformed);
         out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
         out.key("checkpoint-every", self.output.checkpoint_every.to_string());
@@ -160,8 +170,7 @@ impl Case {
         out.key("refine", self.mesh.refine.to_string());
         out.key("grading", self.mesh.grading.to_string());
         if !self.mesh.leave_out.is_empty() {
-            let names: Vec<String> = self.mesh.leave_out.iter().map(|name| string(name)).collect();
-            out.key("leave-out", format!("[{}]", names.join(", ")));
+            out.key("leave-out", names(&self.mesh.leave_out));
         }
         if !self.mesh.region.is_empty() {
             out.table("mesh.region");
@@ -338,14 +347,40 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
     }
 }
 
+/// An array of strings.
+fn names(list: impl IntoIterator<Item = impl AsRef<str>>) -> String {
+    format!("[{}]", list.into_iter().map(|name| string(name.as_ref())).collect::<Vec<_>>().join(", "))
+}
+
+impl Site {
+    fn write(&self, out: &mut Lines) {
+        match self {
+            Site::Point { point, region } => {
+                out.key("point", pair(point));
+                if let Some(region) = region {
+                    out.word("region", region);
+                }
+            }
+            Site::Boundaries(on, take) => {
+                out.key("on", names(on));
+                out.choice("take", &TAKES, take);
+            }
+            Site::Region(region, take) => {
+                out.word("region", region);
+                out.choice("take", &TAKES, take);
+            }
+        }
+    }
+}
+
 impl FunctionalSpec {
     /// The lines of its table.
     fn write(&self, out: &mut Lines) {
         out.variant("kind", &FUNCTIONALS, self);
         match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                out.key("on", format!("[{}]", on.iter().map(|n| string(n)).collect::<Vec<_>>().join(", ")));
-                out.choice("component", &COMPONENTS, component);
+                out.key("on", names(on));
+                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
                 out.choice("method", &METHODS, surface_integral);
                 if let Some(scales) = coefficient {
                     out.key("coefficient", pair(scales));
@@ -353,7 +388,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Displacement { point, component } => {
                 out.key("point", pair(point));
-                out.choice("component", &COMPONENTS, component);
+                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
             }
             FunctionalSpec::PressureDifference { a, b } => {
                 out.key("a", pair(a));
@@ -361,6 +396,18 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
             FunctionalSpec::Rotation => {}
+            FunctionalSpec::Flux { on } | FunctionalSpec::Power { on } => out.key("on", names(on)),
+            FunctionalSpec::Pressure(at) => at.write(out),
+            FunctionalSpec::Velocity { component, at } | FunctionalSpec::Stress { component, at } => {
+                out.choice("component", &COMPONENTS, component);
+                at.write(out);
+            }
+            FunctionalSpec::WallShearStress { component, on, take } => {
+                out.key("on", names(on));
+                out.choice("component", &COMPONENTS, component);
+                out.choice("take", &TAKES, take);
+            }
+            FunctionalSpec::Volume { region } => out.word("region", region),
         }
     }
 }

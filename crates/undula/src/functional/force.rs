@@ -3,7 +3,7 @@
 
 use super::{Functional, Snapshot};
 use crate::math::{Tensor, Vector};
-use crate::mesh::Side;
+use crate::mesh::{Facet, Side};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Kinematics};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
@@ -36,6 +36,18 @@ impl<'a, const D: usize> Surfaces<'a, D> {
             self.boundary.numbers(&self.space.boundary_facets(name)).into_iter().for_each(|n| on[n] = true);
         }
         on
+    }
+
+    /// The facets of the boundaries `names` as seen from the fluid, the space, and the Gauss points per direction.
+    pub(super) fn facets_on(&self, names: &[String]) -> (&'a FsiSpace<D>, Vec<Facet>, usize) {
+        let on = self.of(names);
+        let facets = self.boundary.facets.iter().zip(on).filter(|(_, on)| *on).map(|(f, _)| f.facet());
+        (self.space, facets.collect(), self.quadrature)
+    }
+
+    /// The nodes of the boundaries `names` whose velocity is not free, ascending.
+    pub(super) fn nodes_on(&self, names: &[String]) -> Vec<u32> {
+        self.carrying(&self.of(names)).into_keys().collect()
     }
 
     fn nodes(&self, n: usize) -> Vec<u32> {

@@ -1,10 +1,15 @@
 //! Numbers of interest.
 
+pub mod averages;
 pub mod balance;
 pub mod energy;
 pub mod fields;
 pub mod force;
+pub mod nodal;
 pub mod point;
+pub mod power;
+pub mod quantity;
+pub mod sampled;
 mod signal;
 pub mod statistics;
 pub mod transfer;

@@ -69,9 +69,64 @@ impl PressureDifference {
     }
 }
 
+/// p \[Pa\] at a material point, recovered as in [`PressureDifference`].
+pub struct Pressure {
+    /// (unknown, weight).
+    terms: Vec<(u32, f64)>,
+}
+
+impl Pressure {
+    /// At the reference position `x` \[m\] in the body `region`; without it in the fluid, if it reaches there.
+    ///
+    /// # Errors
+    /// If `x` lies outside of the body or of the mesh, or where there is no pressure.
+    pub fn new<const D: usize>(
+        space: &FsiSpace<D>,
+        x: [f64; D],
+        region: Option<Region>,
+    ) -> Result<Self, MeshError> {
+        let Some(body) = region else { return Ok(Pressure { terms: recovery(space, x)? }) };
+        let locator = Locator::new(&space.mesh);
+        locator.find(x)?;
+        let within = locator.find_where(x, INSIDE, |cell| space.regions[cell] == body);
+        let cell = within.map_err(|_| MeshError::OtherRegion { point: x.to_vec() })?.cell;
+        let patch = patch_in(space, body, cell, x);
+        Ok(Pressure { terms: recovery_on(space, x, &patch)? })
+    }
+}
+
+/// A point may lie outside of a body by this part of the size of a cell.
+const INSIDE: f64 = 1e-3;
+
+impl<const D: usize> Functional<D> for Pressure {
+    fn unit(&self) -> &'static str {
+        "Pa"
+    }
+
+    fn at_force_time(&self) -> bool {
+        true
+    }
+
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
+        sum(&self.terms, at)
+    }
+}
+
+fn sum<const D: usize>(terms: &[(u32, f64)], at: &Snapshot<'_, D>) -> f64 {
+    terms.iter().map(|&(dof, w)| w * at.new.p[dof as usize]).sum()
+}
+
 /// Weights of the pressure unknowns in the recovered value at `x`.
 fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32, f64)>, MeshError> {
-    let patch = patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x);
+    recovery_on(space, x, &patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x))
+}
+
+/// The same on the cells of `patch`.
+fn recovery_on<const D: usize>(
+    space: &FsiSpace<D>,
+    x: [f64; D],
+    patch: &[usize],
+) -> Result<Vec<(u32, f64)>, MeshError> {
     if patch.iter().all(|&c| space.pressure.cell(c).is_empty()) {
         return Err(MeshError::NoPressure { point: x.to_vec() });
     }
@@ -82,7 +137,7 @@ fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32
     // One row per cell and moment: those of the monomials, and those of the pressure basis.
     let mut rows: Vec<Vec<f64>> = vec![];
     let mut data: Vec<Vec<(u32, f64)>> = vec![];
-    for &cell in &patch {
+    for &cell in patch {
         let (mut row, mut datum) = (vec![vec![0.0; n]; n_moments], vec![vec![]; n_moments]);
         let centre = space.mesh.centre(cell);
         let (mut volume, h) = (0.0, space.mesh.cell_diameter(cell));
@@ -173,6 +228,6 @@ impl<const D: usize> Functional<D> for PressureDifference {
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
-        self.terms.iter().map(|&(dof, w)| w * at.new.p[dof as usize]).sum()
+        sum(&self.terms, at)
     }
 }

@@ -216,6 +216,12 @@ pub enum MeshError {
         /// Position of the nearest node \[m\].
         nearest: Vec<f64>,
     },
+    /// A point in another body than the one that is meant.
+    #[error("point {point:?} lies in another region")]
+    OtherRegion {
+        /// The point \[m\].
+        point: Vec<f64>,
+    },
     /// A point where there is no pressure.
     #[error("there is no pressure at {point:?}, inside a compressible solid")]
     NoPressure {

@@ -19,7 +19,10 @@ pub const HISTORY: &str = "history.csv";
 pub const SUMMARY: &str = "summary.json";
 
 /// Files of a run besides its summary.
-const FILES: [&str; 4] = [CASE, HISTORY, "fields.pvd", "breakdown.txt"];
+const FILES: [&str; 5] = [CASE, HISTORY, "fields.pvd", MEANS, "breakdown.txt"];
+
+/// Means over a window of time.
+const MEANS: &str = "mean.vtu";
 
 /// The directory of one run, locked against other processes while this value lives.
 ///
@@ -30,6 +33,7 @@ const FILES: [&str; 4] = [CASE, HISTORY, "fields.pvd", "breakdown.txt"];
 /// | `summary.json` | status, sizes, times, statistics |
 /// | `breakdown.txt` | after a breakdown: its cause, and the residuals of all that was tried |
 /// | `fields.pvd`, `fields/*.vtu` | the solution on the deformed mesh |
+/// | `mean.vtu` | means over `output.window` |
 /// | `checkpoints/*.npz` | exact restart data, the last two |
 /// | `plots/*.png`, `plots/*.svg` | pictures |
 #[derive(Debug)]
@@ -135,6 +139,11 @@ impl RunDirectory {
     /// Field file of step `step`, relative to the directory as the collection wants it.
     pub fn field_name(&self, step: u64) -> String {
         format!("fields/fields_{step:06}.vtu")
+    }
+
+    /// `mean.vtu`.
+    pub fn means(&self) -> PathBuf {
+        self.path.join(MEANS)
     }
 
     /// `checkpoints/`.

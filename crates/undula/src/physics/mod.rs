@@ -17,6 +17,7 @@ pub mod solid;
 pub mod stabilization;
 pub mod step;
 pub mod stored_energy;
+pub mod stress;
 pub mod theorem_5_2;
 
 pub use extension::{Extension, MotionModel};

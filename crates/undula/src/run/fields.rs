@@ -1,9 +1,48 @@
 //! The solution as fields at points.
 
+use crate::case::OutputSpec;
+use crate::choice::name_of;
 use crate::element::Shape;
 use crate::functional::fields::nodal_pressure;
+use crate::functional::nodal::{FIELDS, NodalField, WallShear, in_body};
 use crate::output::{CellKind, Field, FieldSnapshot};
 use crate::space::{FsiSpace, Region, State};
+use crate::system::Physics;
+
+/// The fields that `output` names, on the mesh that it wants.
+///
+/// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
+/// one.
+pub fn fields(space: &FsiSpace<2>, physics: &Physics, state: &State, output: &OutputSpec) -> FieldSnapshot {
+    let mut snapshot = snapshot(space, state, output.deformed);
+    let [velocity, displacement, pressure] =
+        [NodalField::Velocity, NodalField::Displacement, NodalField::Pressure]
+            .map(|field| output.fields.contains(&field));
+    snapshot.point_data.retain(|field| match field.name.as_str() {
+        VELOCITY => velocity,
+        DEFORMATION => displacement,
+        _ => pressure,
+    });
+    for &field in &output.fields {
+        let name = name_of(&FIELDS, &field);
+        for (body, region) in [("fluid", Region::Fluid), ("solid", Region::Solid)] {
+            let without = field == NodalField::Jacobian && !space.deforms;
+            if field.is_derived_in(region) && space.regions.contains(&region) && !without {
+                let values = in_body(space, physics, state, field, region);
+                snapshot.point_data.push(Field::new(format!("{body}-{name}"), field.components(), values));
+            }
+        }
+        if field == NodalField::WallShearStress && physics.fluid.is_some() {
+            let values = WallShear::new(space).at_nodes(space, physics, state);
+            snapshot.point_data.push(Field::new(name, field.components(), values));
+        }
+    }
+    snapshot
+}
+
+/// Arrays that pictures look for.
+const VELOCITY: &str = "velocity";
+const DEFORMATION: &str = "deformation";
 
 /// Fields at the nodes of v and u, on the deformed mesh or on the reference domain.
 pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnapshot {
@@ -15,9 +54,9 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
         let move_by = |i| if deformed { u(node, i) } else { 0.0 };
         [x[0] + move_by(0), x[1] + move_by(1), 0.0]
     };
-    let mut point_data = vec![Field::new("velocity", 2, state.v[..2 * n].to_vec())];
+    let mut point_data = vec![Field::new(VELOCITY, 2, state.v[..2 * n].to_vec())];
     if space.deforms {
-        point_data.push(Field::new("deformation", 2, state.u[..2 * n].to_vec()));
+        point_data.push(Field::new(DEFORMATION, 2, state.u[..2 * n].to_vec()));
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
         let values = nodal_pressure(space, state, region);

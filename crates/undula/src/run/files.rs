@@ -3,7 +3,8 @@
 use super::checkpoint::{self, OfRun};
 use super::identity::{mesh_hash, table_hashes};
 use super::rows::{columns, numbers};
-use super::{Flow, Observer, RunOptions, snapshot};
+use super::window::Window;
+use super::{Flow, Observer, RunOptions, fields};
 use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
@@ -42,6 +43,8 @@ pub(super) struct Run {
     pub commit: Option<String>,
     /// The end \[s\] that the last steps were shortened for.
     pub cut: Option<f64>,
+    /// Means over a window of time.
+    pub window: Option<Window>,
 }
 
 impl Run {
@@ -66,6 +69,7 @@ impl Run {
             mesh: mesh_hash(&simulation.case),
             commit: None,
             recorded: simulation.steps,
+            window: Window::new(&simulation),
             simulation,
             directory,
             history,
@@ -89,6 +93,9 @@ impl Run {
     /// Step until the end, a stop, or an error.
     pub fn advance(&mut self, observer: &mut dyn Observer) -> Result<Flow, Error> {
         self.write_summary(Status::Running, None)?;
+        if self.simulation.steps == 0 && self.simulation.writes_fields() {
+            self.write_fields()?;
+        }
         while !self.simulation.finished() {
             if self.simulation.next_is_cut() {
                 // A run to a later end goes on from here.
@@ -96,6 +103,9 @@ impl Run {
                 self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
             }
             let row = self.simulation.step()?;
+            if let Some(window) = &mut self.window {
+                window.observe(&self.simulation);
+            }
             self.record(&row)?;
             if observer.after_step(&self.simulation, &row) == Flow::Stop && !self.simulation.finished() {
                 return Ok(Flow::Stop);
@@ -155,7 +165,8 @@ impl Run {
         let name = self.directory.field_name(step);
         let stepper = &self.simulation.stepper;
         let output = &self.simulation.case.output;
-        let snapshot = snapshot(&stepper.assembler.space, &stepper.new, output.deformed);
+        let assembler = &stepper.assembler;
+        let snapshot = fields(&assembler.space, &assembler.physics, &stepper.new, output);
         let snapshot = if output.curved { snapshot } else { snapshot.linear() };
         write_vtu(self.directory.path().join(&name), &snapshot, stepper.time, Precision::Auto)?;
         self.collection.add(stepper.time, name)?;
@@ -183,7 +194,10 @@ impl Run {
                 .map(|row| text_of(&numbers(row))),
             cut: self.cut,
         };
-        let checkpoint = checkpoint::of(&self.simulation, &of_run)?;
+        let mut checkpoint = checkpoint::of(&self.simulation, &of_run)?;
+        if let Some(window) = &self.window {
+            window.save(&mut checkpoint);
+        }
         // Of two on the way to this end alone the later one is enough: the other leads to later ends, too.
         let former = self.last_checkpoint.filter(|_| self.cut.is_some() && self.last_is_cut);
         checkpoint.save_instead(self.directory.checkpoints(), step, former)?;
@@ -244,15 +258,23 @@ impl Run {
         }
         let transient = self.simulation.case.time.is_some();
         let fields = if self.simulation.history.is_empty() { Ok(()) } else { self.write_fields() };
+        let means = self.write_means();
         // A state whose row could not be written is kept nevertheless: the checkpoint has its row.
         let checkpoint = if transient { self.write_checkpoint() } else { Ok(()) };
         self.output_seconds += start.elapsed().as_secs_f64();
-        let errors = [lost.map_or(Ok(()), Err), fields, checkpoint, self.check_files()];
+        let errors = [lost.map_or(Ok(()), Err), fields, means, checkpoint, self.check_files()];
         let failed = errors.iter().any(Result::is_err);
         // The summary is written even where the disk refused the rest: it is small.
         let summary = self.write_summary(if failed { Status::Failed } else { status }, breakdown)?;
         errors.into_iter().collect::<Result<(), Error>>()?;
         Ok(summary)
+    }
+
+    /// Write the means over the window, if there are some.
+    fn write_means(&self) -> Result<(), Error> {
+        let Some(window) = &self.window else { return Ok(()) };
+        let Some(means) = window.fields(&self.simulation) else { return Ok(()) };
+        Ok(write_vtu(self.directory.means(), &means, window.time(), Precision::Auto)?)
     }
 
     /// Write the history anew from memory.

@@ -2,6 +2,7 @@
 
 use crate::case::expression::Table;
 use crate::case::{Case, MeshSource, OutputSpec};
+use crate::functional::nodal::DEFAULT_FIELDS;
 use crate::output::hash;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -53,6 +54,9 @@ fn without_choices(case: &Case) -> Case {
     case.output = OutputSpec {
         fields_every: 0,
         fields_interval: case.output.fields_interval,
+        fields_times: Vec::new(),
+        fields: DEFAULT_FIELDS.to_vec(),
+        window: case.output.window,
         deformed: true,
         curved: false,
         checkpoint_every: 0,

@@ -8,9 +8,10 @@ mod identity;
 mod inflow;
 mod resume;
 mod rows;
+mod window;
 
 pub use checkpoint::restore_latest;
-pub use fields::snapshot;
+pub use fields::{fields, snapshot};
 pub use inflow::{Inflow, inflow};
 
 use crate::case::Case;

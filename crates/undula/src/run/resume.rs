@@ -38,6 +38,9 @@ impl Run {
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
         notes.iter().for_each(|note| observer.note(note));
         let mut run = Run::new(simulation, directory, history, collection);
+        if let Some(window) = &mut run.window {
+            window.restore(&checkpoint);
+        }
         run.wall_before = metadata.wall_seconds;
         run.output_seconds = metadata.seconds[3];
         (run.last_checkpoint, run.last_is_cut) = (Some(metadata.step), metadata.cut.is_some());

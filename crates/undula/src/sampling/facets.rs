@@ -25,10 +25,19 @@ pub struct FacetPoint<const D: usize> {
 
 /// Quadrature points of `facet` with `n` Gauss points per direction.
 pub fn facet_points<const D: usize>(space: &FsiSpace<D>, facet: &Facet, n: usize) -> Vec<FacetPoint<D>> {
+    let rule = Quadrature::facet(space.mesh.shape, facet.local as usize, n);
+    facet_points_of(space, facet, &rule)
+}
+
+/// The points of `rule`, which lie on `facet`.
+pub fn facet_points_of<const D: usize>(
+    space: &FsiSpace<D>,
+    facet: &Facet,
+    rule: &Quadrature,
+) -> Vec<FacetPoint<D>> {
     let mesh = &space.mesh;
     let (cell, local) = (facet.cell as usize, facet.local as usize);
-    let rule = Quadrature::facet(mesh.shape, local, n);
-    let table = space.nodes.table(mesh.shape, &rule);
+    let table = space.nodes.table(mesh.shape, rule);
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);

@@ -32,13 +32,23 @@ pub fn for_each_point<const D: usize>(
     space: &FsiSpace<D>,
     state: &State,
     n: usize,
+    visit: impl FnMut(&PointValues<'_, D>),
+) {
+    for_each_point_of(space, state, &Quadrature::cell(space.mesh.shape, n), |_| true, visit);
+}
+
+/// Call `visit` at the points of `rule` in every cell that is `wanted`.
+pub fn for_each_point_of<const D: usize>(
+    space: &FsiSpace<D>,
+    state: &State,
+    rule: &Quadrature,
+    wanted: impl Fn(usize) -> bool,
     mut visit: impl FnMut(&PointValues<'_, D>),
 ) {
     let mesh = &space.mesh;
-    let rule = Quadrature::cell(mesh.shape, n);
-    let table = space.nodes.table(mesh.shape, &rule);
+    let table = space.nodes.table(mesh.shape, rule);
     let mut grad = vec![[0.0; D]; table.n_basis];
-    for cell in 0..mesh.n_cells() {
+    for cell in (0..mesh.n_cells()).filter(|&cell| wanted(cell)) {
         for (q, xi) in rule.points.iter().enumerate() {
             let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
             let x = mesh.map(cell, xi);

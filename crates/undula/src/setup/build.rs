@@ -122,6 +122,7 @@ impl Case {
         let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.notes_on_functionals());
         Ok((self.stepper_on(space, threads)?, notes))
     }
 
@@ -283,7 +284,7 @@ impl Case {
     pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
         let mut list: Functionals = vec![];
         let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
-        for (name, spec) in &self.functional {
+        for (name, spec) in self.functional.iter().filter(|(_, spec)| self.has_body_of(spec)) {
             let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
             let functional = spec.build(self, space, &surfaces).map_err(blame)?;
             list.push((name.clone(), functional));
@@ -346,6 +347,7 @@ impl Case {
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));
+        notes.extend(self.notes_on_functionals());
         let memory = self.expected_bytes(mesh.n_cells(), space.mesh.n_cells());
         Ok(Overview { left_out: self.left_out_of(&mesh), memory, notes, ..self.overview(&space) })
     }

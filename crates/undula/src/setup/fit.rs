@@ -145,9 +145,13 @@ impl Fit<'_> {
 
     fn functionals(&mut self) {
         for (name, functional) in &self.case.functional {
-            let FunctionalSpec::Force { on, .. } = functional else { continue };
+            let key = format!("functional.{name}.region");
+            if let Some(region) = functional.region().filter(|r| !self.names.regions.iter().any(|n| n == r)) {
+                let message = absent("region", region, self.names.regions.iter().map(String::as_str));
+                self.error(&key, message);
+            }
             let key = format!("functional.{name}.on");
-            for boundary in on {
+            for boundary in functional.on() {
                 match self.names.boundaries.iter().find(|(n, _)| n == boundary) {
                     None => {
                         let message = self.absent_boundary(boundary);
@@ -155,6 +159,13 @@ impl Fit<'_> {
                     }
                     Some((_, regions)) if boundary != INTERFACE && !self.touches(regions).0 => {
                         self.error(&key, format!("the fluid does not touch the boundary `{boundary}`"));
+                    }
+                    Some(_) if free(self.case, functional, boundary) => {
+                        let message = format!(
+                            "the velocity on the boundary `{boundary}` is free; power is that on walls, inlets and the \
+                             interface"
+                        );
+                        self.error(&key, message);
                     }
                     Some(_) => {}
                 }
@@ -168,6 +179,12 @@ impl Fit<'_> {
             self.error(key, message);
         }
     }
+}
+
+/// Whether `functional` is a power and the velocity on `boundary` not given.
+fn free(case: &Case, functional: &FunctionalSpec, boundary: &str) -> bool {
+    let natural = case.boundary.get(boundary).is_some_and(Condition::is_natural);
+    natural && matches!(functional, FunctionalSpec::Power { .. })
 }
 
 /// `name` as a key of TOML, in quotes where it needs them.

@@ -1,12 +1,38 @@
 //! The functionals of a case on its spaces.
 
-use crate::case::{Case, FunctionalSpec};
+use crate::case::{Case, FunctionalSpec, Site};
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
-use crate::functional::point::{Displacement, PressureDifference};
+use crate::functional::point::{Displacement, Pressure, PressureDifference};
+use crate::functional::power::Power;
+use crate::functional::quantity::{Quantity, Take};
+use crate::functional::sampled::{AtPoint, InRegion, OnBoundary};
 use crate::mesh::MeshError;
-use crate::space::FsiSpace;
+use crate::space::{FsiSpace, Region};
+
+impl Case {
+    /// The body that fills `region` of the mesh; `None` if none does.
+    pub(super) fn body_in(&self, region: &str) -> Option<Region> {
+        let fluid = self.fluid.as_ref().is_some_and(|f| f.region == region);
+        let solid = self.solid.as_ref().is_some_and(|s| s.region == region);
+        if fluid { Some(Region::Fluid) } else { solid.then_some(Region::Solid) }
+    }
+
+    /// Whether the bodies are there that `functional` is about.
+    pub(super) fn has_body_of(&self, functional: &FunctionalSpec) -> bool {
+        functional.region().is_none_or(|region| self.body_in(region).is_some())
+    }
+
+    /// Which functionals are left out, and why.
+    pub(super) fn notes_on_functionals(&self) -> impl Iterator<Item = String> {
+        let absent = self.functional.iter().filter(|(_, spec)| !self.has_body_of(spec));
+        absent.map(|(name, spec)| {
+            let region = spec.region().unwrap_or_default();
+            format!("functional.{name} is left out: no body fills the region `{region}`")
+        })
+    }
+}
 
 impl FunctionalSpec {
     /// The functional on `space`.
@@ -37,6 +63,28 @@ impl FunctionalSpec {
             FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, *a, *b)?),
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
+            FunctionalSpec::Flux { on } => {
+                Box::new(OnBoundary::new(surfaces, on, Quantity::NormalVelocity, Take::Integral))
+            }
+            FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
+            FunctionalSpec::Pressure(Site::Point { point, region }) => {
+                let body = region.as_ref().and_then(|region| case.body_in(region));
+                Box::new(Pressure::new(space, *point, body)?)
+            }
+            FunctionalSpec::Pressure(at) => at.build(case, space, surfaces, Quantity::Pressure)?,
+            FunctionalSpec::Velocity { component, at } => {
+                at.build(case, space, surfaces, Quantity::Velocity(*component))?
+            }
+            FunctionalSpec::Stress { component, at } => {
+                at.build(case, space, surfaces, Quantity::Stress(*component))?
+            }
+            FunctionalSpec::WallShearStress { component, on, take } => {
+                Box::new(OnBoundary::new(surfaces, on, Quantity::WallShear(*component), *take))
+            }
+            FunctionalSpec::Volume { region } => {
+                let at = Site::Region(region.clone(), Take::Integral);
+                at.build(case, space, surfaces, Quantity::One)?
+            }
         })
     }
 
@@ -53,8 +101,32 @@ impl FunctionalSpec {
                     "b"
                 }
             }
-            (FunctionalSpec::Displacement { .. }, _) => "point",
+            (_, MeshError::OtherRegion { .. }) => "region",
+            (_, MeshError::Outside { .. } | MeshError::NoPressure { .. }) => "point",
             _ => "on",
         }
+    }
+}
+
+impl Site {
+    /// `quantity` there.
+    fn build(
+        &self,
+        case: &Case,
+        space: &FsiSpace<2>,
+        surfaces: &Surfaces<'_, 2>,
+        quantity: Quantity,
+    ) -> Result<Box<dyn Functional<2>>, MeshError> {
+        let body = |region: &String| case.body_in(region);
+        Ok(match self {
+            Site::Point { point, region } => {
+                Box::new(AtPoint::new(space, *point, region.as_ref().and_then(body), quantity)?)
+            }
+            Site::Boundaries(on, take) => Box::new(OnBoundary::new(surfaces, on, quantity, *take)),
+            Site::Region(region, take) => {
+                let body = body(region).unwrap_or(Region::Fluid);
+                Box::new(InRegion::new(body, quantity, *take, case.space.quadrature))
+            }
+        })
     }
 }

@@ -80,16 +80,21 @@ fn surroundings(key: &Key) -> Vec<Vec<String>> {
     kinds.iter().map(|(kind, _)| vec![format!("functional.x.kind={kind}")]).collect()
 }
 
-/// What reading says of `key` with this value, at best.
-fn said(key: &Key, value: &str) -> String {
+/// What reading says of `key` with this value in all surroundings.
+fn answers(key: &Key, value: &str) -> impl Iterator<Item = String> {
     let dotted = key.key.replace("NAME", "x");
-    let texts = surroundings(key).into_iter().map(|mut sets| {
+    surroundings(key).into_iter().map(move |mut sets| {
         sets.push(format!("{dotted}={value}"));
         let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
         let errors = read(TEXT, &sets).err().unwrap_or_default();
         let about = format!("--set {dotted}=");
         errors.lines().filter(|line| line.starts_with(&about)).collect::<Vec<_>>().join("\n")
-    });
+    })
+}
+
+/// What reading says of `key` with this value, at best.
+fn said(key: &Key, value: &str) -> String {
+    let texts = answers(key, value);
     let badness = |text: &String| match () {
         () if text.contains("unknown key") => 2,
         () if text.contains("expected one of") => 1,
@@ -110,6 +115,12 @@ fn reading_knows_every_key_and_value_of_the_table() {
         if !key.choices().is_empty() {
             let names: Vec<String> = key.choices().iter().map(|(name, _)| format!("`{name}`")).collect();
             let all = format!("one of {}", names.join(", "));
+            if key.key == "functional.NAME.component" {
+                // Each kind takes a part of the values.
+                let told: Vec<String> = answers(key, "7").filter(|text| text.contains("one of `")).collect();
+                assert!(names.iter().all(|name| told.iter().any(|text| text.contains(name))), "{told:?}");
+                continue;
+            }
             assert!(said(key, "7").contains(&all), "{}: {}", key.key, said(key, "7"));
         }
     }

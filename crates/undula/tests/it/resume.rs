@@ -159,8 +159,27 @@ fn step_size_control_resumes_with_the_same_bits() {
         }
         let directory =
             Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-adaptive-{}-whole", &scheme[12..]));
-        assert_eq!(fs::read_dir(directory.join("fields")).unwrap().count(), 4);
+        // The start, and four times.
+        assert_eq!(fs::read_dir(directory.join("fields")).unwrap().count(), 5);
         let summary = fs::read_to_string(directory.join("summary.json")).unwrap();
         assert!(summary.contains("\"rejected_steps\""), "{summary}");
+    }
+}
+
+/// Means over a window go on with the same bits, and so do field files at given times.
+#[test]
+fn means_over_a_window_resume_with_the_same_bits() {
+    let sets = ["output.window=[0.02,0.05]", "output.fields-times=[0.014,0.037]", "time.end=0.06"];
+    let adaptive = ["time.adaptive.tolerance=1e-3", "time.adaptive.min-step=0.005"];
+    for (name, more) in [("window", &[][..]), ("window-adaptive", &adaptive)] {
+        check(name, &[&sets, more].concat(), &[1, 4]);
+        let read = |part: &str, file: &str| {
+            let path =
+                Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}-{part}")).join(file);
+            fs::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+        };
+        for file in ["mean.vtu", "fields.pvd"] {
+            assert!(read("whole", file) == read("parts", file), "{name}: {file}");
+        }
     }
 }

@@ -8,7 +8,7 @@ use undula::verification::unit_square::errors;
 
 /// Poiseuille's flow between two plates, driven by the tractions at both ends: with ρ = 1, ν = 0.1 and v = 4 y (1 − y) a
 /// the pressure falls by 3.2 a, and σ n has the shear stress ±0.1 · 4 (1 − 2 y) a besides. a is 1 or t.
-fn channel(a: &str, more: &[&str]) -> Case {
+pub fn channel(a: &str, more: &[&str]) -> Case {
     let text = format!(
         r#"
 [mesh]

@@ -3,11 +3,11 @@
 use super::is_name;
 use crate::case::choices::BACKFLOW;
 use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
-use crate::case::error::quoted;
+use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
 use crate::case::read::Section;
-use crate::case::schema::SolidLaw;
+use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
 use std::collections::{BTreeMap, BTreeSet};
@@ -93,8 +93,8 @@ fn takes(condition: &Condition, name: &str) -> bool {
 /// The functionals that have a meaning for the bodies that are there, and the names of all.
 pub(super) fn functional(
     mut all: Section<'_, '_>,
-    fluid: bool,
-    solid: Option<SolidLaw>,
+    fluid: Option<&FluidSpec>,
+    solid: Option<&SolidSpec>,
 ) -> (Vec<(String, FunctionalSpec)>, Vec<String>) {
     let mut functionals = Vec::new();
     let names = all.keys();
@@ -110,17 +110,40 @@ pub(super) fn functional(
             );
         }
         s.require_choice("kind", &FUNCTIONALS);
-        let Some(spec) = s.choice("kind", &FUNCTIONALS, &["flux", "pressure", "velocity"]) else { continue };
+        let Some(spec) = s.choice("kind", &FUNCTIONALS, &[]) else { continue };
         let spec = spec.read(&mut s);
+        refuse_region(&s, &spec, fluid, solid);
         s.finish();
-        let needs_fluid = spec.needs_fluid(solid);
-        if if needs_fluid { fluid } else { solid.is_some() } {
+        let needs_fluid = spec.needs_fluid(solid.map(|s| s.law));
+        if needs_fluid.is_none_or(|fluids| if fluids { fluid.is_some() } else { solid.is_some() }) {
             functionals.push((name.clone(), spec));
         } else {
-            let body = if needs_fluid { "fluid" } else { "solid" };
+            let body = if needs_fluid == Some(true) { "fluid" } else { "solid" };
             let note = format!("functional.{name} is left out: there is no [{body}]");
             all.checker.notes.borrow_mut().push(note);
         }
     }
     (functionals, names)
+}
+
+/// A region that no body fills, or one without a pressure that is asked for. Without one of the bodies its region is
+/// not known; [`crate::setup::fit`] compares it with the mesh.
+fn refuse_region(
+    s: &Section<'_, '_>,
+    spec: &FunctionalSpec,
+    fluid: Option<&FluidSpec>,
+    solid: Option<&SolidSpec>,
+) {
+    let Some(region) = spec.region().filter(|region| !region.is_empty()) else { return };
+    let in_solid = solid.filter(|solid| solid.region == region);
+    let bodies = [fluid.map(|f| f.region.as_str()), solid.map(|s| s.region.as_str())];
+    if let [Some(one), Some(two)] = bodies
+        && ![one, two].contains(&region)
+    {
+        s.wrong("region", format!("no body fills this region{}", suggestion(region, [one, two].into_iter())));
+    }
+    if matches!(spec, FunctionalSpec::Pressure(_)) && in_solid.is_some_and(|s| !s.law.is_incompressible()) {
+        let message = "a compressible solid has no pressure; `stress` has its components";
+        s.wrong("region", message);
+    }
 }

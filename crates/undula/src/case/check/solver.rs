@@ -10,6 +10,7 @@ use crate::case::schema::{
     Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec,
 };
 use crate::choice;
+use crate::functional::nodal::{DEFAULT_FIELDS, FIELDS};
 use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS};
 use crate::time::schedule::RESOLUTION;
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
@@ -324,22 +325,29 @@ fn krylov(s: &mut Section<'_, '_>) -> Option<KrylovSpec> {
     chosen.map(|_| KrylovSpec { tolerance, size })
 }
 
-/// `names` are all functionals of the file, `present` those that are evaluated; `largest` is the largest time \[s\].
+/// `names` are all functionals of the file, `present` those that are evaluated.
 pub(super) fn output(
     mut s: Section<'_, '_>,
     names: &[String],
     present: &[(String, FunctionalSpec)],
-    largest: f64,
+    time: Option<&TimeSpec>,
 ) -> OutputSpec {
     let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
     let fields_interval = s.optional_number("fields-interval", POSITIVE);
-    let least = RESOLUTION * largest;
+    let least = RESOLUTION * time.map_or(0.0, |time| time.start.abs().max(time.end.abs()));
     if fields_interval.is_some_and(|interval| interval < least) {
         // Steps end at each multiple of it.
         let least = crate::case::literal::number(least);
         let message = format!("below the rounding of the times of the run: expected at least {least} s");
         s.wrong("fields-interval", message);
     }
+    let fields_times = s.numbers("fields-times", ANY).unwrap_or_default();
+    let fields = s.choices("fields", &FIELDS).unwrap_or_else(|| DEFAULT_FIELDS.to_vec());
+    let window = s.pair("window", ANY);
+    if window.is_some_and(|[start, end]| end <= start) {
+        s.wrong("window", "expected two times, the first and the last [s]");
+    }
+    note_outside(&s, &fields_times, window, time);
     let deformed = s.choice("mesh", &OUTPUT_MESH, &[]).unwrap_or(true);
     let curved = s.choice("cells", &OUTPUT_CELLS, &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
@@ -356,10 +364,28 @@ pub(super) fn output(
     OutputSpec {
         fields_every,
         fields_interval,
+        fields_times,
+        fields,
+        window,
         deformed,
         curved,
         checkpoint_every,
         checkpoint_minutes,
         leading,
+    }
+}
+
+/// Times of output that the run does not come to.
+fn note_outside(s: &Section<'_, '_>, times: &[f64], window: Option<[f64; 2]>, time: Option<&TimeSpec>) {
+    let Some(time) = time else { return };
+    let outside = |t: &f64| *t < time.start || *t > time.end;
+    let (start, end) = (time.start, time.end);
+    if let Some(t) = times.iter().find(|t| outside(t)) {
+        let note = format!("output.fields-times: the run from {start} to {end} s does not come to {t} s");
+        s.checker.notes.borrow_mut().push(note);
+    }
+    if window.is_some_and(|window| window.iter().any(outside)) {
+        let note = format!("output.window: the run from {start} to {end} s does not fill it");
+        s.checker.notes.borrow_mut().push(note);
     }
 }

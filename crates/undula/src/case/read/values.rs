@@ -237,6 +237,55 @@ impl Section<'_, '_> {
         self.pair_of(key, "two numbers", |section, key, item| section.number_of(key, item, range))
     }
 
+    /// An array of numbers in `range`; a single number counts as one.
+    pub fn numbers(&mut self, key: &str, range: Range) -> Option<Vec<f64>> {
+        let item = self.item(key)?;
+        let value = |item: &Item| match item.value {
+            Value::Float(x) => Some(x),
+            Value::Integer(i) => Some(i as f64),
+            _ => None,
+        };
+        let numbers: Option<Vec<f64>> = match &item.value {
+            Value::Array(items) => items.iter().map(value).collect(),
+            _ => value(item).map(|x| vec![x]),
+        };
+        let numbers = numbers.filter(|numbers| numbers.iter().all(|x| (range.holds)(*x)));
+        if numbers.is_none() {
+            self.wrong_item(key, item, "expected an array of numbers, such as [0.1, 0.25]".into());
+        }
+        numbers
+    }
+
+    /// An array of names in `available`, each once; a single name counts as one.
+    pub fn choices<T: Clone + PartialEq>(&mut self, key: &str, available: &[Choice<T>]) -> Option<Vec<T>> {
+        let item = self.item(key)?;
+        let word = |item: &Item| match &item.value {
+            Value::String(word) => Some(word.clone()),
+            _ => None,
+        };
+        let words: Option<Vec<String>> = match &item.value {
+            Value::Array(items) => items.iter().map(word).collect(),
+            _ => word(item).map(|word| vec![word]),
+        };
+        let known = quoted(choice::names(available));
+        let Some(words) = words else {
+            self.wrong_item(key, item, format!("expected an array of names, each one of {known}"));
+            return None;
+        };
+        let mut values: Vec<T> = vec![];
+        for word in &words {
+            let Some(value) = choice::parse(available, word) else {
+                let hint = did_you_mean(word, choice::names(available));
+                self.wrong_item(key, item, format!("`{word}`: expected one of {known}{hint}"));
+                return None;
+            };
+            if !values.contains(value) {
+                values.push(value.clone());
+            }
+        }
+        Some(values)
+    }
+
     /// Two counts, 1 or above.
     pub fn counts(&mut self, key: &str) -> Option<[usize; 2]> {
         self.pair_of(key, "two integers", |section, key, item| match item.value {

@@ -3,6 +3,7 @@
 use crate::algebra::{LinearSolverKind, Precision};
 use crate::case::expression::Expression;
 use crate::choice::{Choice, choice};
+use crate::functional::nodal::NodalField;
 use crate::tangent::{Linearization, Tangent};
 use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
 
@@ -116,6 +117,12 @@ pub struct OutputSpec {
     pub fields_every: usize,
     /// Write fields every this many seconds after the start, too; steps end there. `None`: not so.
     pub fields_interval: Option<f64>,
+    /// Write fields at the ends of steps nearest to these times \[s\], too.
+    pub fields_times: Vec<f64>,
+    /// Which fields are written.
+    pub fields: Vec<NodalField>,
+    /// First and last time \[s\] of the means that are written at the end; `None`: no means.
+    pub window: Option<[f64; 2]>,
     /// Write the mesh deformed (default) or on the reference domain.
     pub deformed: bool,
     /// Write cells as curved as they are, not cut into straight ones.

@@ -1,0 +1,209 @@
+//! Fields at the nodes that are derived from the solution.
+#![allow(non_snake_case)]
+
+use super::quantity::{VON_MISES, WALL_SHEAR_STRESS, wall_shear};
+use crate::choice::{Choice, choice};
+use crate::element::{Quadrature, lagrange};
+use crate::math::{Tensor, Vector};
+use crate::physics::kinematics::cofactor;
+use crate::physics::stress::{green_lagrange, in_space, principal, von_mises};
+use crate::physics::{Fields, Kinematics};
+use crate::sampling::{FacetPoint, facet_points_of, fields_at, for_each_point_of};
+use crate::space::{FluidBoundary, FsiSpace, Region, State};
+use crate::system::Physics;
+
+/// A field of the output.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum NodalField {
+    /// v.
+    Velocity,
+    /// u.
+    Displacement,
+    /// p.
+    Pressure,
+    /// Cauchy stress, all nine components.
+    Stress,
+    /// Equivalent stress after von Mises.
+    VonMises,
+    /// The larger and the smaller principal stress in the plane, and the stress across it.
+    PrincipalStress,
+    /// Green-Lagrange strain of the solid, all nine components.
+    Strain,
+    /// J.
+    Jacobian,
+    /// Curl of v of the fluid in the current coordinates.
+    Vorticity,
+    /// What the fluid exerts along its walls, per area.
+    WallShearStress,
+}
+
+/// Their names in a case.
+pub static FIELDS: [Choice<NodalField>; 10] = [
+    choice("velocity", NodalField::Velocity, "velocity [m/s]"),
+    choice("displacement", NodalField::Displacement, "displacement [m]; its array is `deformation`"),
+    choice("pressure", NodalField::Pressure, "pressure [Pa]; 0 in a compressible solid"),
+    choice("stress", NodalField::Stress, "Cauchy stress of each body [Pa], 9 components"),
+    choice(VON_MISES, NodalField::VonMises, "equivalent stress of each body after von Mises [Pa]"),
+    choice(
+        "principal-stress",
+        NodalField::PrincipalStress,
+        "principal stresses of each body [Pa]: larger, smaller, across the plane",
+    ),
+    choice("strain", NodalField::Strain, "Green-Lagrange strain of the solid, 9 components"),
+    choice("jacobian", NodalField::Jacobian, "J of each body"),
+    choice("vorticity", NodalField::Vorticity, "curl of the velocity of the fluid [1/s]"),
+    choice(WALL_SHEAR_STRESS, NodalField::WallShearStress, "wall shear stress [Pa], 0 off the walls"),
+];
+
+/// What is written unless a case says else.
+pub const DEFAULT_FIELDS: [NodalField; 3] =
+    [NodalField::Velocity, NodalField::Displacement, NodalField::Pressure];
+
+impl NodalField {
+    /// Whether it has values of their own in `region`: an array for each body that has some.
+    pub fn is_derived_in(self, region: Region) -> bool {
+        use NodalField::*;
+        match self {
+            Stress | VonMises | PrincipalStress | Jacobian => true,
+            Strain => region == Region::Solid,
+            Vorticity => region == Region::Fluid,
+            Velocity | Displacement | Pressure | WallShearStress => false,
+        }
+    }
+
+    /// Numbers per node.
+    pub fn components(self) -> usize {
+        use NodalField::*;
+        match self {
+            Stress | Strain => 9,
+            PrincipalStress => 3,
+            Velocity | Displacement | WallShearStress => 2,
+            Pressure | VonMises | Jacobian | Vorticity => 1,
+        }
+    }
+
+    /// Add the value at a point of `region` to `sum`.
+    fn add<const D: usize>(self, physics: &Physics, region: Region, at: &Fields<f64, D>, sum: &mut [f64]) {
+        let sigma = || match region {
+            Region::Fluid => physics.fluid.map_or(Tensor::zero(), |fluid| fluid.cauchy(at)),
+            Region::Solid => physics.solid.map_or(Tensor::zero(), |solid| solid.cauchy(at)),
+        };
+        let mut add = |values: &[f64]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+        match self {
+            NodalField::Stress => add(sigma().0.as_flattened()),
+            NodalField::VonMises => add(&[von_mises(&sigma())]),
+            NodalField::PrincipalStress => {
+                let sigma = sigma();
+                let [less, more] = principal::<2>(&sigma);
+                add(&[more, less, sigma.0[2][2]]);
+            }
+            NodalField::Strain => add(green_lagrange(&in_space(&at.grad_u)).0.as_flattened()),
+            NodalField::Jacobian => add(&[(Tensor::identity() + at.grad_u).det()]),
+            NodalField::Vorticity => {
+                let grad_v = at.grad_v * Kinematics::of(&at.grad_u).F_inv;
+                add(&[grad_v.0[1][0] - grad_v.0[0][1]]);
+            }
+            _ => {}
+        }
+    }
+}
+
+/// A derived field in `region` at the nodes, `n_nodes × components`: the mean over the cells of the region that meet
+/// at a node, NaN at nodes where there is none.
+pub fn in_body<const D: usize>(
+    space: &FsiSpace<D>,
+    physics: &Physics,
+    state: &State,
+    field: NodalField,
+    region: Region,
+) -> Vec<f64> {
+    let (shape, degree, n) = (space.mesh.shape, space.nodes.degree, field.components());
+    let per_cell = shape.n_nodes(degree);
+    let points: Vec<[f64; 3]> = (0..per_cell).map(|a| lagrange::node(shape, degree, a)).collect();
+    let rule = Quadrature { weights: vec![1.0; per_cell], points };
+    let mut values = vec![0.0; space.nodes.n_lagrange * n];
+    let (mut count, mut visited) = (vec![0.0; space.nodes.n_lagrange], 0);
+    for_each_point_of(
+        space,
+        state,
+        &rule,
+        |cell| space.regions[cell] == region,
+        |point| {
+            let node = space.nodes.cell(point.cell)[visited % per_cell] as usize;
+            visited += 1;
+            field.add(physics, region, &point.fields, &mut values[node * n..(node + 1) * n]);
+            count[node] += 1.0;
+        },
+    );
+    for (values, count) in values.chunks_exact_mut(n).zip(count) {
+        // 0/0 is NaN.
+        values.iter_mut().for_each(|value| *value /= count);
+    }
+    values
+}
+
+/// The wall shear stress at the nodes of the walls.
+///
+/// Walls are the facets of the fluid at a solid, and those through which nothing flows: |v · n| is at most 1e-9 of the
+/// largest velocity at all of their nodes.
+pub struct WallShear<const D: usize> {
+    facets: Vec<Facet<D>>,
+}
+
+struct Facet<const D: usize> {
+    cell: usize,
+    nodes: Vec<u32>,
+    points: Vec<FacetPoint<D>>,
+    at_solid: bool,
+}
+
+/// A flow across a wall below this part of the largest velocity is none.
+const NO_FLOW: f64 = 1e-9;
+
+impl<const D: usize> WallShear<D> {
+    /// On the boundary of the fluid of `space`.
+    pub fn new(space: &FsiSpace<D>) -> Self {
+        let (shape, degree) = (space.mesh.shape, space.nodes.degree);
+        let of = |facet: &crate::space::FluidFacet| {
+            let on_cell = shape.facet_nodes(degree, facet.side.local as usize);
+            let points: Vec<[f64; 3]> = on_cell.iter().map(|&a| lagrange::node(shape, degree, a)).collect();
+            let rule = Quadrature { weights: vec![1.0; points.len()], points };
+            Facet {
+                cell: facet.side.cell as usize,
+                nodes: space.facet_nodes(&facet.facet()),
+                points: facet_points_of(space, &facet.facet(), &rule),
+                at_solid: facet.at_solid,
+            }
+        };
+        WallShear { facets: FluidBoundary::new(space).facets.iter().map(of).collect() }
+    }
+
+    /// −(I − n ⊗ n) σ n \[Pa\] at the nodes, `n_nodes × D`, n pointing out of the fluid: the mean over the facets of
+    /// walls that meet at a node, 0 off the walls.
+    pub fn at_nodes(&self, space: &FsiSpace<D>, physics: &Physics, state: &State) -> Vec<f64> {
+        let mut values = vec![0.0; space.nodes.n_lagrange * D];
+        let mut count = vec![0.0; space.nodes.n_lagrange];
+        let least = NO_FLOW * state.v.iter().fold(0.0, |max: f64, v| max.max(v.abs()));
+        for facet in &self.facets {
+            let at = facet.points.iter().map(|point| {
+                let nodes = space.nodes.cell(facet.cell);
+                let fields = fields_at(nodes, &point.value, &point.grad, state);
+                let area = cofactor(&fields.grad_u) * point.normal;
+                (fields, area * (1.0 / area.dot(area).sqrt()))
+            });
+            let at: Vec<(Fields<f64, D>, Vector<f64, D>)> = at.collect();
+            if !facet.at_solid && at.iter().any(|(fields, n)| fields.v.dot(*n).abs() > least) {
+                continue;
+            }
+            for (&node, (fields, n)) in facet.nodes.iter().zip(&at) {
+                let tau = wall_shear(physics, fields, *n);
+                (0..D).for_each(|i| values[node as usize * D + i] += tau.0[i]);
+                count[node as usize] += 1.0;
+            }
+        }
+        for (values, count) in values.chunks_exact_mut(D).zip(count) {
+            values.iter_mut().for_each(|value| *value /= f64::max(count, 1.0));
+        }
+        values
+    }
+}

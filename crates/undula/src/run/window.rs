@@ -1,0 +1,148 @@
+//! Means over a window of time, `output.window`.
+
+use super::fields::snapshot;
+use crate::functional::averages::{Averages, oscillatory_shear_index};
+use crate::functional::fields::nodal_pressure;
+use crate::functional::nodal::WallShear;
+use crate::output::{Array, Checkpoint, Field, FieldSnapshot};
+use crate::simulation::Simulation;
+use crate::space::{Region, State};
+
+/// Times that differ by this part of the window are one.
+const SLACK: f64 = 1e-9;
+
+/// Names of the arrays of a checkpoint.
+const ARRAYS: [&str; 3] = ["window_weight", "window_mean", "window_squares"];
+
+/// Means of the fields at the nodes over the steps that lie in a window of time.
+///
+/// A step of length k counts with k; v, u and the wall shear stress with the trapezoidal rule, the pressure, which
+/// belongs to the step, as it is.
+pub(super) struct Window {
+    /// First and last time \[s\].
+    times: [f64; 2],
+    averages: Averages,
+    shear: WallShear<2>,
+    /// What was there at the end of the last step.
+    last: Sample,
+}
+
+/// `[v, u, τ, |τ|, p]` at the nodes, `[2, 2, 2, 1, 1]` numbers for each.
+struct Sample {
+    time: f64,
+    values: Vec<f64>,
+}
+
+/// Where |τ| and p begin, as multiples of the number of nodes.
+const MAGNITUDE: usize = 6;
+const PRESSURE: usize = 7;
+const ALL: usize = 8;
+
+impl Window {
+    /// Of a simulation whose case has one; it begins with its present state.
+    pub fn new(simulation: &Simulation) -> Option<Window> {
+        let times = simulation.case.output.window.filter(|_| simulation.case.time.is_some())?;
+        let space = &simulation.stepper.assembler.space;
+        let shear = WallShear::new(space);
+        let last = sample(simulation, &shear);
+        Some(Window { times, averages: Averages::new(ALL * space.nodes.n_lagrange), shear, last })
+    }
+
+    /// Look at the end of a step.
+    pub fn observe(&mut self, simulation: &Simulation) {
+        let now = simulation.time();
+        let [start, end] = self.times;
+        let (k, slack) = (now - self.last.time, SLACK * (end - start));
+        if now < start - slack || self.last.time > end {
+            self.last.time = now;
+            return;
+        }
+        let new = sample(simulation, &self.shear);
+        if self.last.time >= start - slack && now <= end + slack {
+            let at = PRESSURE * (new.values.len() / ALL);
+            self.last.values[at..].copy_from_slice(&new.values[at..]);
+            self.averages.add(&self.last.values, 0.5 * k);
+            self.averages.add(&new.values, 0.5 * k);
+        }
+        self.last = new;
+    }
+
+    /// Put the sums into a checkpoint.
+    pub fn save(&self, checkpoint: &mut Checkpoint) {
+        let Averages { weight, mean, squares } = &self.averages;
+        for (name, values) in ARRAYS.into_iter().zip([&vec![*weight], mean, squares]) {
+            checkpoint.arrays.insert(name.into(), Array::F64(values.clone()));
+        }
+    }
+
+    /// Go on from the sums of a checkpoint, if it has them.
+    pub fn restore(&mut self, checkpoint: &Checkpoint) {
+        let [weight, mean, squares] = ARRAYS.map(|name| checkpoint.f64s(name).unwrap_or_default());
+        let n = self.averages.mean.len();
+        if let ([weight], true) = (weight, mean.len() == n && squares.len() == n) {
+            self.averages = Averages { weight: *weight, mean: mean.to_vec(), squares: squares.to_vec() };
+        }
+    }
+
+    /// Means and deviations on the mesh at the mean displacement; `None` if no step lies in the window.
+    pub fn fields(&self, simulation: &Simulation) -> Option<FieldSnapshot> {
+        if self.averages.weight <= 0.0 {
+            return None;
+        }
+        let space = &simulation.stepper.assembler.space;
+        let n = space.nodes.n_lagrange;
+        let (mean, rms) = (&self.averages.mean, self.averages.rms());
+        let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
+        if space.deforms {
+            state.u[..2 * n].copy_from_slice(&mean[2 * n..4 * n]);
+        }
+        let output = &simulation.case.output;
+        let mut fields = snapshot(space, &state, output.deformed);
+        let list = |from: usize, components: usize, values: &[f64]| {
+            values[from * n..(from + components) * n].to_vec()
+        };
+        let (tau, magnitude) = (list(4, 2, mean), list(MAGNITUDE, 1, mean));
+        let index =
+            tau.chunks_exact(2).zip(&magnitude).map(|(tau, &size)| oscillatory_shear_index(tau, size));
+        fields.point_data = vec![
+            Field::new("mean-velocity", 2, list(0, 2, mean)),
+            Field::new("rms-velocity", 2, list(0, 2, &rms)),
+        ];
+        if space.deforms {
+            fields.point_data.push(Field::new("mean-deformation", 2, list(2, 2, mean)));
+            fields.point_data.push(Field::new("rms-deformation", 2, list(2, 2, &rms)));
+        }
+        if simulation.case.fluid.is_some() {
+            fields.point_data.extend([
+                Field::new("mean-pressure", 1, list(PRESSURE, 1, mean)),
+                Field::new("rms-pressure", 1, list(PRESSURE, 1, &rms)),
+                Field::new("mean-wall-shear-stress", 2, tau.clone()),
+                Field::new("mean-wall-shear-magnitude", 1, magnitude.clone()),
+                Field::new("oscillatory-shear-index", 1, index.collect()),
+            ]);
+        }
+        Some(if output.curved { fields } else { fields.linear() })
+    }
+
+    /// Middle of the window \[s\].
+    pub fn time(&self) -> f64 {
+        0.5 * (self.times[0] + self.times[1])
+    }
+}
+
+/// The present fields at the nodes.
+fn sample(simulation: &Simulation, shear: &WallShear<2>) -> Sample {
+    let (assembler, state) = (&simulation.stepper.assembler, &simulation.stepper.new);
+    let space = &assembler.space;
+    let n = space.nodes.n_lagrange;
+    let mut values = state.v[..2 * n].to_vec();
+    match state.u.get(..2 * n) {
+        Some(u) => values.extend(u),
+        None => values.resize(4 * n, 0.0),
+    }
+    let tau = shear.at_nodes(space, &assembler.physics, state);
+    values.extend(&tau);
+    values.extend(tau.chunks_exact(2).map(|tau| tau[0].hypot(tau[1])));
+    values.extend(nodal_pressure(space, state, Region::Fluid).into_iter().map(|p| p.unwrap_or(0.0)));
+    Sample { time: simulation.time(), values }
+}
