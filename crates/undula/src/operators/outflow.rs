@@ -3,8 +3,9 @@
 use super::columns::Columns;
 use super::{Entries, How, Matrix, Operator, StepView};
 use crate::algebra::SolverError;
-use crate::loops::scatter::DROP;
-use crate::math::Vector;
+use crate::loops::slots::{Numbering, Pair, Slots, vectors};
+use crate::loops::test_functions::{Test, Trial};
+use crate::math::{Lanes, Vector};
 use crate::mesh::Side;
 use crate::physics::{Backflow, FacetForm, Fields, Fluid, Outflow};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
@@ -36,8 +37,8 @@ struct OutflowFacet<const D: usize> {
 /// Facets with the do-nothing correction or the directional term.
 pub struct OutflowFacets<const D: usize> {
     facets: Vec<OutflowFacet<D>>,
-    /// `[facet][row a, i][column b, field, j]`.
-    slots: Vec<u32>,
+    /// Where the entries go in the whole matrix, a facet in a batch.
+    slots: Slots<D, 1>,
     deforms: bool,
     n_v: usize,
 }
@@ -67,7 +68,7 @@ impl<const D: usize> OutflowFacets<D> {
                 facets.push(OutflowFacet { side: facet.side(), nodes, points, correction, backflow });
             }
         }
-        OutflowFacets { facets, slots: vec![], deforms: space.deforms, n_v: space.n_v() }
+        OutflowFacets { facets, slots: Slots::default(), deforms: space.deforms, n_v: space.n_v() }
     }
 
     /// Whether no facet has such a term.
@@ -80,20 +81,19 @@ impl<const D: usize> OutflowFacets<D> {
         if self.deforms { 2 } else { 1 }
     }
 
-    /// Call `visit(row, column)` for every entry in the numbers that `number` gives to places in `[v, u, p]`, in a fixed
-    /// order, [`DROP`]ped ones included.
-    fn all_entries(&self, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
-        for OutflowFacet { nodes, .. } in &self.facets {
-            for row in nodes.iter().flat_map(|&a| (0..D).map(move |i| number[a as usize * D + i])) {
-                for column in nodes.iter().flat_map(|&b| (0..D).map(move |j| b as usize * D + j)) {
-                    for first in (0..self.fields()).map(|field| field * self.n_v) {
-                        let column = number[first + column];
-                        let there = row != DROP && column != DROP;
-                        visit(if there { row } else { DROP }, if there { column } else { DROP });
-                    }
-                }
-            }
-        }
+    /// What is coupled: φ with v, and with u where there is one.
+    fn pairs(&self) -> &'static [Pair] {
+        const PAIRS: [Pair; 2] =
+            [Pair::full(Test::Phi(0), Trial::V(0)), Pair::full(Test::Phi(0), Trial::U(0))];
+        &PAIRS[..self.fields()]
+    }
+
+    /// Rows and columns of a facet in the numbers that `number` gives to places in `[v, u, p]`.
+    fn numbering(&self, facet: usize, number: &[u32]) -> Numbering<D, 1> {
+        let nodes = &self.facets[facet].nodes;
+        let of = |first: usize| vectors(nodes.iter().map(|&a| [(first + a as usize * D) as u32]), 1, number);
+        let u = if self.deforms { of(self.n_v) } else { vec![] };
+        Numbering { rows: [of(0), vec![], vec![]], columns: [of(0), u, vec![]] }
     }
 
     fn add<'a, F: FacetForm<D> + 'a>(
@@ -146,22 +146,15 @@ impl<const D: usize> Operator<D> for OutflowFacets<D> {
 
     /// In the condensed matrix they are [`Operator::blocks`].
     fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
-        if matrix == Matrix::Whole {
-            self.all_entries(number, &mut |row, column| {
-                if row != DROP {
-                    visit(row, column);
-                }
-            });
+        for facet in (0..self.facets.len()).filter(|_| matrix == Matrix::Whole) {
+            self.numbering(facet, number).visit(self.pairs(), visit);
         }
     }
 
     fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
         if matrix == Matrix::Whole {
-            let mut slots = vec![];
-            self.all_entries(number, &mut |row, column| {
-                slots.push(if row == DROP { DROP } else { (entries.find)(row, column) });
-            });
-            self.slots = slots;
+            let (n, all) = (self.facets.len(), [0..self.facets.len()]);
+            self.slots = Slots::new(n, &all, entries, self.pairs(), |facet| self.numbering(facet, number))?;
         }
         Ok(())
     }
@@ -170,21 +163,25 @@ impl<const D: usize> Operator<D> for OutflowFacets<D> {
     fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
         let (with_u, lagged) =
             (how.linearization == Linearization::Newton, how.linearization == Linearization::FixedPoint);
-        let (fields, mut first) = (self.fields(), 0);
-        for facet in self.facets.iter().filter(|_| matrix == Matrix::Whole) {
-            let nodes = facet.nodes.len() * D;
-            let columns = nodes * fields;
-            let slots = &self.slots[first..first + nodes * columns];
-            first += nodes * columns;
-            facet.derivatives(step, (how.tangent, lagged), fields, |p, column, field, derivative| {
-                for row in (0..nodes).filter(|_| with_u || field == 0) {
-                    let slot = slots[row * columns + column];
-                    if slot != DROP {
-                        out[slot as usize] += p.value[row / D] * derivative.0[row % D];
-                    }
-                }
-            });
+        if matrix != Matrix::Whole {
+            return;
         }
+        let (fields, mut slots) = (self.fields(), std::mem::take(&mut self.slots));
+        slots.fill(out, |slots, out| {
+            for (n, facet) in self.facets.iter().enumerate() {
+                let trials = [Trial::V(0), Trial::U(0)];
+                let places = [0, fields - 1].map(|field| slots.of(Test::Phi(0), trials[field], n));
+                facet.derivatives(step, (how.tangent, lagged), fields, |p, column, field, derivative| {
+                    let (b, j) = (column / (D * fields), column / fields % D);
+                    for (a, value) in p.value.iter().enumerate().filter(|_| with_u || field == 0) {
+                        for i in 0..D {
+                            places[field].add(out, (a, b), (i, j), &Lanes([value * derivative.0[i]]));
+                        }
+                    }
+                });
+            }
+        });
+        self.slots = slots;
     }
 
     fn apply(&mut self, matrix: Matrix, step: &StepView<'_>, x: &[f64], y: &mut [f64]) {

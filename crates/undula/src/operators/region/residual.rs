@@ -5,6 +5,7 @@ use super::kernel::{Kernel, Scratch};
 use super::tangents::{Directions, TangentTasks};
 use crate::loops::evaluate::{pull_back, scatter};
 use crate::loops::scatter::Shared;
+use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor, Vector};
@@ -66,7 +67,6 @@ where
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
-                    let slots = slots.of(0, batch);
                     JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, slots, out }
                         .run();
                 });
@@ -165,7 +165,7 @@ pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
     pub(super) tangent: Tangent,
     pub(super) batch: usize,
     pub(super) scratch: &'a mut Scratch<D, L>,
-    pub(super) slots: &'a [[u32; L]],
+    pub(super) slots: &'a Slots<D, L>,
     pub(super) out: &'a Shared<'a>,
 }
 
@@ -182,7 +182,7 @@ where
         let tangents = k.tangents(batch, &s.tangent, s.nodal.asked(tangent));
         let reduced = linearization == Linearization::Reduced && !k.relation();
         let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
-        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, work, out });
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, batch, slots, piece, work, out });
     }
 }
 
@@ -192,7 +192,8 @@ struct ContractTask<'a, const D: usize, const L: usize> {
     pieces: &'a [Piece],
     /// Without derivatives of momentum and divergence with respect to u.
     reduced: bool,
-    slots: &'a [[u32; L]],
+    batch: usize,
+    slots: &'a Slots<D, L>,
     piece: &'a mut [Lanes<L>],
     /// For sums over one coordinate after the other.
     work: &'a mut [Lanes<L>],
@@ -206,20 +207,19 @@ where
     #[inline(always)]
     fn run(self) {
         let (n, m) = (self.tangents.n_basis, self.tangents.n_pressure);
-        let mut slots = self.slots;
         for piece in self.pieces {
-            let rows = if piece.test == Test::Xi { m } else { n };
-            let size = rows * if piece.trial == Trial::P { m } else { n };
-            let (here, rest) = slots.split_at(size);
-            slots = rest;
             if self.reduced && matches!((piece.test, piece.trial), (Test::Phi(_) | Test::Xi, Trial::U(_))) {
                 continue;
             }
-            let block = &mut self.piece[..size];
+            let (rows, columns) =
+                (if piece.test == Test::Xi { m } else { n }, if piece.trial == Trial::P { m } else { n });
+            let block = &mut self.piece[..rows * columns];
             self.tangents.contract(piece, block, self.work);
-            for (slot, value) in here.iter().zip(block.iter()) {
-                for l in 0..L {
-                    self.out.add(slot[l], value.0[l]);
+            let places = self.slots.of(piece.test, piece.trial, self.batch);
+            let components = (piece.test.split().1, piece.trial.split().1);
+            for (a, line) in block.chunks_exact(columns).enumerate() {
+                for (b, value) in line.iter().enumerate() {
+                    places.add(self.out, (a, b), components, value);
                 }
             }
         }
