@@ -44,7 +44,7 @@ fn second_assembly(threads: usize, sets: &[&str]) -> usize {
     simulation.step().unwrap();
     let (rule, new, old, assembler) = simulation.stepper.last_step();
     let view = StepView { rule, new, old };
-    let mut residual = vec![0.0; assembler.space.n_unknowns()];
+    let mut residual = vec![0.0; assembler.space.n_field_unknowns()];
     let mut matrix = Csr::zeros(&assembler.pattern());
     let mut condensed = Csr::zeros(&assembler.condensed().pattern);
     let mut assemble = || {

@@ -44,7 +44,7 @@ impl Bordered {
     ) -> Result<(), SolverError> {
         self.of = None;
         assembler.borders(matrix, view, &mut self.borders);
-        let (n, fields) = (self.borders.len(), assembler.space.n_unknowns());
+        let (n, fields) = (self.borders.len(), assembler.space.n_field_unknowns());
         self.solved.resize(n, vec![]);
         let mut column = vec![0.0; if n > 0 { fields } else { 0 }];
         for (border, z) in self.borders.iter().zip(&mut self.solved) {
@@ -75,7 +75,7 @@ impl Bordered {
         r: &[f64],
         delta: &mut [f64],
     ) -> Result<usize, SolverError> {
-        let fields = assembler.space.n_unknowns();
+        let fields = assembler.space.n_field_unknowns();
         let (r, r_scalar) = r.split_at(fields);
         let (delta, scalars) = delta.split_at_mut(fields);
         let Some((matrix, rule)) = self.of else { return Err(SolverError::NotFactored) };

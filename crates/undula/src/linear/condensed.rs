@@ -44,7 +44,7 @@ impl Condensed {
             relation,
             b: vec![0.0; n],
             x: vec![0.0; n],
-            work: vec![0.0; assembler.space.n_unknowns()],
+            work: vec![0.0; assembler.space.n_field_unknowns()],
             system,
         })
     }

@@ -31,7 +31,7 @@ impl ExtensionSystem {
     ) -> ExtensionSystem {
         let first = space.n_v() as u32;
         let given = |place: u32| constraints.u[(place - first) as usize / D][(place - first) as usize % D];
-        let mut number = vec![DROP; space.n_unknowns()];
+        let mut number = vec![DROP; space.n_field_unknowns()];
         let mut places = vec![];
         for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
             for place in (0..D).map(|i| first + (node * D + i) as u32).filter(|&place| !given(place)) {

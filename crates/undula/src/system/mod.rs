@@ -136,7 +136,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Number of all unknowns `[v, u, p, s]`, those of the fields and scalar ones.
     pub fn n_unknowns(&self) -> usize {
-        self.space.n_unknowns() + self.scalars
+        self.space.n_field_unknowns() + self.scalars
     }
 
     /// Rest.

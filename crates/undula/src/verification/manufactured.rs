@@ -166,7 +166,7 @@ impl Manufactured {
     /// The right-hand side as a stepper takes it.
     pub fn source(&self) -> Source {
         let (problem, facets) = (self.clone(), self.outflow());
-        let mut rows = vec![0.0; self.space.n_unknowns()];
+        let mut rows = vec![0.0; self.space.n_field_unknowns()];
         Box::new(move |t_old, t, theta, out| {
             problem.weak_form(&facets, t_old, t, theta, None, &mut rows);
             for (out, row) in out.iter_mut().zip(&rows) {

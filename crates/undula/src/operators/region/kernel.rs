@@ -158,7 +158,7 @@ where
                 Writes::runs(list.as_flattened_mut(), &batches.chunks, per_batch * L, width)
             },
         );
-        let row_copies = Copies::new(space.n_unknowns(), batches.chunks.len(), &mut writes)?;
+        let row_copies = Copies::new(space.n_field_unknowns(), batches.chunks.len(), &mut writes)?;
         drop(writes);
         Ok(Kernel {
             min_j: vec![f64::INFINITY; batches.len() * L],

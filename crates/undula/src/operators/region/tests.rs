@@ -89,7 +89,7 @@ fn fill<const D: usize>(
 fn bytes<const D: usize>(mesh: Mesh<D>, given: impl Fn(usize) -> bool) -> [[usize; 2]; 2] {
     let (space, mut kernel) = kernel(mesh);
     let n_v = space.n_v();
-    let mut number: Vec<u32> = (0..space.n_unknowns() as u32).collect();
+    let mut number: Vec<u32> = (0..space.n_field_unknowns() as u32).collect();
     (0..n_v + space.n_u()).filter(|&at| given(at)).for_each(|at| number[at] = DROP);
     let whole = fill(&mut kernel, Matrix::Whole, &number, |kernel| &mut kernel.slots);
     kernel.visit_inner(&mut |place| number[place as usize] = DROP);

@@ -118,7 +118,7 @@ where
         let mut writes = [(&mut write_phi, n, D), (&mut write_xi, m, 1)].map(|(list, per_batch, width)| {
             Writes::runs(list.as_flattened_mut(), &tables.chunks, per_batch * L, width)
         });
-        let row_copies = Copies::new(space.n_unknowns(), tables.chunks.len(), &mut writes)?;
+        let row_copies = Copies::new(space.n_field_unknowns(), tables.chunks.len(), &mut writes)?;
         drop(writes);
         let all = couplings(how, space.deforms);
         let flow = all.iter().copied().filter(|c| !matches!(c.trial, Trial::U(_))).collect();
