@@ -210,6 +210,27 @@ fn products_have_borders() {
     }
 }
 
+/// Each border costs a correction with each Jacobian, and these are counted with those of the iterations.
+#[test]
+fn corrections_of_borders_are_counted() {
+    let more = ["time.scheme=backward-euler", "time.step=0.2", "time.end=2"];
+    for borders in 0..3 {
+        let mut simulation = Simulation::new(channel(3.2, 0.4, &more), 1).unwrap();
+        for (name, resistance) in [("right", 2.0), ("left", 1.5)].into_iter().take(borders) {
+            let flow = flow(&simulation.stepper.assembler, name);
+            simulation.add_term(Box::new(Outlet::Resistance { resistance, flow }));
+        }
+        run(&mut simulation);
+        let done = &simulation.stepper.newton.counters;
+        assert!(done.jacobians > 0 && done.newton_steps > done.jacobians, "{done:?}");
+        assert_eq!(
+            done.linear_iterations,
+            done.newton_steps + borders * done.jacobians,
+            "{borders}: {done:?}"
+        );
+    }
+}
+
 /// Leaves a run after some steps.
 struct Until(u64);
 

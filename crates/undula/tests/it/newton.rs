@@ -18,9 +18,9 @@ impl NonlinearSystem for Exponential {
         r[0].is_finite().then_some(r[0].abs())
     }
 
-    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+    fn renew(&mut self, _: &mut Seconds) -> Result<usize, SolverError> {
         self.slope = self.factor * self.x.exp();
-        Ok(())
+        Ok(0)
     }
 
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
@@ -124,9 +124,9 @@ impl NonlinearSystem for Ageing {
         Some(self.x.iter().fold(0.0, |max: f64, x| max.max(x.abs())))
     }
 
-    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+    fn renew(&mut self, _: &mut Seconds) -> Result<usize, SolverError> {
         self.left = [0.03; 3];
-        Ok(())
+        Ok(0)
     }
 
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
@@ -188,7 +188,7 @@ fn what_cannot_be_reduced_is_rounding() {
             r[0] = r[0].signum() * norm.max(1e-10);
             Some(r[0].abs())
         }
-        fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
+        fn renew(&mut self, seconds: &mut Seconds) -> Result<usize, SolverError> {
             self.0.renew(seconds)
         }
         fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
