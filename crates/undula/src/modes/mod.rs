@@ -30,6 +30,7 @@ mod write;
 pub use write::{check_empty, write};
 
 use crate::algebra::{LinearSolver, MultifrontalLu, Options, SolverError};
+use crate::case::expression::Expression;
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::physics::Solid;
@@ -181,6 +182,18 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         }
         Err(error) => Err(error.into()),
     }
+}
+
+/// The keys of the loads of `case`, which have no effect: modes are those of a body at rest without loads.
+pub fn unused_loads(case: &Case) -> Vec<String> {
+    let fluid = case.fluid.as_ref().map(|fluid| ("fluid.body-force", &fluid.body_force));
+    let solid = case.solid.as_ref().map(|solid| ("solid.body-force", &solid.body_force));
+    let acts = |load: &[Expression; 2]| !load.iter().all(Expression::is_zero);
+    let forces = [fluid, solid].into_iter().flatten().filter(|(_, force)| acts(force));
+    let loaded = |condition: &Condition| condition.is_natural() && condition.data().is_some_and(acts);
+    let sides = case.boundary.iter().filter(|(_, condition)| loaded(condition));
+    let of_side = sides.map(|(name, condition)| format!("boundary.{name}.{}", condition.name()));
+    forces.map(|(key, _)| key.to_string()).chain(of_side).collect()
 }
 
 fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, solid: Solid) -> Setting<'a> {

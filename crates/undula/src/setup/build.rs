@@ -271,7 +271,7 @@ impl Case {
 
 /// A body force, `None` if it is zero everywhere.
 fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
-    if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
+    if f.iter().all(Expression::is_zero) {
         return None;
     }
     Some(function(f))
