@@ -273,17 +273,17 @@ impl Case {
             out.choice("difference", &DIFFERENCES, &difference.stencil);
             out.key("epsilon", number(difference.epsilon));
         }
-        if let Some(rate_max) = newton.rate_max {
+        if let Some(rate_max) = newton.settings.rate_max {
             out.key("rate-max", number(rate_max));
         }
-        out.key("secants", newton.secants.to_string());
-        out.key("tolerance", number(newton.tolerance));
-        if let Some(floor) = newton.floor {
+        out.key("secants", newton.settings.secants.to_string());
+        out.key("tolerance", number(newton.settings.tolerance));
+        if let Some(floor) = newton.settings.floor {
             out.key("floor", number(floor));
         }
-        out.key("max-steps", newton.max_steps.to_string());
+        out.key("max-steps", newton.settings.max_steps.to_string());
         out.choice("start", &STARTS, &newton.extrapolate);
-        out.key("line-search", newton.line_search.to_string());
+        out.key("line-search", newton.settings.line_search.to_string());
         out.table("linear");
         out.choice("solver", &SOLVERS, &self.linear.solver);
         out.choice("precision", &PRECISIONS, &self.linear.precision);

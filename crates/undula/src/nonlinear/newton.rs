@@ -30,7 +30,7 @@ const EXPECTED: f64 = 100.0;
 
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct NewtonSettings {
     /// Reduction of the scaled residual relative to the reference.
     pub tolerance: f64,
     /// Scaled residual below which a step is solved whatever the reference. `None`: that of
@@ -79,7 +79,7 @@ impl Default for Memory {
 /// Newton's method; keeps the factorised Jacobian from one solve to the next.
 pub struct Newton {
     /// When to stop and when to renew the Jacobian.
-    pub settings: Settings,
+    pub settings: NewtonSettings,
     /// Work done since the beginning.
     pub counters: Counters,
     /// Seconds since the beginning.
@@ -96,7 +96,7 @@ pub struct Newton {
 
 impl Newton {
     /// For systems of `n` unknowns; the norm of corrections sees the first `measured` of them.
-    pub fn new(settings: Settings, n: usize, measured: usize) -> Newton {
+    pub fn new(settings: NewtonSettings, n: usize, measured: usize) -> Newton {
         Newton {
             settings,
             counters: Counters::default(),
@@ -355,7 +355,7 @@ impl Newton {
 }
 
 impl Goal {
-    fn new(settings: &Settings, reference: f64, noise: f64) -> Goal {
+    fn new(settings: &NewtonSettings, reference: f64, noise: f64) -> Goal {
         let target = (settings.tolerance * reference).max(settings.floor.unwrap_or(noise));
         Goal { target, reference, noise }
     }

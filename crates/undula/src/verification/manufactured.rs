@@ -6,7 +6,7 @@
 use crate::algebra::FaerLu;
 use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
-use crate::nonlinear::{Newton, Settings};
+use crate::nonlinear::{Newton, NewtonSettings};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Dots, FacetForm, Fields, Fluid, Outflow, Place, StepRule, Tested, WeakForm};
 use crate::sampling::for_each_point;
@@ -129,7 +129,7 @@ impl Manufactured {
         let assembler = self.assembler(options);
         let make: MakeSolver = Box::new(|_| Box::new(FaerLu::faer(crate::algebra::Options::default())));
         let linear = Linear::new(Linearization::Newton, make);
-        let settings = Settings {
+        let settings = NewtonSettings {
             tolerance: 1e-11,
             floor: Some(1e-12),
             rate_max: Some(0.1),
