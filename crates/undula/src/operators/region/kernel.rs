@@ -1,6 +1,6 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
-use super::current_force::CurrentForce;
+use super::body_force::BodyForce;
 use super::interior::Interior;
 use super::nodal::Nodal;
 use crate::algebra::SolverError;
@@ -11,16 +11,10 @@ use crate::loops::slots::{Numbering, Slots, scalars, vectors};
 use crate::loops::tensor::TensorScratch;
 use crate::loops::test_functions::{Piece, Tangents, pieces};
 use crate::loops::width::Width;
-use crate::math::{Lanes, Scalar, Tensor, Vector};
+use crate::math::{Lanes, Scalar, Vector};
 use crate::physics::Fields;
 use crate::space::{FsiSpace, PsiOwner, Region};
 use crate::tangent::ByHand;
-
-/// Body force per mass at the quadrature points of a region \[m/s²\]; empty: none.
-pub type ForceField<const D: usize, const L: usize> = Vec<Vector<Lanes<L>, D>>;
-
-/// Its gradient \[1/s²\]; empty: none.
-pub type SlopeField<const D: usize, const L: usize> = Vec<Tensor<Lanes<L>, D>>;
 
 /// Coefficients of the direction in the cells of a batch.
 #[derive(Default)]
@@ -84,16 +78,9 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) region: Region,
     /// Whether a state is admissible only where J is positive in this region.
     pub(super) guards: bool,
-    /// The body force, where it is taken at the current position.
-    pub(super) current_force: Option<CurrentForce<D>>,
+    pub(super) body_force: BodyForce<D, L>,
     /// Cells and geometry.
     pub batches: Batches<D, L>,
-    /// Body force at the new time.
-    pub force: ForceField<D, L>,
-    /// Its gradient where it is taken at the current position; else empty.
-    pub force_slope: SlopeField<D, L>,
-    /// Body force at the old time.
-    pub force_old: ForceField<D, L>,
     pub(super) pieces: Vec<Piece>,
     /// Where they go in the whole matrix.
     pub(super) slots: Slots<D, L>,
@@ -166,11 +153,8 @@ where
             form,
             region,
             guards,
-            current_force: None,
+            body_force: BodyForce::none(),
             batches,
-            force: vec![],
-            force_slope: vec![],
-            force_old: vec![],
             slots: Slots::default(),
             write_phi,
             write_psi,

@@ -10,6 +10,7 @@ mod fields;
 mod interior;
 mod kernel;
 mod min_jacobian;
+mod moved_force;
 mod nodal;
 mod residual;
 mod tangents;
@@ -134,14 +135,12 @@ where
     }
 
     fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
-        if let Some(force) = &mut self.current_force {
-            force.set(at);
-        }
+        self.body_force.set(at);
         Ok(())
     }
 
     fn set_force(&mut self, end: End, force: Option<ForceAt<'_, D>>) {
-        self.fill_force(end, force);
+        self.body_force.fill(end, force, &self.batches.positions);
     }
 
     fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
@@ -201,7 +200,7 @@ where
     Lanes<L>: Width,
 {
     fn follow(&mut self, force: CurrentForce<D>) {
-        self.current_force = Some(force);
+        self.body_force.follow(force);
     }
 
     fn watch(&mut self, nodes: &[bool]) {

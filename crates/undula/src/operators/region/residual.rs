@@ -3,13 +3,12 @@
 
 use super::kernel::{Kernel, Scratch};
 use super::tangents::{Directions, TangentTasks};
-use crate::loops::evaluate::{pull_back, scatter};
 use crate::loops::scatter::Shared;
 use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
-use crate::math::{Lanes, Scalar, Tensor, Vector};
-use crate::operators::StepView;
+use crate::math::{Lanes, Tensor};
+use crate::operators::{End, StepView};
 use crate::physics::Tested;
 use crate::tangent::{ByHand, Linearization, Tangent};
 
@@ -94,28 +93,20 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         k.load(self.step, batch, s, true);
-        s.phi.fill(Vector::zero());
-        s.psi.fill(Vector::zero());
-        s.xi.fill(Lanes::zero());
         let mut min_j = [f64::INFINITY; L];
+        k.begin_tests(s);
         for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
             let (new, old) = k.fields(batch, q, s);
+            let place = k.place(End::New, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.residual(&k.form, &k.place(&k.force, index), &new, &new, &old, &mut r);
+            self.step.rule.residual(&k.form, &place, &new, &new, &old, &mut r);
             let j = (Tensor::identity() + new.grad_u).det();
             for l in 0..L {
                 min_j[l] = min_j[l].min(j.0[l]);
             }
-            let r = pull_back(&r, &b.points[index]);
-            k.test(q, &r, s);
-            let m = b.n_pressure;
-            for (xi, basis) in s.xi.iter_mut().zip(&b.pressure_basis[index * m..(index + 1) * m]) {
-                xi.add_product_lanes(*basis, r.xi);
-            }
+            k.test(batch, q, &r, s);
         }
-        k.finish_tests(s);
-        k.scatter_tests(batch, k.deforms, s, self.out);
+        k.finish_tests(batch, k.deforms, s, self.out);
         for (l, j) in min_j.into_iter().enumerate() {
             self.min_j.set(batch * L + l, j);
         }
@@ -139,22 +130,15 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         k.load(self.step, batch, s, false);
-        s.phi.fill(Vector::zero());
-        s.psi.fill(Vector::zero());
+        k.begin_tests(s);
         for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
             let (_, old) = k.fields(batch, q, s);
+            let place = k.place(End::Old, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.explicit(&k.form, &k.place(&k.force_old, index), &old, &mut r);
-            let r = pull_back(&r, &b.points[index]);
-            k.test(q, &r, s);
+            self.step.rule.explicit(&k.form, &place, &old, &mut r);
+            k.test(batch, q, &r, s);
         }
-        k.finish_tests(s);
-        let (n, active) = (b.n_basis, b.active[batch]);
-        scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
-        if k.deforms {
-            scatter(&k.write_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
-        }
+        k.finish_tests(batch, k.deforms, s, self.out);
     }
 }
 
