@@ -5,7 +5,7 @@ use crate::{check, run};
 use std::fmt::Write;
 use std::process::ExitCode;
 use undula::error::Error;
-use undula::modes::{Mode, Modes, check_empty, of_case, write};
+use undula::modes::{Mode, Modes, check_empty, of_case, unused_loads, write};
 
 /// Loads the case, computes its modes and prints their frequencies.
 pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
@@ -27,6 +27,9 @@ pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
         && let Err(error) = write(directory, &space, &modes, case.output.curved)
     {
         return run::failed(Error::Directory(error));
+    }
+    for key in unused_loads(&case) {
+        say(format_args!("note: {key} has no effect: modes are those of the body at rest without loads"));
     }
     let found = modes.with_fluid.as_ref().map_or(usize::MAX, Vec::len).min(modes.vacuum.len());
     if found < count {

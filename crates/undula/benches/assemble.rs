@@ -60,7 +60,7 @@ fn main() {
         .collect();
     let (new, old) = (state(&space, 0.0), state(&space, 0.1));
     let view = StepView { rule: StepRule::theta(0.005, 0.505), new: &new, old: &old };
-    let mut out = vec![0.0; space.n_unknowns()];
+    let mut out = vec![0.0; space.n_field_unknowns()];
     for _ in 0..=ROUNDS {
         for c in &mut candidates {
             let Candidate { assembler, pool, matrix, seconds, .. } = c;
@@ -77,7 +77,7 @@ fn main() {
         }
     }
     let cells = space.mesh.n_cells();
-    println!("{cells} cells, {} unknowns, medians of {ROUNDS}", space.n_unknowns());
+    println!("{cells} cells, {} unknowns, medians of {ROUNDS}", space.n_field_unknowns());
     println!("lanes threads | residual ms  µs/cell  times | Jacobian ms (dual)  times | by hand ms  times");
     let mut base = None;
     for c in &mut candidates {

@@ -391,7 +391,7 @@ impl Simulation {
             velocity: space.n_v(),
             deformation: space.n_u(),
             pressure: space.n_p(),
-            total: space.n_unknowns(),
+            total: space.n_field_unknowns(),
         }
     }
 }

@@ -6,7 +6,7 @@ mod common;
 use common::builtin;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use undula::algebra::{Csr, Gmres, Pattern};
+use undula::algebra::{Csr, Gmres, GmresSettings, Pattern};
 use undula::simulation::Simulation;
 use undula::system::StepView;
 use undula::tangent::Tangent;
@@ -44,7 +44,7 @@ fn second_assembly(threads: usize, sets: &[&str]) -> usize {
     simulation.step().unwrap();
     let (rule, new, old, assembler) = simulation.stepper.last_step();
     let view = StepView { rule, new, old };
-    let mut residual = vec![0.0; assembler.space.n_unknowns()];
+    let mut residual = vec![0.0; assembler.space.n_field_unknowns()];
     let mut matrix = Csr::zeros(&assembler.pattern());
     let mut condensed = Csr::zeros(&assembler.condensed().pattern);
     let mut assemble = || {
@@ -82,7 +82,7 @@ fn second_gmres() -> usize {
     let values = (0..pattern.nnz()).map(|at| (at as f64).sin()).collect();
     let a = Csr { pattern: pattern.into(), values };
     let (b, mut x, weights) = (vec![1.0; N], vec![0.0; N], vec![1.0; N]);
-    let mut gmres = Gmres::new(1e-12, 10);
+    let mut gmres = Gmres::new(GmresSettings { tolerance: 1e-12, size: 10 });
     let mut count = || {
         let before = COUNT.load(Ordering::Relaxed);
         gmres.clear();

@@ -40,6 +40,26 @@ fn a_solid_alone_has_modes_in_vacuum() {
     assert!(here.read("shapes/modes.csv").lines().skip(1).all(|line| line.ends_with(",nan")));
 }
 
+/// Loads that act are named, and those that are zero are not.
+#[test]
+fn loads_that_modes_leave_out_are_named() {
+    let here = Place::new("modes-loads");
+    let named = |case: &str, sets: &[&str]| -> Vec<String> {
+        let words = format!("modes {case} --count 1");
+        let said = here.run(&words, &[&["mesh.refine=0"], sets].concat()).expect(0, &[]);
+        let lines = said.err.lines().filter_map(|line| line.split_once(" has no effect"));
+        lines.map(|(key, _)| key.to_string()).collect()
+    };
+    assert_eq!(named("csm3", &[]), ["note: solid.body-force"], "gravity acts");
+    assert!(named("csm3", &["solid.body-force=[0,0]"]).is_empty());
+    let outlet = |load| ["boundary.outflow.condition=traction", load];
+    assert_eq!(
+        named("fsi3", &outlet("boundary.outflow.traction=[1,0]")),
+        ["note: boundary.outflow.traction"]
+    );
+    assert!(named("fsi3", &outlet("boundary.outflow.traction=[0,0]")).is_empty());
+}
+
 #[test]
 fn cases_without_modes_are_bad_input() {
     let here = Place::new("modes-refused");

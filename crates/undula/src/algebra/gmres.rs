@@ -5,6 +5,15 @@ use super::{LinearOperator, SolverError, dot};
 /// Share of an image that must be new against those before for its direction to be of use.
 const INDEPENDENT: f64 = 1e-10;
 
+/// When an iteration ends.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct GmresSettings {
+    /// ‖W (b − A x)‖₂/‖W b‖₂ that is small enough.
+    pub tolerance: f64,
+    /// Iterations of a system at most, and directions that are kept.
+    pub size: usize,
+}
+
 /// The generalised minimal residual method, in the form that keeps directions (GCR: Eisenstat, Elman and Schultz,
 /// SIAM J. Numer. Anal. 20, 1983; Saad and Schultz, SIAM J. Sci. Stat. Comput. 7, 1986). Its memory is taken once.
 ///
@@ -19,10 +28,8 @@ const INDEPENDENT: f64 = 1e-10;
 /// (Parks, de Sturler et al., SIAM J. Sci. Comput. 28, 2006).
 #[derive(Clone, Debug)]
 pub struct Gmres {
-    /// ‖W (b − A x)‖₂/‖W b‖₂ at which it ends.
-    pub tolerance: f64,
-    /// Iterations of a system at most, and directions that are kept.
-    pub size: usize,
+    /// When it ends.
+    pub settings: GmresSettings,
     /// p_j with q_j, newest last.
     pairs: Vec<Pair>,
     /// Memory of others.
@@ -48,10 +55,10 @@ pub struct GmresReport {
 }
 
 impl Gmres {
-    /// Ends at `tolerance`, and after `size` iterations.
-    pub fn new(tolerance: f64, size: usize) -> Gmres {
-        let room = || Vec::with_capacity(size);
-        Gmres { tolerance, size, pairs: room(), spare: room(), residual: vec![], work: vec![] }
+    /// No directions yet.
+    pub fn new(settings: GmresSettings) -> Gmres {
+        let room = || Vec::with_capacity(settings.size);
+        Gmres { settings, pairs: room(), spare: room(), residual: vec![], work: vec![] }
     }
 
     /// Forget all directions, as for another matrix or other weights.
@@ -87,14 +94,14 @@ impl Gmres {
         for pair in &self.pairs {
             pair.project(&mut self.residual, x);
         }
-        let mut iterations = 0;
+        let (mut iterations, GmresSettings { tolerance, size }) = (0, self.settings);
         loop {
             let reduction = dot(&self.residual, &self.residual).sqrt() / norm;
-            if reduction <= self.tolerance {
+            if reduction <= tolerance {
                 return Ok(GmresReport { iterations, reduction });
             }
-            if iterations == self.size || !self.extend(a, weights, &mut precondition) {
-                return Err(SolverError::NotConverged { iterations, reduction, allowed: self.tolerance });
+            if iterations == size || !self.extend(a, weights, &mut precondition) {
+                return Err(SolverError::NotConverged { iterations, reduction, allowed: tolerance });
             }
             iterations += 1;
             if let Some(pair) = self.pairs.last() {
@@ -110,7 +117,7 @@ impl Gmres {
         weights: &[f64],
         precondition: &mut impl FnMut(&mut [f64], &mut [f64]),
     ) -> bool {
-        if self.pairs.len() == self.size {
+        if self.pairs.len() == self.settings.size {
             self.spare.push(self.pairs.remove(0));
         }
         let mut pair = self.spare.pop().unwrap_or_default();
@@ -162,6 +169,10 @@ mod tests {
     use std::sync::Arc;
 
     const N: usize = 12;
+
+    fn of(tolerance: f64) -> Gmres {
+        Gmres::new(GmresSettings { tolerance, size: N })
+    }
 
     /// Not symmetric, with rows of sizes from 1 to 1e8; `change` is added to some entries.
     fn matrix(change: f64) -> Csr {
@@ -217,7 +228,7 @@ mod tests {
         let mut precondition = factors(&matrix(0.0));
         let mut last = 0;
         for tolerance in [1e-1, 1e-2, 1e-4, 1e-8, 1e-13] {
-            let (mut gmres, mut x) = (Gmres::new(tolerance, N), vec![f64::NAN; N]);
+            let (mut gmres, mut x) = (of(tolerance), vec![f64::NAN; N]);
             let report = gmres.solve(&a, &weights(), &mut precondition, &b, &mut x).unwrap();
             let found = reduction(&a, &b, &x);
             assert!(found <= tolerance * (1.0 + 1e-3) + 1e-15, "{tolerance}: {found}");
@@ -225,7 +236,7 @@ mod tests {
             assert!(report.iterations >= last.max(1), "{report:?}");
             last = report.iterations;
             if report.iterations > 1 {
-                gmres.size = report.iterations - 1;
+                gmres.settings.size = report.iterations - 1;
                 gmres.clear();
                 let error = gmres.solve(&a, &weights(), &mut precondition, &b, &mut x).unwrap_err();
                 let SolverError::NotConverged { reduction: best, .. } = error else { panic!("{error}") };
@@ -241,7 +252,7 @@ mod tests {
         let a = matrix(0.1);
         let (b, _) = system(&a);
         let start = matrix(0.0);
-        let (mut gmres, mut x) = (Gmres::new(1e-10, N), vec![0.0; N]);
+        let (mut gmres, mut x) = (of(1e-10), vec![0.0; N]);
         let mut precondition = factors(&start);
         let first = gmres.solve(&a, &weights(), &mut precondition, &b, &mut x).unwrap().iterations;
         let half: Vec<f64> = b.iter().map(|b| 0.5 * b).collect();
@@ -260,7 +271,7 @@ mod tests {
     fn n_iterations_are_exact() {
         let a = matrix(0.0);
         let (b, solution) = system(&a);
-        let (mut gmres, mut x) = (Gmres::new(1e-13, N), vec![0.0; N]);
+        let (mut gmres, mut x) = (of(1e-13), vec![0.0; N]);
         let by_rows = |r: &mut [f64], z: &mut [f64]| {
             z.iter_mut().zip(r).zip(weights()).for_each(|((z, r), w)| *z = w * *r);
         };
@@ -294,7 +305,7 @@ mod tests {
         let solution: Vec<f64> = (0..N).map(|i| (1.0 + i as f64).sqrt()).collect();
         let (mut b, mut x) = (vec![0.0; N], vec![0.0; N]);
         a.apply(&solution, &mut b);
-        let mut gmres = Gmres::new(1e-12, N);
+        let mut gmres = of(1e-12);
         let report = gmres.solve(&a, &one, |r, z| z.copy_from_slice(r), &b, &mut x).unwrap();
         assert!(report.iterations > 1, "{report:?}");
         for (x, s) in x.iter().zip(&solution) {
@@ -306,7 +317,7 @@ mod tests {
     fn exact_factors_need_one_iteration() {
         let a = matrix(0.0);
         let (b, solution) = system(&a);
-        let (mut gmres, mut x) = (Gmres::new(1e-10, N), vec![0.0; N]);
+        let (mut gmres, mut x) = (of(1e-10), vec![0.0; N]);
         assert_eq!(gmres.solve(&a, &weights(), factors(&a), &b, &mut x).unwrap().iterations, 1);
         assert!(x.iter().zip(&solution).all(|(x, s)| (x - s).abs() < 1e-12));
         let report = gmres.solve(&a, &weights(), factors(&a), &[0.0; N], &mut x).unwrap();
@@ -318,7 +329,7 @@ mod tests {
         let a = matrix(0.0);
         let (mut b, _) = system(&a);
         let mut x = vec![0.0; N];
-        let mut gmres = Gmres::new(1e-3, N);
+        let mut gmres = of(1e-3);
         let spoilt = |_: &mut [f64], z: &mut [f64]| z.fill(f64::NAN);
         assert!(gmres.solve(&a, &weights(), spoilt, &b, &mut x).is_err());
         b[3] = f64::INFINITY;

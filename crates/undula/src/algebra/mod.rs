@@ -23,7 +23,7 @@ use crate::choice::{Choice, choice};
 pub use csr::{Csr, Pattern};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
-pub use gmres::{Gmres, GmresReport};
+pub use gmres::{Gmres, GmresReport, GmresSettings};
 pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 #[cfg(feature = "mumps")]
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};

@@ -144,6 +144,11 @@ impl Expression {
         self.constant_value().is_some()
     }
 
+    /// Whether the value is 0 everywhere and always.
+    pub fn is_zero(&self) -> bool {
+        self.constant_value() == Some(0.0)
+    }
+
     /// The value, if it is the same everywhere and always.
     pub fn constant_value(&self) -> Option<f64> {
         self.program.as_constant()

@@ -32,7 +32,7 @@ pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};
 pub use functionals::{FUNCTIONALS, FunctionalSpec, Site};
 pub use schema::{
-    AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, Integral, KRYLOV, KrylovSpec,
-    LinearSolverKind, LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec,
-    OutputSpec, OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent, TimeSpec,
+    AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, GMRES, Integral, KRYLOV, LinearSolverKind,
+    LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec, OutputSpec,
+    OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent, TimeSpec,
 };

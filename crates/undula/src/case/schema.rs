@@ -20,7 +20,7 @@ pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
 pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
-pub use solver::{KRYLOV, KrylovSpec, LinearSpec, NewtonSpec, OutputSpec, TimeSpec};
+pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::sync::Arc;

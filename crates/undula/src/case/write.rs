@@ -1,17 +1,16 @@
 //! A case as TOML with all defaults resolved.
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+mod functional;
+
+use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
-use super::functionals::{FUNCTIONALS, FunctionalSpec, Site};
 use super::literal::{number, pair, string};
 use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
-use crate::functional::energy::ENERGIES;
 use crate::functional::nodal::FIELDS;
-use crate::functional::quantity::{self, COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
@@ -297,17 +296,17 @@ impl Case {
             out.choice("difference", &DIFFERENCES, &difference.stencil);
             out.key("epsilon", number(difference.epsilon));
         }
-        if let Some(rate_max) = newton.rate_max {
+        if let Some(rate_max) = newton.settings.rate_max {
             out.key("rate-max", number(rate_max));
         }
-        out.key("secants", newton.secants.to_string());
-        out.key("tolerance", number(newton.tolerance));
-        if let Some(floor) = newton.floor {
+        out.key("secants", newton.settings.secants.to_string());
+        out.key("tolerance", number(newton.settings.tolerance));
+        if let Some(floor) = newton.settings.floor {
             out.key("floor", number(floor));
         }
-        out.key("max-steps", newton.max_steps.to_string());
+        out.key("max-steps", newton.settings.max_steps.to_string());
         out.choice("start", &STARTS, &newton.extrapolate);
-        out.key("line-search", newton.line_search.to_string());
+        out.key("line-search", newton.settings.line_search.to_string());
         out.table("linear");
         out.choice("solver", &SOLVERS, &self.linear.solver);
         out.choice("precision", &PRECISIONS, &self.linear.precision);
@@ -350,64 +349,4 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
 /// An array of strings.
 fn names(list: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     format!("[{}]", list.into_iter().map(|name| string(name.as_ref())).collect::<Vec<_>>().join(", "))
-}
-
-impl Site {
-    fn write(&self, out: &mut Lines) {
-        match self {
-            Site::Point { point, region } => {
-                out.key("point", pair(point));
-                if let Some(region) = region {
-                    out.word("region", region);
-                }
-            }
-            Site::Boundaries(on, take) => {
-                out.key("on", names(on));
-                out.choice("take", &TAKES, take);
-            }
-            Site::Region(region, take) => {
-                out.word("region", region);
-                out.choice("take", &TAKES, take);
-            }
-        }
-    }
-}
-
-impl FunctionalSpec {
-    /// The lines of its table.
-    fn write(&self, out: &mut Lines) {
-        out.variant("kind", &FUNCTIONALS, self);
-        match self {
-            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                out.key("on", names(on));
-                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
-                out.choice("method", &METHODS, surface_integral);
-                if let Some(scales) = coefficient {
-                    out.key("coefficient", pair(scales));
-                }
-            }
-            FunctionalSpec::Displacement { point, component } => {
-                out.key("point", pair(point));
-                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
-            }
-            FunctionalSpec::PressureDifference { a, b } => {
-                out.key("a", pair(a));
-                out.key("b", pair(b));
-            }
-            FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
-            FunctionalSpec::Rotation => {}
-            FunctionalSpec::Flux { on } | FunctionalSpec::Power { on } => out.key("on", names(on)),
-            FunctionalSpec::Pressure(at) => at.write(out),
-            FunctionalSpec::Velocity { component, at } | FunctionalSpec::Stress { component, at } => {
-                out.choice("component", &COMPONENTS, component);
-                at.write(out);
-            }
-            FunctionalSpec::WallShearStress { component, on, take } => {
-                out.key("on", names(on));
-                out.choice("component", &COMPONENTS, component);
-                out.choice("take", &TAKES, take);
-            }
-            FunctionalSpec::Volume { region } => out.word("region", region),
-        }
-    }
 }

@@ -31,7 +31,7 @@ pub(super) struct Bordered {
 }
 
 impl Bordered {
-    /// Take the borders at the iterate of `view`.
+    /// Take the borders at the iterate of `view`. Returns how many times factors were applied.
     ///
     /// # Errors
     /// If a correction fails, or if the borders are dependent.
@@ -41,18 +41,19 @@ impl Bordered {
         matrix: Matrix,
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
         self.of = None;
         assembler.borders(matrix, view, &mut self.borders);
-        let (n, fields) = (self.borders.len(), assembler.space.n_unknowns());
+        let (n, fields) = (self.borders.len(), assembler.space.n_field_unknowns());
         self.solved.resize(n, vec![]);
         let mut column = vec![0.0; if n > 0 { fields } else { 0 }];
+        let mut applied = 0;
         for (border, z) in self.borders.iter().zip(&mut self.solved) {
             column.fill(0.0);
             z.resize(fields, 0.0);
             border.add_column(1.0, &mut column);
             assembler.zero_given(&mut column);
-            correction.correct(assembler, view, true, &column, z)?;
+            applied += correction.correct(assembler, view, true, &column, z)?;
         }
         self.small.clear();
         for (i, border) in self.borders.iter().enumerate() {
@@ -62,10 +63,10 @@ impl Bordered {
         }
         self.factor()?;
         self.of = Some((matrix, view.rule));
-        Ok(())
+        Ok(applied)
     }
 
-    /// δ from the residual `r`, both `[v, u, p, s]`.
+    /// δ from the residual `r`, both `[v, u, p, s]`. Returns how many times factors were applied.
     pub(super) fn correct<const D: usize>(
         &mut self,
         correction: &mut dyn Correction<D>,
@@ -75,15 +76,16 @@ impl Bordered {
         r: &[f64],
         delta: &mut [f64],
     ) -> Result<usize, SolverError> {
-        let fields = assembler.space.n_unknowns();
+        let fields = assembler.space.n_field_unknowns();
         let (r, r_scalar) = r.split_at(fields);
         let (delta, scalars) = delta.split_at_mut(fields);
         let Some((matrix, rule)) = self.of else { return Err(SolverError::NotFactored) };
+        let mut applied = 0;
         if !self.borders.is_empty() && rule != view.rule {
             // The factors serve another step of the same kθ.
-            self.renew(correction, matrix, assembler, view)?;
+            applied = self.renew(correction, matrix, assembler, view)?;
         }
-        let applied = correction.correct(assembler, view, settled, r, delta)?;
+        applied += correction.correct(assembler, view, settled, r, delta)?;
         scalars.fill(0.0);
         self.lambda.clear();
         for border in self.borders.iter() {

@@ -44,7 +44,7 @@ impl<const D: usize> Condensed<D> {
             relation,
             b: vec![0.0; n],
             x: vec![0.0; n],
-            work: vec![0.0; assembler.space.n_unknowns()],
+            work: vec![0.0; assembler.space.n_field_unknowns()],
             system,
         })
     }

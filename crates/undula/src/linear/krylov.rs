@@ -1,16 +1,14 @@
 //! GMRES for one matrix, preconditioned by the factors of another.
 
 use super::scales::Scales;
-use crate::algebra::{Gmres, LinearOperator, SolverError};
+use crate::algebra::{Gmres, GmresSettings, LinearOperator, SolverError};
 
 /// What GMRES is asked for.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct KrylovSettings {
-    /// Residual of the linear system relative to its right-hand side, in the units of Newton's criterion.
-    pub tolerance: f64,
-    /// Iterations at most; beyond them the factors are renewed.
-    pub size: usize,
-    /// Units of the residuals.
+    /// When it ends; beyond its iterations the factors are renewed.
+    pub gmres: GmresSettings,
+    /// Units of the residuals, those of Newton's criterion.
     pub scales: Scales,
 }
 
@@ -26,8 +24,8 @@ pub(super) struct Krylov {
 
 impl Krylov {
     pub(super) fn new(settings: KrylovSettings, rows: usize) -> Krylov {
-        let KrylovSettings { tolerance, size, scales } = settings;
-        Krylov { gmres: Gmres::new(tolerance, size), scales, weights: vec![1.0; rows], active: false }
+        let KrylovSettings { gmres, scales } = settings;
+        Krylov { gmres: Gmres::new(gmres), scales, weights: vec![1.0; rows], active: false }
     }
 
     /// The operator is new, the factors are not; `set` sets the weights of the rows.

@@ -42,7 +42,7 @@ impl<const D: usize> Lift<D> {
         let Some(extension) = &mut self.extension else { return };
         let n_v = assembler.space.n_v();
         self.work.clear();
-        self.work.resize(assembler.space.n_unknowns(), 0.0);
+        self.work.resize(assembler.space.n_field_unknowns(), 0.0);
         moved.iter().for_each(|&(at, change)| self.work[n_v + at] = change);
         extension.solve(None, &self.work);
         for (place, x) in extension.values() {

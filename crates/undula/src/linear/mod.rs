@@ -155,7 +155,7 @@ impl<const D: usize> Linear<D> {
         })
     }
 
-    /// Assemble and factorise at the iterate of `view`.
+    /// Assemble and factorise at the iterate of `view`. Returns how many times factors were applied, for borders.
     ///
     /// # Errors
     /// If the matrix is singular, or memory is short.
@@ -165,7 +165,7 @@ impl<const D: usize> Linear<D> {
         view: &StepView<'_>,
         tangent: Tangent,
         seconds: &mut Seconds,
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
         let start = Instant::now();
         let (slot, sizes, linearization) = (self.slot(), self.sizes, self.active);
         match &mut self.made[slot] {
@@ -182,7 +182,7 @@ impl<const D: usize> Linear<D> {
         self.take_borders(assembler, view, seconds)
     }
 
-    /// Assemble at the iterate of `view`, and keep the factors.
+    /// Assemble at the iterate of `view`, and keep the factors. Returns how many times they were applied, for borders.
     ///
     /// # Errors
     /// If there are none.
@@ -192,7 +192,7 @@ impl<const D: usize> Linear<D> {
         view: &StepView<'_>,
         tangent: Tangent,
         seconds: &mut Seconds,
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
         let (start, linearization) = (Instant::now(), self.active);
         let made = self.at_hand()?;
         made.assemble(&mut At { assembler: &mut *assembler, view, linearization, tangent });
@@ -207,7 +207,7 @@ impl<const D: usize> Linear<D> {
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         seconds: &mut Seconds,
-    ) -> Result<(), SolverError> {
+    ) -> Result<usize, SolverError> {
         let start = Instant::now();
         let matrix = match self.active {
             Linearization::Condensed => Matrix::Condensed,
@@ -215,9 +215,9 @@ impl<const D: usize> Linear<D> {
         };
         let slot = self.slot();
         let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
-        self.bordered.renew(&mut **made, matrix, assembler, view)?;
+        let applied = self.bordered.renew(&mut **made, matrix, assembler, view)?;
         seconds.solve += start.elapsed().as_secs_f64();
-        Ok(())
+        Ok(applied)
     }
 
     /// δ from the residual `r`, both \[v, u, p, s\], by the factors at hand; with `settled` the condensed system takes the

@@ -4,7 +4,7 @@
 //! it adds to directly; where several meet, each has a copy of its own, and copies are added up afterwards
 //! in the order of the chunks. Chunks depend on the mesh alone, and so do all sums, whatever the threads.
 
-use super::scatter::{DROP, Shared};
+use super::scatter::Shared;
 use crate::algebra::SolverError;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -68,15 +68,38 @@ pub fn for_each(chunks: &[Range<usize>], threads: usize, work: &(dyn Fn(&Range<u
     }
 }
 
-/// Where the batches write: consecutive indices of each batch, each standing for `width` entries from it on.
+/// Where the batches write: indices, each standing for a block of entries from it on.
 pub struct Writes<'a> {
-    /// First entries, or [`DROP`].
+    /// First entries; not below [`ODD`], such as [`super::scatter::DROP`], is what stands for none.
     pub indices: &'a mut [u32],
-    /// How many of them belong to a batch.
-    pub per_batch: usize,
-    /// Entries behind each index.
-    pub width: usize,
+    /// Those of each chunk.
+    pub ranges: Vec<Range<usize>>,
+    /// Rows of a block, and entries of a row.
+    pub block: [usize; 2],
+    /// How far apart the rows of the block at an index are in the array, by its number; those of a copy follow each
+    /// other.
+    pub stride: Box<dyn Fn(usize) -> u32 + 'a>,
 }
+
+impl<'a> Writes<'a> {
+    /// Runs of `width` entries, `per_batch` of them for each batch.
+    pub fn runs(
+        indices: &'a mut [u32],
+        chunks: &[Range<usize>],
+        per_batch: usize,
+        width: usize,
+    ) -> Writes<'a> {
+        Writes { indices, ranges: ranges(chunks, per_batch), block: [1, width], stride: Box::new(|_| 0) }
+    }
+}
+
+/// What belongs to each chunk of a list with `per_batch` entries of each batch.
+pub fn ranges(chunks: &[Range<usize>], per_batch: usize) -> Vec<Range<usize>> {
+    chunks.iter().map(|chunk| chunk.start * per_batch..chunk.end * per_batch).collect()
+}
+
+/// Indices from here on have a meaning of their own.
+pub const ODD: u32 = COPY;
 
 /// Copies of the entries at which chunks meet.
 #[derive(Debug, Default)]
@@ -98,12 +121,12 @@ const SHARED: u32 = COPY - 1;
 const COPY: u32 = 1 << 31;
 
 /// The chunk that writes each of `n` entries, [`FREE`] or [`SHARED`].
-fn owners(n: usize, chunks: &[Range<usize>], writes: &[Writes<'_>]) -> Vec<u32> {
+fn owners(n: usize, chunks: usize, writes: &[Writes<'_>]) -> Vec<u32> {
     let mut owner = vec![FREE; n];
-    for (c, chunk) in chunks.iter().enumerate() {
+    for c in 0..chunks {
         for w in writes.iter() {
-            for &at in &w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
-                if at != DROP {
+            for &at in &w.indices[w.ranges[c].clone()] {
+                if at < ODD {
                     let owner = &mut owner[at as usize];
                     *owner = if *owner == FREE || *owner == c as u32 { c as u32 } else { SHARED };
                 }
@@ -114,21 +137,16 @@ fn owners(n: usize, chunks: &[Range<usize>], writes: &[Writes<'_>]) -> Vec<u32> 
 }
 
 impl Copies {
-    /// Redirect `writes` into an array of `n` entries: an index beyond n is a copy.
+    /// Redirect `writes` of `chunks` chunks into an array of `n` entries: an index beyond n is a copy.
     ///
     /// # Errors
     /// [`SolverError::TooLarge`] if entries and copies together are too many for 31 bits.
-    pub fn new(n: usize, chunks: &[Range<usize>], writes: &mut [Writes<'_>]) -> Result<Copies, SolverError> {
+    pub fn new(n: usize, chunks: usize, writes: &mut [Writes<'_>]) -> Result<Copies, SolverError> {
         Self::within(COPY, n, chunks, writes)
     }
 
     /// The same with fewer than `limit` entries and copies.
-    fn within(
-        limit: u32,
-        n: usize,
-        chunks: &[Range<usize>],
-        writes: &mut [Writes<'_>],
-    ) -> Result<Copies, SolverError> {
+    fn within(limit: u32, n: usize, chunks: usize, writes: &mut [Writes<'_>]) -> Result<Copies, SolverError> {
         let too_many = |n: u64| {
             let message = format!("{n} entries of a matrix or vector, fewer than {limit} can be numbered");
             Err(SolverError::TooLarge(message))
@@ -140,28 +158,31 @@ impl Copies {
         // From now on `owner` of a shared entry is where its copy for the present chunk is.
         let mut found: Vec<(u32, u32)> = vec![];
         let mut next: u32 = 0;
-        for chunk in chunks {
+        for chunk in 0..chunks {
             let first = next;
             let mut of_chunk: Vec<(u32, u32)> = vec![];
             for w in writes.iter_mut() {
-                for at in &mut w.indices[chunk.start * w.per_batch..chunk.end * w.per_batch] {
+                let [rows, width] = w.block.map(|size| size as u32);
+                for index in w.ranges[chunk].clone() {
+                    let at = w.indices[index];
                     // Chunks have small numbers: the entry is this one's alone.
-                    if *at == DROP || owner[*at as usize] < SHARED {
+                    if at >= ODD || owner[at as usize] < SHARED {
                         continue;
                     }
-                    let place = &mut owner[*at as usize];
+                    let place = &mut owner[at as usize];
                     if *place == SHARED {
-                        let all = n as u64 + u64::from(next) + w.width as u64;
+                        let all = n as u64 + u64::from(next) + u64::from(rows * width);
                         if all >= u64::from(limit) {
                             return too_many(all);
                         }
                         *place = COPY | (next - first);
-                        for i in 0..w.width as u32 {
-                            of_chunk.push((*at + i, next + i));
+                        let stride = (w.stride)(index);
+                        for (i, j) in (0..rows).flat_map(|i| (0..width).map(move |j| (i, j))) {
+                            of_chunk.push((at + i * stride + j, next + i * width + j));
                         }
-                        next += w.width as u32;
+                        next += rows * width;
                     }
-                    *at = n as u32 + first + (*place & !COPY);
+                    w.indices[index] = n as u32 + first + (*place & !COPY);
                 }
             }
             for &(target, _) in &of_chunk {
@@ -221,6 +242,7 @@ impl Copies {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scatter::DROP;
     use super::*;
 
     #[test]
@@ -250,11 +272,10 @@ mod tests {
         }
         single.iter().for_each(|&at| expected[at as usize] += 1.0);
         let (mut to_pairs, mut to_single) = (pairs, single);
-        let mut writes = [
-            Writes { indices: &mut to_pairs, per_batch: 4, width: 2 },
-            Writes { indices: &mut to_single, per_batch: 1, width: 1 },
-        ];
-        let mut copies = Copies::new(n, &list, &mut writes).unwrap();
+        let mut writes =
+            [Writes::runs(&mut to_pairs, &list, 4, 2), Writes::runs(&mut to_single, &list, 1, 1)];
+        let mut copies = Copies::new(n, list.len(), &mut writes).unwrap();
+        drop(writes);
         for _ in 0..2 {
             let mut out = vec![0.0; n];
             let shared = copies.share(&mut out);
@@ -273,8 +294,8 @@ mod tests {
         let list = chunks(40);
         let mut indices: Vec<u32> = (0..40).map(|batch| batch % 7).collect();
         let mut within = |limit| {
-            let mut writes = [Writes { indices: &mut indices, per_batch: 1, width: 1 }];
-            Copies::within(limit, 7, &list, &mut writes).map(|copies| copies.places.len())
+            let mut writes = [Writes::runs(&mut indices, &list, 1, 1)];
+            Copies::within(limit, 7, list.len(), &mut writes).map(|copies| copies.places.len())
         };
         for limit in [7, 8, 20] {
             let message = within(limit).unwrap_err().to_string();

@@ -63,6 +63,12 @@ impl<'a> Shared<'a> {
         }
     }
 
+    /// Whether `at` is a copy.
+    #[inline(always)]
+    pub fn is_copy(&self, at: u32) -> bool {
+        at as usize >= self.array.len()
+    }
+
     /// `array[at]`.
     #[inline(always)]
     pub fn get(&self, at: u32) -> f64 {

@@ -76,6 +76,16 @@ pub fn pieces(c: &Couplings, dim: usize, deforms: bool) -> Vec<Piece> {
 }
 
 impl Test {
+    /// 0 for φ, 1 for ψ, 2 for ξ; and the component.
+    #[inline(always)]
+    pub fn split(self) -> (usize, usize) {
+        match self {
+            Test::Phi(i) => (0, i),
+            Test::Psi(i) => (1, i),
+            Test::Xi => (2, 0),
+        }
+    }
+
     /// Number of the value component among those of `Tested`.
     fn component(self, dim: usize) -> usize {
         match self {
@@ -87,6 +97,16 @@ impl Test {
 }
 
 impl Trial {
+    /// 0 for v, 1 for u, 2 for p; and the component.
+    #[inline(always)]
+    pub fn split(self) -> (usize, usize) {
+        match self {
+            Trial::V(j) => (0, j),
+            Trial::U(j) => (1, j),
+            Trial::P => (2, 0),
+        }
+    }
+
     /// Number of the value component among those of `Fields`.
     fn component(self, dim: usize) -> usize {
         match self {

@@ -30,6 +30,7 @@ mod write;
 pub use write::{check_empty, write};
 
 use crate::algebra::{LinearSolver, MultifrontalLu, Options, SolverError};
+use crate::case::expression::Expression;
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::physics::Solid;
@@ -160,7 +161,14 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         return Err(case.refuse("solid.law", message));
     }
     let space = case.build_space()?;
-    let setting = setting(case, &space, Solid { rho: solid.density, material: solid.material() });
+    let constraints = Constraints::new(&space, &case.conditions(&space.mesh));
+    if !constraints.directions.is_empty() {
+        let message = "modes hold components of u, and a boundary with `slip` or `symmetry` is inclined or curved: expected \
+                       boundaries parallel to axes";
+        return Err(case.refuse("boundary", message.into()));
+    }
+    let setting =
+        setting(case, &space, &constraints, Solid { rho: solid.density, material: solid.material() });
     if let Some((lower, upper)) = setting.unheld() {
         let message = format!(
             "nothing holds the part of the solid in {lower:?} to {upper:?} m, so that it has rigid motions and K is \
@@ -183,8 +191,27 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
     }
 }
 
-fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, solid: Solid) -> Setting<'a> {
-    let constraints = Constraints::new(space, &case.conditions(&space.mesh));
+/// The keys of the loads of `case`, which have no effect: modes are those of a body at rest without loads.
+pub fn unused_loads(case: &Case) -> Vec<String> {
+    let fluid = case.fluid.as_ref().map(|fluid| ("fluid.body-force", &fluid.body_force));
+    let solid = case.solid.as_ref().map(|solid| ("solid.body-force", &solid.body_force));
+    let acts = |load: &[Expression; 2]| !load.iter().all(Expression::is_zero);
+    let forces = [fluid, solid].into_iter().flatten().filter(|(_, force)| acts(force));
+    let loads = |(name, condition): (&String, &Condition)| -> Vec<String> {
+        let data = condition.data().into_iter().filter(|_| !matches!(condition, Condition::Velocity(_)));
+        let loaded = data.filter(|(_, data)| !data.iter().all(|e| e.is_zero()));
+        loaded.map(|(key, _)| format!("boundary.{name}.{key}")).collect()
+    };
+    let of_side = case.boundary.iter().flat_map(loads);
+    forces.map(|(key, _)| key.to_string()).chain(of_side).collect()
+}
+
+fn setting<'a>(
+    case: &Case,
+    space: &'a FsiSpace<2>,
+    constraints: &Constraints<2>,
+    solid: Solid,
+) -> Setting<'a> {
     let held = constraints.v.iter().zip(&constraints.u);
     let held = held.map(|(v, u)| std::array::from_fn(|i| v[i] || u[i])).collect();
     let open = |name: &String| case.boundary.get(name).is_some_and(Condition::is_natural);

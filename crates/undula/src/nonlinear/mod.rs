@@ -8,7 +8,7 @@ mod secants;
 mod system;
 
 pub use error::NewtonError;
-pub use newton::{GROWTH, Memory, Newton, Settings};
+pub use newton::{GROWTH, Memory, Newton, NewtonSettings};
 pub use renewal::Age;
 pub use report::{Counters, NewtonReport, Seconds};
 pub use system::NonlinearSystem;

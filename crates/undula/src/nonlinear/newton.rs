@@ -30,7 +30,7 @@ const EXPECTED: f64 = 100.0;
 
 /// When to stop and when to renew the Jacobian.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Settings {
+pub struct NewtonSettings {
     /// Reduction of the scaled residual relative to the reference.
     pub tolerance: f64,
     /// Scaled residual below which a step is solved whatever the reference. `None`: that of
@@ -79,7 +79,7 @@ impl Default for Memory {
 /// Newton's method; keeps the factorised Jacobian from one solve to the next.
 pub struct Newton {
     /// When to stop and when to renew the Jacobian.
-    pub settings: Settings,
+    pub settings: NewtonSettings,
     /// Work done since the beginning.
     pub counters: Counters,
     /// Seconds since the beginning.
@@ -96,7 +96,7 @@ pub struct Newton {
 
 impl Newton {
     /// For systems of `n` unknowns; the norm of corrections sees the first `measured` of them.
-    pub fn new(settings: Settings, n: usize, measured: usize) -> Newton {
+    pub fn new(settings: NewtonSettings, n: usize, measured: usize) -> Newton {
         Newton {
             settings,
             counters: Counters::default(),
@@ -203,21 +203,21 @@ impl Newton {
         while norm > goal.target {
             self.check(&report, goal.target)?;
             let made = self.prepare(system, &mut *rule, &mut report)?;
-            let (is_new, all_new) = (made != Make::Nothing, made == Make::Factors);
-            if let Err(error) = self.correct(system, &mut report) {
-                if all_new {
-                    return Err(error.into());
+            let all_new = made == Make::Factors;
+            match self.correct(system, &mut report) {
+                Err(error) if all_new => return Err(error.into()),
+                Err(_) => {
+                    self.forget();
+                    continue;
                 }
-                self.forget();
-                continue;
+                Ok(()) => {}
             }
-            let limit = if is_new || report.norms.len() == 1 { GROWTH * report.norms[0] } else { norm };
-            match self.advance(system, limit, is_new) {
+            match self.advance(system, &report, norm, made != Make::Nothing) {
                 Some(next) => {
                     let ends = all_new && self.is_rounding(system, &goal, norm, next);
                     self.judge(system, &mut *rule, &report, next / norm, goal.target / next);
+                    report.norms.push(next);
                     norm = next;
-                    report.norms.push(norm);
                     if ends {
                         break;
                     }
@@ -263,10 +263,12 @@ impl Newton {
         if made == Make::Factors {
             self.counters.factorizations += 1;
             (self.kept.usable, self.kept.age) = (true, Age::default());
-            system.renew(&mut self.seconds)?;
-        } else {
-            system.refresh(&mut self.seconds)?;
         }
+        let applied = match made {
+            Make::Factors => system.renew(&mut self.seconds)?,
+            _ => system.refresh(&mut self.seconds)?,
+        };
+        self.count(report, applied);
         report.jacobians += 1;
         Ok(made)
     }
@@ -289,10 +291,15 @@ impl Newton {
             Err(SolverError::NotConverged { iterations, .. }) => iterations,
             Err(_) => 0,
         };
-        report.linear_iterations += iterations;
-        self.counters.linear_iterations += iterations;
+        self.count(report, iterations);
         self.seconds.solve += start.elapsed().as_secs_f64();
         solved.map(|_| ())
+    }
+
+    /// Count iterations of the linear solver.
+    fn count(&mut self, report: &mut NewtonReport, iterations: usize) {
+        report.linear_iterations += iterations;
+        self.counters.linear_iterations += iterations;
     }
 
     /// Let the `rule` judge the Jacobian by an iteration of this `rate`, `left` of whose residual is wanted.
@@ -316,11 +323,19 @@ impl Newton {
         rate > 0.5 && (small || norm < EXPECTED * goal.noise || system.is_negligible(&self.delta))
     }
 
-    /// Subtract the update, halved until the iterate is admissible and its residual below `limit`;
+    /// Subtract the update, halved until the iterate is admissible and its residual small enough after that of `norm`;
     /// `None`: it never is, iterate restored.
     ///
-    /// An old Jacobian gets one try: shortening its steps is dearer than a new one.
-    fn advance(&mut self, system: &mut impl NonlinearSystem, limit: f64, fresh: bool) -> Option<f64> {
+    /// A Jacobian that is not `fresh` gets one try: shortening its steps is dearer than a new one.
+    fn advance(
+        &mut self,
+        system: &mut impl NonlinearSystem,
+        report: &NewtonReport,
+        norm: f64,
+        fresh: bool,
+    ) -> Option<f64> {
+        let may_grow = fresh || report.norms.len() == 1;
+        let limit = if may_grow { GROWTH * report.norms[0] } else { norm };
         let tries = if fresh { self.settings.line_search } else { 0 };
         let mut omega = 1.0;
         system.update(-omega, &self.delta);
@@ -340,7 +355,7 @@ impl Newton {
 }
 
 impl Goal {
-    fn new(settings: &Settings, reference: f64, noise: f64) -> Goal {
+    fn new(settings: &NewtonSettings, reference: f64, noise: f64) -> Goal {
         let target = (settings.tolerance * reference).max(settings.floor.unwrap_or(noise));
         Goal { target, reference, noise }
     }

@@ -8,21 +8,22 @@ pub trait NonlinearSystem {
     /// Residual at the iterate into `r`; returns its scaled norm, or `None` where the iterate is not
     /// admissible (the domain map has folded, or a number is not finite).
     fn residual(&mut self, r: &mut [f64]) -> Option<f64>;
-    /// Jacobian, or what stands for it, at the iterate, ready for corrections.
+    /// Jacobian, or what stands for it, at the iterate, ready for corrections; returns how many times its factors were
+    /// applied already.
     ///
     /// # Errors
     /// If it is singular.
-    fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError>;
+    fn renew(&mut self, seconds: &mut Seconds) -> Result<usize, SolverError>;
     /// Whether the factors can be those of an older Jacobian than the one that corrections come from.
     fn is_iterative(&self) -> bool {
         false
     }
     /// The Jacobian at the iterate, with the factors at hand as its preconditioner; called where it
-    /// [is iterative](NonlinearSystem::is_iterative).
+    /// [is iterative](NonlinearSystem::is_iterative). Returns how many times they were applied already.
     ///
     /// # Errors
     /// If there are no factors.
-    fn refresh(&mut self, _seconds: &mut Seconds) -> Result<(), SolverError> {
+    fn refresh(&mut self, _seconds: &mut Seconds) -> Result<usize, SolverError> {
         Err(SolverError::NotFactored)
     }
     /// δ ← J⁻¹ r with the Jacobian at hand; returns how many times its factors were applied to a residual.

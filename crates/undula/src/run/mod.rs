@@ -73,10 +73,23 @@ pub trait Observer {
 /// Problems with the case, its mesh, or files. A breakdown is no error: the summary has that status.
 pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Result<Summary, Error> {
     // Everything that can be wrong with the input is found before a file is touched.
-    let mut simulation = match options.resume {
+    let simulation = match options.resume {
         true => again(case, options)?,
         false => Simulation::new(case, options.threads)?,
     };
+    run_simulation(simulation, options, observer)
+}
+
+/// [`run`] of a simulation that may have terms and functionals of its own; one that resumes has those of the first run.
+///
+/// # Errors
+/// As [`run`].
+#[doc(hidden)]
+pub fn run_simulation(
+    mut simulation: Simulation,
+    options: &RunOptions,
+    observer: &mut dyn Observer,
+) -> Result<Summary, Error> {
     simulation.stepper.newton.stop = observer.stop();
     let mut run = if options.resume {
         Run::resume(simulation, &options.directory, observer)?

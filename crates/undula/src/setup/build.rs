@@ -4,13 +4,13 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, KrylovSpec, Precision, PressureElement, VelocityElement};
+use crate::case::{Case, Condition, Precision, PressureElement, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
-use crate::nonlinear::{Newton, Settings};
+use crate::nonlinear::Newton;
 use crate::operators::pressure::pressure;
 use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
@@ -157,7 +157,7 @@ impl Case {
             kind.make(precision, definite, options)
         });
         let scales = self.scales(&space, largest);
-        let krylov = |k: KrylovSpec| KrylovSettings { tolerance: k.tolerance, size: k.size, scales };
+        let krylov = |gmres| KrylovSettings { gmres, scales };
         let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
@@ -183,19 +183,7 @@ impl Case {
 
     /// Newton's method for `assembler`, with nothing kept.
     pub fn build_newton(&self, assembler: &Assembler<2>) -> Newton {
-        Newton::new(self.newton_settings(), assembler.n_unknowns(), assembler.space.n_v())
-    }
-
-    fn newton_settings(&self) -> Settings {
-        let n = &self.newton;
-        Settings {
-            tolerance: n.tolerance,
-            floor: n.floor,
-            rate_max: n.rate_max,
-            secants: n.secants,
-            max_steps: n.max_steps,
-            line_search: n.line_search,
-        }
+        Newton::new(self.newton.settings, assembler.n_unknowns(), assembler.space.n_v())
     }
 
     fn scheme(&self) -> Scheme {
@@ -295,7 +283,7 @@ impl Case {
 
 /// A body force, `None` if it is zero everywhere.
 fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
-    if f.iter().all(|e| e.is_constant() && e.eval(&[0.0; 3], 0.0) == 0.0) {
+    if f.iter().all(Expression::is_zero) {
         return None;
     }
     Some(function(f))

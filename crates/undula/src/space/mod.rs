@@ -142,8 +142,8 @@ impl<const D: usize> FsiSpace<D> {
         self.pressure.n
     }
 
-    /// Number of all unknowns.
-    pub fn n_unknowns(&self) -> usize {
+    /// Number of unknowns of the fields v, u and p, given ones counted; terms may have scalar ones besides.
+    pub fn n_field_unknowns(&self) -> usize {
         self.n_v() + self.n_u() + self.n_p()
     }
 

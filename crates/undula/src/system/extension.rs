@@ -38,7 +38,7 @@ impl<const D: usize> ExtensionSystem<D> {
         let moved: Vec<u32> = constraints.motion.iter().map(|(node, _)| *node).collect();
         // Given, and not 0: the update of an interface, or of a boundary whose displacement is given.
         let drives = |place: u32| !given(place) || moved.binary_search(&((place - first) / D as u32)).is_ok();
-        let mut number = vec![DROP; space.n_unknowns()];
+        let mut number = vec![DROP; space.n_field_unknowns()];
         let mut places = vec![];
         for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
             for place in (0..D).map(|i| first + (node * D + i) as u32).filter(|&place| !given(place)) {

@@ -43,7 +43,7 @@ impl<const D: usize> Assembler<D> {
         if let Some(whole) = &self.whole {
             return Ok(Arc::clone(&whole.pattern));
         }
-        let mut number: Vec<u32> = (0..self.space.n_unknowns() as u32).collect();
+        let mut number: Vec<u32> = (0..self.space.n_field_unknowns() as u32).collect();
         self.given.iter().for_each(|&row| number[row as usize] = DROP);
         let pattern = self.place(Matrix::Whole, &number, number.len(), &self.given.clone())?;
         let find =
@@ -143,7 +143,7 @@ impl<const D: usize> Assembler<D> {
         }
         let mut borders = std::mem::take(&mut self.borders);
         self.borders(matrix, step, &mut borders);
-        let first = self.space.n_unknowns();
+        let first = self.space.n_field_unknowns();
         for border in borders.iter() {
             let product = border.product(work);
             match border.scalar {
@@ -176,7 +176,7 @@ impl<const D: usize> Assembler<D> {
             return Ok(Arc::clone(system));
         }
         self.blocks = Blocks::of(&self.terms);
-        let n = self.space.n_unknowns();
+        let n = self.space.n_field_unknowns();
         let mut number = vec![0; n];
         number[self.space.n_v()..self.space.n_v() + self.space.n_u()].fill(DROP);
         self.given.iter().for_each(|&place| number[place as usize] = DROP);

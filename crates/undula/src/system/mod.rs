@@ -145,7 +145,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Number of all unknowns `[v, u, p, s]`, those of the fields and scalar ones.
     pub fn n_unknowns(&self) -> usize {
-        self.space.n_unknowns() + self.scalars
+        self.space.n_field_unknowns() + self.scalars
     }
 
     /// Rest.
@@ -365,7 +365,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Whether each unknown `[v, u, p]` is given.
     pub fn is_given(&self) -> Vec<bool> {
-        let mut given = vec![false; self.space.n_unknowns()];
+        let mut given = vec![false; self.space.n_field_unknowns()];
         self.given.iter().for_each(|&row| given[row as usize] = true);
         given
     }

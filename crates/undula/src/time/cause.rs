@@ -287,7 +287,7 @@ fn of_solver<const D: usize>(space: &FsiSpace<D>, error: &SolverError) -> Cause 
 
 /// The equation and place of row `i` of a residual `[v, u, p, s]`.
 fn row<const D: usize>(space: &FsiSpace<D>, i: usize) -> (Equation, Spot) {
-    let (n_v, n_u, fields) = (space.n_v(), space.n_u(), space.n_unknowns());
+    let (n_v, n_u, fields) = (space.n_v(), space.n_u(), space.n_field_unknowns());
     if i >= fields {
         let text = format!("scalar unknown {}", i - fields);
         return (Equation::Scalar, Spot { at: vec![], text });

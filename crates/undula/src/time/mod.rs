@@ -15,6 +15,7 @@ mod stationary;
 pub mod stepper;
 pub mod system;
 
+pub use crate::nonlinear::NewtonSettings;
 pub use crate::tangent::Linearization;
 pub use adaptive::{Adaptive, AdaptiveSettings};
 pub use cause::{Cause, DataFault, DataKind};

@@ -56,7 +56,7 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         (self.min_j > 0.0).then_some(self.norms.max())
     }
 
-    fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
+    fn renew(&mut self, seconds: &mut Seconds) -> Result<usize, SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
         match self.point {
             Some(point) => {
@@ -78,7 +78,7 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
         self.linear.is_iterative()
     }
 
-    fn refresh(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
+    fn refresh(&mut self, seconds: &mut Seconds) -> Result<usize, SolverError> {
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
         self.linear.refresh(self.assembler, &view, self.tangent, seconds)
     }

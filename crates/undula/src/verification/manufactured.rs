@@ -6,7 +6,7 @@
 use crate::algebra::FaerLu;
 use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
-use crate::nonlinear::{Newton, Settings};
+use crate::nonlinear::{Newton, NewtonSettings};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Dots, FacetForm, Fields, Fluid, Outflow, Place, StepRule, Tested, WeakForm};
 use crate::sampling::for_each_point;
@@ -129,7 +129,7 @@ impl Manufactured {
         let assembler = self.assembler(options);
         let make: MakeSolver = Box::new(|_| Box::new(FaerLu::faer(crate::algebra::Options::default())));
         let linear = Linear::new(Linearization::Newton, make);
-        let settings = Settings {
+        let settings = NewtonSettings {
             tolerance: 1e-11,
             floor: Some(1e-12),
             rate_max: Some(0.1),
@@ -166,7 +166,7 @@ impl Manufactured {
     /// The right-hand side as a stepper takes it.
     pub fn source(&self) -> Source {
         let (problem, facets) = (self.clone(), self.outflow());
-        let mut rows = vec![0.0; self.space.n_unknowns()];
+        let mut rows = vec![0.0; self.space.n_field_unknowns()];
         Box::new(move |t_old, t, theta, out| {
             problem.weak_form(&facets, t_old, t, theta, None, &mut rows);
             for (out, row) in out.iter_mut().zip(&rows) {

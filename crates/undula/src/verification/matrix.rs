@@ -84,7 +84,7 @@ fn groups(space: &FsiSpace<2>) -> Vec<usize> {
     };
     let mut list: Vec<usize> = (0..space.n_v()).map(|i| place(i / 2)).collect();
     list.extend((0..space.n_u()).map(|i| place(i / 2) + 1));
-    list.resize(space.n_unknowns(), 0);
+    list.resize(space.n_field_unknowns(), 0);
     list
 }
 

@@ -119,7 +119,7 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
         space: Arc::new(space),
     };
     let options = Options::serial(case.space.quadrature);
-    let unknowns = problem.space.n_unknowns();
+    let unknowns = problem.space.n_field_unknowns();
     let Some(time) = in_time else {
         let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, false, &options);
         stepper.assembler.stabilize(&case.stabilization, &options)?;

@@ -48,3 +48,39 @@ pub const SCHEMES: [&str; 7] = [
     "time.scheme=cg1",
     "time.scheme=bdf2",
 ];
+
+/// A channel of 4 m × 1 m with ρ = 1 and ν = 0.1 between two walls, in `cells` cells, with tractions (N/m²) at its inlet
+/// `left` and its outlet `right`, and the tables `more`.
+pub fn channel(
+    cells: [usize; 2],
+    inlet: [String; 2],
+    outlet: [String; 2],
+    more: &str,
+    overrides: &[&str],
+) -> Case {
+    let text = format!(
+        r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [4, 1]
+cells = {cells:?}
+[fluid]
+density = 1
+kinematic-viscosity = 0.1
+[boundary.left]
+condition = "traction"
+traction = {inlet:?}
+[boundary.right]
+condition = "traction"
+traction = {outlet:?}
+[boundary.top]
+condition = "no-slip"
+[boundary.bottom]
+condition = "no-slip"
+[newton]
+tolerance = 1e-12
+{more}"#
+    );
+    Case::from_toml(&text, "channel.toml", &sets(overrides)).unwrap()
+}

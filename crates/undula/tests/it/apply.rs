@@ -166,7 +166,7 @@ fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
     let sides: Vec<Side> = problem.space.mesh.facets.iter().map(|facet| facet.side()).collect();
     for rule in [RULES[0], StepRule::galerkin(0.05), StepRule::theta(0.05, 1.0)] {
         let step = StepView { rule, new: &new, old: &old };
-        let mut rows = vec![0.0; problem.space.n_unknowns()];
+        let mut rows = vec![0.0; problem.space.n_field_unknowns()];
         let mut sum = Vector::zero();
         for term in &mut terms {
             term.residual(&step, &mut rows);

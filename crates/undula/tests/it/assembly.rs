@@ -49,7 +49,7 @@ fn assembled(
     let mut assembler = problem.assembler(options);
     let (new, old) = (random(problem, 77), random(problem, 78));
     let view = StepView { rule, new: &new, old: &old };
-    let mut residual = vec![0.0; problem.space.n_unknowns()];
+    let mut residual = vec![0.0; problem.space.n_field_unknowns()];
     assembler.explicit(&view, &mut residual);
     let min_j = assembler.residual(&view, &mut residual);
     assert!(min_j > 0.1, "not admissible: J = {min_j}");
@@ -68,7 +68,7 @@ fn check_jacobian(problem: &Manufactured, rule: StepRule, tangent: Tangent) {
     let pressure = problem.space.pressure.kind;
     let (_, matrix, mut assembler) = assembled(problem, &Options::serial(problem.quadrature), rule, tangent);
     let (mut new, old) = (random(problem, 77), random(problem, 78));
-    let n = problem.space.n_unknowns();
+    let n = problem.space.n_field_unknowns();
     let given = given(&assembler);
     let row_size: Vec<f64> = (0..n).map(|i| largest(&matrix.values[matrix.pattern.row(i)])).collect();
     let entry = |i, j| matrix.pattern.find(i, j).map_or(0.0, |at| matrix.values[at]);
@@ -101,7 +101,7 @@ fn check_jacobian(problem: &Manufactured, rule: StepRule, tangent: Tangent) {
 }
 
 fn given(assembler: &Assembler<2>) -> Vec<bool> {
-    let n = assembler.space.n_unknowns();
+    let n = assembler.space.n_field_unknowns();
     let mut marks = vec![1.0; n];
     assembler.zero_given(&mut marks);
     marks.iter().map(|&m| m == 0.0).collect()
@@ -226,7 +226,7 @@ fn reduced_drops_the_flow_against_deformation() {
     let view = StepView { rule, new: &new, old: &old };
     let full = matrix(&mut assembler, &view, Linearization::Newton, Tangent::Automatic);
     let reduced = matrix(&mut assembler, &view, Linearization::Reduced, Tangent::Automatic);
-    let (n_v, n_u, n) = (space.n_v(), space.n_u(), space.n_unknowns());
+    let (n_v, n_u, n) = (space.n_v(), space.n_u(), space.n_field_unknowns());
     let flow = |i: usize| i < n_v || i >= n_v + n_u;
     for i in 0..n {
         for at in full.pattern.row(i) {
@@ -356,7 +356,7 @@ fn every_row_has_one_owner() {
     let problem = coupled(FSI, Pdc(1));
     let space = &problem.space;
     let (_, matrix, assembler) = assembled(&problem, &options(), RULES[0], Tangent::Automatic);
-    let (n, n_v, n_u) = (space.n_unknowns(), space.n_v(), space.n_u());
+    let (n, n_v, n_u) = (space.n_field_unknowns(), space.n_v(), space.n_u());
     assert_eq!((matrix.pattern.n, assembler.unknowns().len()), (n, n));
     let given = given(&assembler);
     let solid = |node: usize| space.owner[node] == PsiOwner::Relation;
@@ -421,7 +421,7 @@ fn rows_change_with_their_own_parameters_only() {
         touched
     };
     let [of_fluid, of_solid] = [undula::space::Region::Fluid, undula::space::Region::Solid].map(in_cells);
-    for i in (0..space.n_unknowns()).filter(|&i| !given[i]) {
+    for i in (0..space.n_field_unknowns()).filter(|&i| !given[i]) {
         let momentum = i < n_v;
         assert_eq!(changed(&solid, i), momentum && of_solid[i / 2], "row {i} and the solid");
         let psi = (i >= n_v && i < n_v + n_u).then(|| space.owner[(i - n_v) / 2]);

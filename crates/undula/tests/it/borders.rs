@@ -1,11 +1,13 @@
 //! Terms with a scalar unknown, or with a far coupling of rank one: an outlet with a resistance, and one with a given flow.
 
-use crate::common::{SCHEMES, sets};
+use crate::common::{self, SCHEMES};
+use std::path::Path;
 use undula::case::Case;
 use undula::operators::border::Borders;
 use undula::operators::{DataTime, Matrix, NotFinite, Operator, StepView};
+use undula::run::{Flow, Observer, RunOptions, restore_latest, run_simulation};
 use undula::sampling::facet_points;
-use undula::simulation::Simulation;
+use undula::simulation::{Memory, Row, Simulation};
 use undula::space::Region;
 use undula::system::Assembler;
 
@@ -88,34 +90,14 @@ impl Operator<2> for Outlet {
 /// Poiseuille's flow through a channel of 4 m × 1 m with ρ = 1, μ = 0.1 and the pressure `p` at the inlet:
 /// p − p_out = 12 μ L Q / H³ = 4.8 Q. The tractions hold the shear stress of the flow Q.
 fn channel(p: f64, q: f64, more: &[&str]) -> Case {
-    let text = format!(
-        r#"
-[mesh]
-generator = "box"
-lower = [0, 0]
-upper = [4, 1]
-cells = [32, 4]
-[fluid]
-density = 1
-kinematic-viscosity = 0.1
-[boundary.left]
-condition = "traction"
-traction = ["{p}", "-0.6*(1-2*y)*{q}"]
-[boundary.right]
-condition = "traction"
-traction = [0, "0.6*(1-2*y)*{q}"]
-[boundary.top]
-condition = "no-slip"
-[boundary.bottom]
-condition = "no-slip"
+    let energy = r#"
 [functional.energy]
 kind = "energy"
 term = "fluid-kinetic"
-[newton]
-tolerance = 1e-12
-"#
-    );
-    Case::from_toml(&text, "channel.toml", &sets(more)).unwrap()
+"#;
+    let shear = |sign: &str| format!("{sign}0.6*(1-2*y)*{q}");
+    let (inlet, outlet) = ([p.to_string(), shear("-")], ["0".into(), shear("")]);
+    common::channel([32, 4], inlet, outlet, energy, more)
 }
 
 /// The simulation with a term at its outlet.
@@ -226,4 +208,58 @@ fn products_have_borders() {
     for ((y, plus), minus) in y.iter().zip(&plus).zip(&minus) {
         assert!((y - (plus - minus) / 2e-4).abs() < 1e-8 * largest, "{y} for {}", (plus - minus) / 2e-4);
     }
+}
+
+/// Each border costs a correction with each Jacobian, and these are counted with those of the iterations.
+#[test]
+fn corrections_of_borders_are_counted() {
+    let more = ["time.scheme=backward-euler", "time.step=0.2", "time.end=2"];
+    for borders in 0..3 {
+        let mut simulation = Simulation::new(channel(3.2, 0.4, &more), 1).unwrap();
+        for (name, resistance) in [("right", 2.0), ("left", 1.5)].into_iter().take(borders) {
+            let flow = flow(&simulation.stepper.assembler, name);
+            simulation.add_term(Box::new(Outlet::Resistance { resistance, flow }));
+        }
+        run(&mut simulation);
+        let done = &simulation.stepper.newton.counters;
+        assert!(done.jacobians > 0 && done.newton_steps > done.jacobians, "{done:?}");
+        assert_eq!(
+            done.linear_iterations,
+            done.newton_steps + borders * done.jacobians,
+            "{borders}: {done:?}"
+        );
+    }
+}
+
+/// Leaves a run after some steps.
+struct Until(u64);
+
+impl Observer for Until {
+    fn after_step(&mut self, _: &Simulation, row: &Row) -> Flow {
+        if row.step == self.0 { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+/// A run with a scalar unknown that is left and resumed has the bits of one that is not, the history among them.
+#[test]
+fn runs_with_a_scalar_unknown_are_resumed() {
+    let more = ["time.scheme=bdf2", "time.step=0.2", "time.end=2"];
+    let new = || with(channel(3.2, 0.4, &more), |flow| Outlet::Given { flow, given: 0.4, scalar: 0, row: 0 });
+    let part = |name: &str, stop: u64, resume: bool| {
+        let directory = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+        let options =
+            RunOptions { directory: directory.clone(), threads: 1, force: true, resume, commit: None };
+        run_simulation(new(), &options, &mut Until(stop)).unwrap();
+        let mut left = new();
+        restore_latest(&mut left, &directory).unwrap();
+        (left.save(), std::fs::read(directory.join("history.csv")).unwrap())
+    };
+    let (straight, history) = part("borders-straight", 0, false);
+    let (early, _) = part("borders-parts", 4, false);
+    let (resumed, rows) = part("borders-parts", 0, true);
+    let solution = |memory: &Memory| (memory.stepper.new.clone(), memory.stepper.old.clone());
+    assert!(straight.steps == 10 && early.steps == 4 && resumed.steps == 10);
+    assert!(straight.stepper.new.s[0] != early.stepper.new.s[0] && early.stepper.new.s[0] != 0.0);
+    assert!(solution(&straight) == solution(&resumed) && history == rows, "other bits");
+    assert_eq!(straight.stepper.newton.counters, resumed.stepper.newton.counters);
 }

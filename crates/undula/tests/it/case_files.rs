@@ -59,9 +59,9 @@ fn fsi3_is_the_published_problem() {
 fn defaults() {
     let case = Case::from_toml(FLUID, "own.toml", &[]).unwrap();
     assert_eq!(case.name, "own");
-    assert_eq!(case.newton.rate_max, None);
-    assert_eq!(case.newton.tolerance, 1e-8);
-    assert_eq!(case.newton.max_steps, 30);
+    assert_eq!(case.newton.settings.rate_max, None);
+    assert_eq!(case.newton.settings.tolerance, 1e-8);
+    assert_eq!(case.newton.settings.max_steps, 30);
     assert!(case.newton.extrapolate);
     assert_eq!(case.newton.jacobian, Tangent::Automatic);
     assert_eq!(

@@ -117,7 +117,7 @@ fn largest(a: &[f64], b: &[f64], keep: impl Fn(usize) -> bool) -> f64 {
 fn load(problem: &Manufactured) -> Vec<f64> {
     let space = &problem.space;
     let zero = State::zero(space.n_v(), space.n_u(), space.n_p());
-    let mut load = vec![0.0; space.n_unknowns()];
+    let mut load = vec![0.0; space.n_field_unknowns()];
     for_each_point(space, &zero, QUADRATURE, |point| {
         if point.region == Region::Solid {
             let force = [20.0 * point.x[1], 10.0 * (point.x[0] - 1.0)];

@@ -76,7 +76,7 @@ fn force_error(pressure: PressureKind, n: usize) -> [f64; 2] {
     let mut stepper = problem.stepper(Scheme::BackwardEuler, 0.0, false, &options());
     stepper.newton.settings.floor = Some(1e-9);
     stepper.stationary().unwrap();
-    let mut found = vec![0.0; problem.space.n_unknowns()];
+    let mut found = vec![0.0; problem.space.n_field_unknowns()];
     let mut exact = found.clone();
     let (rule, new, old, assembler) = stepper.last_step();
     assembler.region_residual(&StepView { rule, new, old }, Region::Fluid, &mut found);

@@ -34,7 +34,7 @@ fn errors(
     let mut stepper = problem.stepper(scheme, 0.0, false, &options());
     stepper.settings.domain_motion = motion;
     let drag = problem.space.boundary_nodes("interface");
-    let n = problem.space.n_unknowns();
+    let n = problem.space.n_field_unknowns();
     let (mut residual, mut worst) = (vec![0.0; n], [0.0f64; 6]);
     for step in 0..steps {
         let k = match (uneven, step % 2) {

@@ -71,7 +71,7 @@ fn residual(
     let options = options_of(problem);
     let mut assembler =
         Assembler::new(space.clone(), problem.physics, &problem.conditions, stiffness, &options);
-    let mut r = vec![0.0; space.n_unknowns()];
+    let mut r = vec![0.0; space.n_field_unknowns()];
     assembler.residual(&StepView { rule: StepRule::STATIONARY, new: &at, old: &at }, &mut r);
     let mut outer = vec![false; space.nodes.len()];
     for facet in space.mesh.facets.iter().filter(|_| !boundary) {
@@ -150,7 +150,7 @@ fn extension_error(extension: Extension, pair: Pair, n: usize, exact: impl Fn([f
     }
     let mut assembler = problem.assembler(&options_of(&problem));
     let view = StepView { rule: StepRule::STATIONARY, new: &at, old: &at };
-    let mut r = vec![0.0; space.n_unknowns()];
+    let mut r = vec![0.0; space.n_field_unknowns()];
     assembler.residual(&view, &mut r);
     let system = assembler.extension(&view).unwrap();
     let mut solver = FaerLu::faer(undula::algebra::Options::default());
@@ -159,7 +159,7 @@ fn extension_error(extension: Extension, pair: Pair, n: usize, exact: impl Fn([f
     solver.analyse(&system.matrix.pattern, &unknowns).unwrap();
     solver.factor(&system.matrix).unwrap();
     let (mut b, mut x) = (vec![0.0; unknowns.len()], vec![0.0; unknowns.len()]);
-    system.right_hand_side(Some(&r), &vec![0.0; space.n_unknowns()], &mut b);
+    system.right_hand_side(Some(&r), &vec![0.0; space.n_field_unknowns()], &mut b);
     solver.solve(&system.matrix, &b, &mut x).unwrap();
     let error = |(&place, x): (&u32, &f64)| {
         let at = place as usize - space.n_v();

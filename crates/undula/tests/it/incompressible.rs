@@ -183,7 +183,7 @@ fn block(material: Material, cells: Cells, B: Tensor<f64, 2>, P: Tensor<f64, 2>,
         fluid: false,
         quadrature: QUADRATURE,
     };
-    let mut rows = vec![0.0; space.n_unknowns()];
+    let mut rows = vec![0.0; space.n_field_unknowns()];
     for facet in &space.mesh.facets {
         for point in facet_points(&space, facet, 4) {
             let force = P * point.normal * point.weight;

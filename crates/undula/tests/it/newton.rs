@@ -2,7 +2,7 @@
 
 use crate::common::builtin;
 use undula::algebra::SolverError;
-use undula::nonlinear::{Newton, NewtonError, NewtonReport, NonlinearSystem, Seconds, Settings};
+use undula::nonlinear::{Newton, NewtonError, NewtonReport, NewtonSettings, NonlinearSystem, Seconds};
 use undula::simulation::Simulation;
 
 /// f(x) = exp(x) − 1, with a derivative too large by a factor.
@@ -18,9 +18,9 @@ impl NonlinearSystem for Exponential {
         r[0].is_finite().then_some(r[0].abs())
     }
 
-    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+    fn renew(&mut self, _: &mut Seconds) -> Result<usize, SolverError> {
         self.slope = self.factor * self.x.exp();
-        Ok(())
+        Ok(0)
     }
 
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
@@ -41,7 +41,7 @@ impl NonlinearSystem for Exponential {
     }
 }
 
-const EXACT: Settings = Settings {
+const EXACT: NewtonSettings = NewtonSettings {
     tolerance: 1e-12,
     floor: Some(0.0),
     rate_max: Some(0.0),
@@ -50,7 +50,7 @@ const EXACT: Settings = Settings {
     line_search: 0,
 };
 
-fn solve(settings: Settings, x: f64) -> (Result<NewtonReport, NewtonError>, f64) {
+fn solve(settings: NewtonSettings, x: f64) -> (Result<NewtonReport, NewtonError>, f64) {
     let (mut newton, mut system) = (Newton::new(settings, 1, 1), Exponential { x, slope: 1.0, factor: 1.0 });
     let start = newton.norm(&mut system).unwrap();
     (newton.solve(&mut system, start, start), system.x)
@@ -70,7 +70,7 @@ fn exact_newton_is_quadratic_with_a_jacobian_per_iteration() {
 #[test]
 fn a_jacobian_is_kept_while_the_rate_is_good() {
     for rate_max in [0.05, 0.2, 0.5] {
-        let report = solve(Settings { rate_max: Some(rate_max), ..EXACT }, 1.0).0.unwrap();
+        let report = solve(NewtonSettings { rate_max: Some(rate_max), ..EXACT }, 1.0).0.unwrap();
         let rates: Vec<f64> = report.norms.windows(2).map(|pair| pair[1] / pair[0]).collect();
         let bad = rates[..rates.len() - 1].iter().filter(|rate| **rate > rate_max).count();
         assert_eq!(report.jacobians, 1 + bad, "{rate_max}: {rates:?}");
@@ -80,7 +80,7 @@ fn a_jacobian_is_kept_while_the_rate_is_good() {
 
 #[test]
 fn a_jacobian_is_kept_across_solves() {
-    let settings = Settings { rate_max: Some(0.5), ..EXACT };
+    let settings = NewtonSettings { rate_max: Some(0.5), ..EXACT };
     let (mut newton, mut system) =
         (Newton::new(settings, 1, 1), Exponential { x: 0.1, slope: 1.0, factor: 1.0 });
     for (solve, jacobians) in [(0, 1), (1, 0), (2, 0)] {
@@ -101,9 +101,9 @@ fn it_ends_at_the_relative_or_the_absolute_tolerance() {
         let norms = solve(settings, 1.0).0.unwrap().norms;
         (norms[norms.len() - 2], norms[norms.len() - 1], norms[0])
     };
-    let (before, end, start) = last(Settings { tolerance: 1e-3, ..EXACT });
+    let (before, end, start) = last(NewtonSettings { tolerance: 1e-3, ..EXACT });
     assert!(before > 1e-3 * start && end <= 1e-3 * start);
-    let (before, end, _) = last(Settings { floor: Some(1e-2), ..EXACT });
+    let (before, end, _) = last(NewtonSettings { floor: Some(1e-2), ..EXACT });
     assert!(before > 1e-2 && end <= 1e-2);
     // The reference is that of the old solution, whatever the start value.
     let (mut newton, mut system) =
@@ -124,9 +124,9 @@ impl NonlinearSystem for Ageing {
         Some(self.x.iter().fold(0.0, |max: f64, x| max.max(x.abs())))
     }
 
-    fn renew(&mut self, _: &mut Seconds) -> Result<(), SolverError> {
+    fn renew(&mut self, _: &mut Seconds) -> Result<usize, SolverError> {
         self.left = [0.03; 3];
-        Ok(())
+        Ok(0)
     }
 
     fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
@@ -150,7 +150,7 @@ impl NonlinearSystem for Ageing {
 /// Two iterations of a step say that its Jacobian may be kept, the rest say no: the next step knows.
 #[test]
 fn a_step_that_kept_a_bad_jacobian_is_the_last() {
-    let settings = Settings { tolerance: 1e-8, rate_max: None, ..EXACT };
+    let settings = NewtonSettings { tolerance: 1e-8, rate_max: None, ..EXACT };
     let (mut newton, mut system) = (Newton::new(settings, 3, 3), Ageing { x: [0.0; 3], left: [0.03; 3] });
     let work = [0, 1, 2].map(|_| {
         (system.x, system.left) = ([1.0, 0.01, 1e-5], [0.001, 0.05, 0.5]);
@@ -166,10 +166,10 @@ fn a_step_that_kept_a_bad_jacobian_is_the_last() {
 #[test]
 fn slow_convergence_is_not_taken_for_rounding() {
     for rate in [0.6, 0.85] {
-        let settings = Settings { tolerance: 1e-10, rate_max: None, max_steps: 200, ..EXACT };
+        let settings = NewtonSettings { tolerance: 1e-10, rate_max: None, max_steps: 200, ..EXACT };
         let mut system = Exponential { x: 0.5, slope: 1.0, factor: 1.0 / (1.0 - rate) };
         let mut newton = Newton::new(settings, 1, 1);
-        for settings in [settings, Settings { rate_max: Some(0.0), ..settings }] {
+        for settings in [settings, NewtonSettings { rate_max: Some(0.0), ..settings }] {
             (newton.settings, system.x) = (settings, 0.5);
             let start = newton.norm(&mut system).unwrap();
             let norms = newton.solve(&mut system, start, start).unwrap().norms;
@@ -188,7 +188,7 @@ fn what_cannot_be_reduced_is_rounding() {
             r[0] = r[0].signum() * norm.max(1e-10);
             Some(r[0].abs())
         }
-        fn renew(&mut self, seconds: &mut Seconds) -> Result<(), SolverError> {
+        fn renew(&mut self, seconds: &mut Seconds) -> Result<usize, SolverError> {
             self.0.renew(seconds)
         }
         fn correct(&mut self, r: &[f64], delta: &mut [f64]) -> Result<usize, SolverError> {
@@ -217,13 +217,13 @@ fn what_cannot_be_reduced_is_rounding() {
 #[test]
 fn the_line_search_shortens_steps_that_go_astray() {
     assert!(matches!(solve(EXACT, -3.0).0, Err(NewtonError::Stalled { .. })));
-    let (report, x) = solve(Settings { line_search: 5, ..EXACT }, -3.0);
+    let (report, x) = solve(NewtonSettings { line_search: 5, ..EXACT }, -3.0);
     assert!(report.is_ok() && x.abs() < 1e-12, "{x}");
 }
 
 #[test]
 fn too_many_iterations_are_an_error() {
-    let (report, _) = solve(Settings { max_steps: 2, ..EXACT }, 1.0);
+    let (report, _) = solve(NewtonSettings { max_steps: 2, ..EXACT }, 1.0);
     assert!(matches!(report, Err(NewtonError::Stalled { norms }) if norms.len() == 3));
 }
 

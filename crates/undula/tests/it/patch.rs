@@ -78,7 +78,7 @@ fn region(
     new: &State,
     old: &State,
 ) -> Vec<f64> {
-    let mut out = vec![0.0; assembler.space.n_unknowns()];
+    let mut out = vec![0.0; assembler.space.n_field_unknowns()];
     assembler.region_residual(&StepView { rule, new, old }, region, &mut out);
     out
 }

@@ -98,7 +98,7 @@ fn random_state(space: &FsiSpace<2>, random: &mut Random, u: f64) -> State {
 }
 
 fn residual(assembler: &mut Assembler<2>, step: &StepView<'_>) -> Vec<f64> {
-    let mut r = vec![0.0; assembler.space.n_unknowns()];
+    let mut r = vec![0.0; assembler.space.n_field_unknowns()];
     assembler.residual(step, &mut r);
     r
 }
@@ -113,7 +113,7 @@ fn added(space: &Arc<FsiSpace<2>>, how: &Stabilization, step: &StepView<'_>, for
         let mut assembler = assembler(space, how, 1, 1);
         assembler.set_force(Region::Fluid, End::New, Some(&|_| force));
         assembler.set_force(Region::Fluid, End::Old, Some(&|_| force));
-        let mut rows = vec![0.0; space.n_unknowns()];
+        let mut rows = vec![0.0; space.n_field_unknowns()];
         assembler.region_residual(step, Region::Fluid, &mut rows);
         rows
     };
@@ -133,7 +133,7 @@ fn derivatives_are_limits_of_differences() {
             let mut assembler = assembler(&space, &how, 1, 1);
             let (new, old) =
                 (random_state(&space, &mut random, 0.2 * h), random_state(&space, &mut random, 0.2 * h));
-            let mut w = vec![0.0; space.n_unknowns()];
+            let mut w = vec![0.0; space.n_field_unknowns()];
             w.iter_mut().for_each(|x| *x = random.next());
             w[space.n_v()..space.n_v() + space.n_u()].iter_mut().for_each(|x| *x *= h);
             assembler.zero_given(&mut w);

@@ -1,6 +1,6 @@
 //! Prescribed force per area on a boundary, against closed forms.
 
-use crate::common::{SCHEMES, sets, wrong};
+use crate::common::{self, SCHEMES, sets, wrong};
 use undula::case::Case;
 use undula::simulation::Simulation;
 use undula::verification::newmark::newmark;
@@ -9,26 +9,7 @@ use undula::verification::unit_square::errors;
 /// Poiseuille's flow between two plates, driven by the tractions at both ends: with ρ = 1, ν = 0.1 and v = 4 y (1 − y) a
 /// the pressure falls by 3.2 a, and σ n has the shear stress ±0.1 · 4 (1 − 2 y) a besides. a is 1 or t.
 pub fn channel(a: &str, more: &[&str]) -> Case {
-    let text = format!(
-        r#"
-[mesh]
-generator = "box"
-lower = [0, 0]
-upper = [4, 1]
-cells = [4, 2]
-[fluid]
-density = 1
-kinematic-viscosity = 0.1
-[boundary.left]
-condition = "traction"
-traction = ["3.2*{a}", "-0.4*(1-2*y)*{a}"]
-[boundary.right]
-condition = "traction"
-traction = [0, "0.4*(1-2*y)*{a}"]
-[boundary.top]
-condition = "no-slip"
-[boundary.bottom]
-condition = "no-slip"
+    let forces = r#"
 [functional.inlet]
 kind = "force"
 on = ["left"]
@@ -37,11 +18,10 @@ component = "x"
 kind = "force"
 on = ["top", "bottom"]
 component = "x"
-[newton]
-tolerance = 1e-12
-"#
-    );
-    Case::from_toml(&text, "channel.toml", &sets(more)).unwrap()
+"#;
+    let (inlet, outlet) = (format!("3.2*{a}"), "0".into());
+    let shear = |sign: &str| format!("{sign}0.4*(1-2*y)*{a}");
+    common::channel([4, 2], [inlet, shear("-")], [outlet, shear("")], forces, more)
 }
 
 /// Mean velocity, and forces on the inlet and the walls.

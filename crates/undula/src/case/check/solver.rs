@@ -1,17 +1,18 @@
 //! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
 
-use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::algebra::{GmresSettings, PRECISIONS, SOLVERS};
 use crate::case::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use crate::case::error::{quoted, suggestion};
 use crate::case::expression::Expression;
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::case::schema::{
-    AdaptiveSettings, DomainMotion, FunctionalSpec, KRYLOV, KrylovSpec, LinearSolverKind, LinearSpec,
+    AdaptiveSettings, DomainMotion, FunctionalSpec, GMRES, KRYLOV, LinearSolverKind, LinearSpec,
     Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec,
 };
 use crate::choice;
 use crate::functional::nodal::{DEFAULT_FIELDS, FIELDS};
 use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS};
+use crate::time::NewtonSettings;
 use crate::time::schedule::RESOLUTION;
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::path::PathBuf;
@@ -272,7 +273,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
         linearization = Linearization::Newton;
     }
     let jacobian = jacobian(&mut s, linearization);
-    let defaults = NewtonSpec::default();
+    let defaults = NewtonSpec::default().settings;
     let is_newton = linearization != Linearization::Condensed;
     // From rest to a stationary state at rates of 0.6 to 0.8: no smaller steps help there.
     let is_slow = !condensed && matches!(linearization, Linearization::Reduced | Linearization::FixedPoint);
@@ -281,13 +282,15 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     let spec = NewtonSpec {
         linearization,
         jacobian,
-        rate_max: rate_max.or(is_newton.then_some(0.2)),
-        secants: s.integer("secants", defaults.secants, 0..=50),
-        tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
-        floor: s.optional_number("floor", NOT_NEGATIVE),
-        max_steps: s.integer("max-steps", max_steps, 1..=1000),
         extrapolate: s.choice("start", &STARTS, &[]).unwrap_or(true),
-        line_search: s.integer("line-search", defaults.line_search, 0..=30),
+        settings: NewtonSettings {
+            tolerance: s.number("tolerance", defaults.tolerance, REDUCTION),
+            floor: s.optional_number("floor", NOT_NEGATIVE),
+            rate_max: rate_max.or(is_newton.then_some(0.2)),
+            secants: s.integer("secants", defaults.secants, 0..=50),
+            max_steps: s.integer("max-steps", max_steps, 1..=1000),
+            line_search: s.integer("line-search", defaults.line_search, 0..=30),
+        },
     };
     s.finish();
     spec
@@ -312,17 +315,17 @@ pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
 }
 
 /// GMRES on top of the factors: `krylov`, `krylov-tolerance`, `krylov-size`.
-fn krylov(s: &mut Section<'_, '_>) -> Option<KrylovSpec> {
+fn krylov(s: &mut Section<'_, '_>) -> Option<GmresSettings> {
     let chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
-    let tolerance = s.number("krylov-tolerance", KrylovSpec::DEFAULT.tolerance, REDUCTION);
-    let size = s.integer("krylov-size", KrylovSpec::DEFAULT.size, 1..=200);
+    let tolerance = s.number("krylov-tolerance", GMRES.tolerance, REDUCTION);
+    let size = s.integer("krylov-size", GMRES.size, 1..=200);
     for key in ["krylov-tolerance", "krylov-size"] {
         if s.has(key) && chosen.is_none() {
             let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
             s.checker.notes.borrow_mut().push(note);
         }
     }
-    chosen.map(|_| KrylovSpec { tolerance, size })
+    chosen.map(|_| GmresSettings { tolerance, size })
 }
 
 /// `names` are all functionals of the file, `present` those that are evaluated.

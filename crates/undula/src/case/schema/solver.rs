@@ -1,11 +1,11 @@
 //! How a case is computed and what is written: steps in time, nonlinear and linear solver, output.
 
-use crate::algebra::{LinearSolverKind, Precision};
+use crate::algebra::{GmresSettings, LinearSolverKind, Precision};
 use crate::case::expression::Expression;
 use crate::choice::{Choice, choice};
 use crate::functional::nodal::NodalField;
 use crate::tangent::{Linearization, Tangent};
-use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
+use crate::time::{AdaptiveSettings, DomainMotion, NewtonSettings, Scheme};
 
 /// Time interval and scheme.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,21 +33,10 @@ pub struct NewtonSpec {
     pub linearization: Linearization,
     /// How they are computed.
     pub jacobian: Tangent,
-    /// γ_nt: a Jacobian is kept while the residual shrinks at least by this factor per iteration. `None`:
-    /// as long as that costs less than a new one.
-    pub rate_max: Option<f64>,
-    /// Pairs of differences that improve the corrections of a kept Jacobian.
-    pub secants: usize,
-    /// Reduction of the scaled residual relative to the old solution.
-    pub tolerance: f64,
-    /// Absolute floor of the scaled residual \[m/s\]; `None`: what rounding leaves of a solution of that size.
-    pub floor: Option<f64>,
-    /// Iterations per step before it counts as failed.
-    pub max_steps: usize,
     /// Start from the linear extrapolation of the last two solutions instead of the last.
     pub extrapolate: bool,
-    /// Halvings of the update before a step counts as failed.
-    pub line_search: usize,
+    /// When an iteration stops, and when it renews the Jacobian.
+    pub settings: NewtonSettings,
 }
 
 impl Default for NewtonSpec {
@@ -55,13 +44,15 @@ impl Default for NewtonSpec {
         NewtonSpec {
             linearization: Linearization::Condensed,
             jacobian: Tangent::Automatic,
-            rate_max: None,
-            secants: 0,
-            tolerance: 1e-8,
-            floor: None,
-            max_steps: 30,
             extrapolate: true,
-            line_search: 5,
+            settings: NewtonSettings {
+                tolerance: 1e-8,
+                floor: None,
+                rate_max: None,
+                secants: 0,
+                max_steps: 30,
+                line_search: 5,
+            },
         }
     }
 }
@@ -76,7 +67,7 @@ pub struct LinearSpec {
     /// Precision of the factors that only make corrections.
     pub precision: Precision,
     /// GMRES with the factors of an older matrix, `None`: corrections from factors alone.
-    pub krylov: Option<KrylovSpec>,
+    pub krylov: Option<GmresSettings>,
 }
 
 impl Default for LinearSpec {
@@ -90,24 +81,13 @@ impl Default for LinearSpec {
     }
 }
 
-/// GMRES, preconditioned by kept factors.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct KrylovSpec {
-    /// Residual of the linear system relative to its right-hand side.
-    pub tolerance: f64,
-    /// Iterations at most, before the factors are renewed.
-    pub size: usize,
-}
+/// GMRES unless a case gives other numbers.
+pub const GMRES: GmresSettings = GmresSettings { tolerance: 0.03, size: 20 };
 
-impl KrylovSpec {
-    /// What holds unless a case gives other numbers.
-    pub const DEFAULT: KrylovSpec = KrylovSpec { tolerance: 0.03, size: 20 };
-}
-
-/// Their names in a case.
-pub static KRYLOV: [Choice<Option<KrylovSpec>>; 2] = [
+/// Its name in a case, and that of none.
+pub static KRYLOV: [Choice<Option<GmresSettings>>; 2] = [
     choice("none", None, "corrections from the factors alone"),
-    choice("gmres", Some(KrylovSpec::DEFAULT), "GMRES, preconditioned by the factors of an older matrix"),
+    choice("gmres", Some(GMRES), "GMRES, preconditioned by the factors of an older matrix"),
 ];
 
 /// What is written.

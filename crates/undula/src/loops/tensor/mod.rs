@@ -59,8 +59,9 @@ impl TensorBasis {
 
 /// Fields at all points of a batch, and work space of the sums. Empty where whole tables are used.
 pub struct TensorScratch<const D: usize, const L: usize> {
-    /// v, u, v_old and u_old at the points; then what stands before φ and ψ in the places of v and u.
-    pub at: [Vec<AtPoint<D, L>>; 4],
+    /// v, u, v_old, u_old and a direction of v and u at the points; then what stands before φ and ψ in the places of v
+    /// and u.
+    pub at: [Vec<AtPoint<D, L>>; 6],
     /// For [`vectors`].
     pub vectors: Vec<Vector<Lanes<L>, D>>,
     /// For [`matrices`].
@@ -74,7 +75,7 @@ impl<const D: usize, const L: usize> TensorScratch<D, L> {
         let points = basis.map_or(0, |b| b.n_points(D));
         let line = basis.map(|b| &b.line);
         TensorScratch {
-            at: [(); 4].map(|()| vec![zero; points]),
+            at: [(); 6].map(|()| vec![zero; points]),
             vectors: vec![Vector::zero(); line.map_or(0, |line| vectors::work(line, D))],
             matrices: vec![Lanes::zero(); line.map_or(0, |line| matrices::work(line, D))],
         }

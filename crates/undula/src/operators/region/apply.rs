@@ -1,11 +1,11 @@
 //! The product of the derivative with a vector, without a matrix: one pass with dual numbers at each point.
 
 use super::kernel::{Direction, Kernel, Scratch};
-use crate::loops::evaluate::{gather, gather_scalar, interpolate, interpolate_scalar, pull_back};
+use crate::loops::evaluate::{gather, gather_scalar, interpolate_scalar};
 use crate::loops::scatter::Shared;
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Vector};
-use crate::operators::{Matrix, StepView};
+use crate::operators::{End, Matrix, StepView};
 use crate::physics::Fields;
 use crate::tangent::{ByHand, automatic};
 
@@ -83,31 +83,24 @@ where
         self.load(&mut w);
         let s = self.scratch;
         k.load(self.step, batch, s, true);
-        s.phi.fill(Vector::zero());
-        s.psi.fill(Vector::zero());
-        s.xi.fill(Lanes::zero());
+        k.spread(4, &w.v, &mut s.tensor);
+        k.spread(5, &w.u, &mut s.tensor);
+        k.begin_tests(s);
         for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
-            let m = b.n_pressure;
-            let pressures = &b.pressure_basis[index * m..(index + 1) * m];
+            let (index, m) = (batch * b.n_points + q, b.n_pressure);
             let (new, old) = k.fields(batch, q, s);
-            let inverse = &b.points[index].inverse;
+            let at = (q, &b.points[index].inverse);
             let mut direction = Fields::zero();
-            (direction.v, direction.grad_v) = interpolate(k.basis(q), &w.v, inverse);
+            (direction.v, direction.grad_v) = k.spread_at(4, at, &w.v, &s.tensor);
             if k.deforms {
-                (direction.u, direction.grad_u) = interpolate(k.basis(q), &w.u, inverse);
+                (direction.u, direction.grad_u) = k.spread_at(5, at, &w.u, &s.tensor);
             }
-            direction.p = interpolate_scalar(pressures, &w.p);
-            let place = k.place(&k.force, index);
+            direction.p = interpolate_scalar(&b.pressure_basis[index * m..(index + 1) * m], &w.p);
+            let place = k.place(End::New, index);
             let r = automatic(&k.form, &self.step.rule, &place, &new, &old, &direction);
-            let r = pull_back(&r, &b.points[index]);
-            k.test(q, &r, s);
-            for (xi, basis) in s.xi.iter_mut().zip(pressures) {
-                xi.add_product_lanes(*basis, r.xi);
-            }
+            k.test(batch, q, &r, s);
         }
-        k.finish_tests(s);
-        k.scatter_tests(batch, k.deforms && self.coupling.is_none(), s, self.out);
+        k.finish_tests(batch, k.deforms && self.coupling.is_none(), s, self.out);
         s.direction = w;
     }
 }

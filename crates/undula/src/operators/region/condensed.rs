@@ -7,7 +7,8 @@
 use super::interior::{BackwardTask, CondenseTask, ForwardTask, Interior, Layout, Sweep};
 use super::kernel::Kernel;
 use super::tangents::{Directions, TangentTasks};
-use crate::loops::scatter::{DROP, Shared};
+use crate::loops::scatter::Shared;
+use crate::loops::slots::{Numbering, Pair, scalars, vectors};
 use crate::loops::test_functions::{Piece, Test, Trial};
 use crate::loops::width::Width;
 use crate::math::Lanes;
@@ -16,6 +17,14 @@ use crate::physics::form::Block;
 use crate::physics::{Couplings, StepRule};
 use crate::space::FsiSpace;
 use crate::tangent::{ByHand, Linearization, Tangent};
+
+/// All outer unknowns of a cell are coupled by the elimination of the inner ones.
+pub(super) const CONDENSED: [Pair; 4] = [
+    Pair::full(Test::Phi(0), Trial::V(0)),
+    Pair::full(Test::Phi(0), Trial::P),
+    Pair::full(Test::Xi, Trial::V(0)),
+    Pair::full(Test::Xi, Trial::P),
+];
 
 /// Pieces of the (v, p) matrix; with `relation`, u moves with v.
 pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece> {
@@ -86,32 +95,18 @@ where
         }
     }
 
-    /// Call `visit(list, lane, row, first column)` for every run of entries of the outer matrix, in the numbers that
-    /// `number` gives to places in `[v, u, p]`; [`DROP`]ped ones included, for all lanes. Lists are those of [`super::interior::runs`].
-    pub(super) fn condensed_runs(&self, number: &[u32], visit: &mut dyn FnMut(usize, usize, u32, u32)) {
-        let Some(interior) = &self.interior else { return };
-        let outer = interior.layout.outer;
-        let mut list = vec![[DROP; L]; outer];
-        for batch in 0..self.batches.len() {
-            let active = self.batches.active[batch];
-            self.sweep(interior, batch).visit(|place, dofs| {
-                if place < outer {
-                    list[place] =
-                        std::array::from_fn(|l| if l < active { number[dofs[l] as usize] } else { DROP });
-                }
-            });
-            for rows in &list {
-                for (n, places) in interior.layout.runs.iter().enumerate() {
-                    for columns in places.iter().map(|&place| &list[place]) {
-                        for l in 0..L {
-                            let there = rows[l] != DROP && columns[l] != DROP;
-                            let (row, column) = if there { (rows[l], columns[l]) } else { (DROP, DROP) };
-                            visit(n, l, row, column);
-                        }
-                    }
-                }
-            }
-        }
+    /// Outer rows and columns of a batch in the numbers that `number` gives to places in `[v, u, p]`.
+    pub(super) fn outer_numbering(&self, batch: usize, number: &[u32]) -> Numbering<D, L> {
+        let Some(Interior { layout, .. }) = &self.interior else { return Numbering::default() };
+        let (n, m, active) = (self.batches.n_basis, self.batches.n_pressure, self.batches.active[batch]);
+        let outer = |places: &[usize], rows: &[[u32; L]]| -> Vec<[u32; L]> {
+            rows.iter().zip(places).filter(|(_, place)| **place < layout.outer).map(|(row, _)| *row).collect()
+        };
+        let nodes = outer(&layout.node, &self.rows_phi[batch * n..(batch + 1) * n]);
+        let pressures = outer(&layout.pressure, &self.rows_xi[batch * m..(batch + 1) * m]);
+        let phi = || vectors(nodes.iter().copied(), active, number);
+        let xi = || scalars(pressures.iter().copied(), active, number);
+        Numbering { rows: [phi(), vec![], xi()], columns: [phi(), vec![], xi()] }
     }
 
     fn sweep<'a>(&'a self, interior: &'a Interior<D, L>, batch: usize) -> Sweep<'a, D, L> {
@@ -167,7 +162,7 @@ where
                         layout: &interior.layout,
                         added: &interior.blocks[of_batch(batch as u32)..of_batch(batch as u32 + 1)],
                         blocks,
-                        slots: [slots.of(0, batch), slots.of(1, batch)],
+                        places: CONDENSED.map(|pair| slots.of(pair.test, pair.trial, batch)),
                         piece: &mut s.piece,
                         work: &mut s.tensor.matrices,
                         matrix: &mut s.matrix,

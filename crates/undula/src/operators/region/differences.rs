@@ -5,7 +5,7 @@ use super::nodal::{Cell, CellPoint, Equations, Nodal, interpolate};
 use super::tangents::Directions;
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Vector};
-use crate::operators::StepView;
+use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place};
 use crate::tangent::{ByHand, Difference, Linearization};
 
@@ -34,7 +34,7 @@ where
         cell.points.clear();
         for q in 0..b.n_points {
             let index = batch * b.n_points + q;
-            let place = self.place(&self.force, index);
+            let place = self.place(End::New, index);
             let pressure = &b.pressure_basis[index * m..(index + 1) * m];
             cell.pressure.extend(pressure.iter().map(|x| x.0[l]));
             let inverse = b.points[index].inverse.map(|x| x.0[l]);

@@ -1,15 +1,16 @@
 //! Fields at the points of a batch and testing there: by whole tables or, in [`crate::loops::tensor`], by sums over one
 //! coordinate after the other.
 
-use super::kernel::{ForceField, Kernel, Scratch};
+use super::kernel::{Kernel, Scratch};
 use crate::loops::evaluate::{
-    AtPoint, gather, gather_scalar, interpolate, interpolate_scalar, scatter, test,
+    AtPoint, gather, gather_scalar, interpolate, interpolate_scalar, pull_back, scatter, test,
 };
 use crate::loops::scatter::Shared;
+use crate::loops::tensor::TensorScratch;
 use crate::loops::tensor::vectors::{InterpolateTask, TestTask};
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
-use crate::operators::StepView;
+use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place, Tested};
 use crate::tangent::ByHand;
 
@@ -24,10 +25,9 @@ where
     }
 
     #[inline(always)]
-    pub(super) fn place(&self, force: &ForceField<D, L>, point: usize) -> Place<Lanes<L>, D> {
-        let force = if force.is_empty() { Vector::zero() } else { force[point] };
-        let slope = if self.force_slope.is_empty() { Tensor::zero() } else { self.force_slope[point] };
-        Place { force, force_slope: slope, stiffness: self.batches.points[point].stiffness }
+    pub(super) fn place(&self, end: End, point: usize) -> Place<Lanes<L>, D> {
+        let (force, force_slope) = self.body_force.at(end, point);
+        Place { force, force_slope, stiffness: self.batches.points[point].stiffness }
     }
 
     /// Gather both ends of the step; with `new`, its fields are about to be read, else those of the old time alone.
@@ -44,14 +44,35 @@ where
         if m > 0 {
             gather_scalar(&self.batches.pressure[batch * m..(batch + 1) * m], &step.new.p, &mut s.p);
         }
-        if let Some(basis) = &self.batches.tensor {
-            let t = &mut s.tensor;
-            for (n, c) in [&s.v, &s.u, &s.v_old, &s.u_old].into_iter().enumerate() {
-                if (new || n >= 2) && (self.deforms || n % 2 == 0) {
-                    let (at, work) = (&mut t.at[n][..], &mut t.vectors[..]);
-                    Lanes::<L>::dispatch(InterpolateTask { line: &basis.line, c, at, work });
-                }
+        for (n, c) in [&s.v, &s.u, &s.v_old, &s.u_old].into_iter().enumerate() {
+            if new || n >= 2 {
+                self.spread(n, c, &mut s.tensor);
             }
+        }
+    }
+
+    /// The field `n` of a batch with the coefficients `c` at all points, where that is done by sums over one coordinate
+    /// after the other. Even numbers are velocities.
+    #[inline(always)]
+    pub(super) fn spread(&self, n: usize, c: &[Vector<Lanes<L>, D>], t: &mut TensorScratch<D, L>) {
+        if let Some(basis) = self.batches.tensor.as_ref().filter(|_| self.deforms || n.is_multiple_of(2)) {
+            let (at, work) = (&mut t.at[n][..], &mut t.vectors[..]);
+            Lanes::<L>::dispatch(InterpolateTask { line: &basis.line, c, at, work });
+        }
+    }
+
+    /// The field `n` at point `q`, by [`Kernel::spread`] or from its coefficients `c`.
+    #[inline(always)]
+    pub(super) fn spread_at(
+        &self,
+        n: usize,
+        (q, inverse): (usize, &Tensor<Lanes<L>, D>),
+        c: &[Vector<Lanes<L>, D>],
+        t: &TensorScratch<D, L>,
+    ) -> (Vector<Lanes<L>, D>, Tensor<Lanes<L>, D>) {
+        match self.batches.tensor {
+            Some(_) => t.at[n][q].mapped(inverse),
+            None => interpolate(self.basis(q), c, inverse),
         }
     }
 
@@ -86,9 +107,23 @@ where
         (new, Fields { v: v_old, grad_v: grad_v_old, u: u_old, grad_u: grad_u_old, p: Lanes::zero() })
     }
 
-    /// Test v and u at point `q` with what stands before φ and ψ there, pulled back.
+    /// Begin the element vectors of a batch.
     #[inline(always)]
-    pub(super) fn test(&self, q: usize, r: &Tested<Lanes<L>, D>, s: &mut Scratch<D, L>) {
+    pub(super) fn begin_tests(&self, s: &mut Scratch<D, L>) {
+        s.phi.fill(Vector::zero());
+        s.psi.fill(Vector::zero());
+        s.xi.fill(Lanes::zero());
+    }
+
+    /// Test at point `q` of a batch with what stands before the test functions there.
+    #[inline(always)]
+    pub(super) fn test(&self, batch: usize, q: usize, r: &Tested<Lanes<L>, D>, s: &mut Scratch<D, L>) {
+        let (index, m) = (batch * self.batches.n_points + q, self.batches.n_pressure);
+        let r = pull_back(r, &self.batches.points[index]);
+        let basis = &self.batches.pressure_basis[index * m..(index + 1) * m];
+        for (xi, basis) in s.xi.iter_mut().zip(basis) {
+            xi.add_product_lanes(*basis, r.xi);
+        }
         if self.batches.tensor.is_some() {
             s.tensor.at[0][q] = AtPoint { value: r.phi, grad: r.grad_phi };
             if self.deforms {
@@ -102,9 +137,18 @@ where
         }
     }
 
-    /// Add the element vectors to the global one, those of ψ if asked to.
+    /// Add the element vectors to the global one after [`Kernel::test`] at all points, those of ψ if asked to.
     #[inline(always)]
-    pub(super) fn scatter_tests(&self, batch: usize, with_psi: bool, s: &Scratch<D, L>, out: &Shared<'_>) {
+    pub(super) fn finish_tests(&self, batch: usize, with_psi: bool, s: &mut Scratch<D, L>, out: &Shared<'_>) {
+        if let Some(basis) = &self.batches.tensor {
+            let t = &mut s.tensor;
+            for (n, r) in [&mut s.phi, &mut s.psi].into_iter().enumerate() {
+                if n == 0 || self.deforms {
+                    let (at, work) = (&t.at[n][..], &mut t.vectors[..]);
+                    Lanes::<L>::dispatch(TestTask { line: &basis.line, at, r, work });
+                }
+            }
+        }
         let (n, m) = (self.batches.n_basis, self.batches.n_pressure);
         let active = self.batches.active[batch];
         scatter(&self.write_phi[batch * n..(batch + 1) * n], &s.phi, active, out);
@@ -114,20 +158,6 @@ where
         for (rows, xi) in self.write_xi[batch * m..(batch + 1) * m].iter().zip(&s.xi) {
             for l in 0..active {
                 out.add(rows[l], xi.0[l]);
-            }
-        }
-    }
-
-    /// What is left to be done after [`Kernel::test`] at all points.
-    #[inline(always)]
-    pub(super) fn finish_tests(&self, s: &mut Scratch<D, L>) {
-        if let Some(basis) = &self.batches.tensor {
-            let t = &mut s.tensor;
-            for (n, r) in [&mut s.phi, &mut s.psi].into_iter().enumerate() {
-                if n == 0 || self.deforms {
-                    let (at, work) = (&t.at[n][..], &mut t.vectors[..]);
-                    Lanes::<L>::dispatch(TestTask { line: &basis.line, at, r, work });
-                }
             }
         }
     }

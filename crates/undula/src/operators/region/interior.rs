@@ -14,18 +14,13 @@
 
 use crate::element::Shape;
 use crate::loops::batch::Batches;
-use crate::loops::scatter::{DROP, Shared};
-use crate::loops::slots::Slots;
+use crate::loops::scatter::Shared;
+use crate::loops::slots::{Places, Slots};
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar};
 use crate::operators::Blocks;
 use crate::space::PressureKind;
-
-/// Entries in a run of columns: the components of a node, and a pressure.
-pub(super) const fn runs<const D: usize>() -> [usize; 2] {
-    [D, 1]
-}
 
 /// Where the (v, p) unknowns of a cell stand in its matrix: outer ones first.
 #[derive(Clone, Debug)]
@@ -39,7 +34,7 @@ pub struct Layout {
     /// Number of all.
     pub all: usize,
     /// Places of the outer nodes, and of the outer pressures.
-    pub runs: [Vec<usize>; 2],
+    pub places: [Vec<usize>; 2],
 }
 
 impl Layout {
@@ -56,7 +51,7 @@ impl Layout {
             pressure: vec![0; n_pressure],
             outer: 0,
             all: 0,
-            runs: [vec![], vec![]],
+            places: [vec![], vec![]],
         };
         for inner in [false, true] {
             for (_, place) in layout.node.iter_mut().enumerate().filter(|(a, _)| inside(*a) == inner) {
@@ -79,7 +74,7 @@ impl Layout {
     pub fn set_outer(&mut self, outer: usize) {
         self.outer = outer;
         let before = |places: &[usize]| places.iter().copied().filter(|&place| place < outer).collect();
-        self.runs = [before(&self.node), before(&self.pressure)];
+        self.places = [before(&self.node), before(&self.pressure)];
     }
 
     /// Numbers kept per cell: for each inner unknown its row and column of the factors behind it.
@@ -103,8 +98,8 @@ impl Layout {
 pub struct Interior<const D: usize, const L: usize> {
     /// Places in the element matrix.
     pub layout: Layout,
-    /// Where the outer entries go, `[batch][row][run]`, see [`runs`].
-    pub slots: Slots<L>,
+    /// Where the outer entries go.
+    pub slots: Slots<D, L>,
     /// Blocks to be added before the elimination: (batch, lane, block), by batch.
     pub blocks: Vec<(u32, u32, u32)>,
     /// `[batch][inner unknown]`: inverse pivot, then (row, column) entries of the others.
@@ -140,8 +135,8 @@ pub(super) struct CondenseTask<'a, const D: usize, const L: usize> {
     /// (batch, lane, block) to be added.
     pub(super) added: &'a [(u32, u32, u32)],
     pub(super) blocks: &'a Blocks,
-    /// Of the runs of each list, row by row.
-    pub(super) slots: [&'a [[u32; L]]; 2],
+    /// Of the blocks of nodes and pressures with both: φ v, φ p, ξ v, ξ p.
+    pub(super) places: [Places<'a, D, L>; 4],
     pub(super) piece: &'a mut [Lanes<L>],
     /// For sums over one coordinate after the other.
     pub(super) work: &'a mut [Lanes<L>],
@@ -226,6 +221,24 @@ where
     }
 }
 
+impl<const D: usize, const L: usize> CondenseTask<'_, D, L> {
+    /// Add the blocks of outer rows and columns with `R` and `C` components.
+    #[inline(always)]
+    fn scatter<const R: usize, const C: usize>(
+        &self,
+        places: Places<'_, D, L>,
+        rows: &[usize],
+        columns: &[usize],
+    ) {
+        let (all, matrix) = (self.layout.all, &*self.matrix);
+        for (a, &row) in rows.iter().enumerate() {
+            for (b, &column) in columns.iter().enumerate() {
+                places.add_block::<R, C>(self.out, (a, b), |i, j| &matrix[(row + i) * all + column + j]);
+            }
+        }
+    }
+}
+
 impl<const D: usize, const L: usize> Task for CondenseTask<'_, D, L>
 where
     Lanes<L>: Width,
@@ -234,20 +247,12 @@ where
     fn run(mut self) {
         self.fill();
         self.eliminate();
-        let (outer, all) = (self.layout.outer, self.layout.all);
-        for (list, length) in runs::<D>().into_iter().enumerate() {
-            let places = &self.layout.runs[list];
-            let slots = self.slots[list].chunks_exact(places.len().max(1));
-            for (slots, line) in slots.zip(self.matrix[..outer * all].chunks_exact(all)) {
-                for (slot, &place) in slots.iter().zip(places) {
-                    for l in (0..L).filter(|&l| slot[l] != DROP) {
-                        for (j, value) in line[place..place + length].iter().enumerate() {
-                            self.out.add(slot[l] + j as u32, value.0[l]);
-                        }
-                    }
-                }
-            }
-        }
+        let [nodes, pressures] = &self.layout.places;
+        let [phi_v, phi_p, xi_v, xi_p] = self.places;
+        self.scatter::<D, D>(phi_v, nodes, nodes);
+        self.scatter::<D, 1>(phi_p, nodes, pressures);
+        self.scatter::<1, D>(xi_v, pressures, nodes);
+        self.scatter::<1, 1>(xi_p, pressures, pressures);
     }
 }
 

@@ -1,26 +1,20 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
-use super::current_force::CurrentForce;
+use super::body_force::BodyForce;
 use super::interior::Interior;
 use super::nodal::Nodal;
 use crate::algebra::SolverError;
 use crate::loops::batch::{Batches, Corners};
 use crate::loops::chunks::{Copies, Writes, for_each, for_each_piece};
 use crate::loops::scatter::{DROP, PerThread};
-use crate::loops::slots::Slots;
+use crate::loops::slots::{Numbering, Slots, scalars, vectors};
 use crate::loops::tensor::TensorScratch;
-use crate::loops::test_functions::{Piece, Tangents, Test, Trial, pieces};
+use crate::loops::test_functions::{Piece, Tangents, pieces};
 use crate::loops::width::Width;
-use crate::math::{Lanes, Scalar, Tensor, Vector};
+use crate::math::{Lanes, Scalar, Vector};
 use crate::physics::Fields;
 use crate::space::{FsiSpace, PsiOwner, Region};
 use crate::tangent::ByHand;
-
-/// Body force per mass at the quadrature points of a region \[m/s²\]; empty: none.
-pub type ForceField<const D: usize, const L: usize> = Vec<Vector<Lanes<L>, D>>;
-
-/// Its gradient \[1/s²\]; empty: none.
-pub type SlopeField<const D: usize, const L: usize> = Vec<Tensor<Lanes<L>, D>>;
 
 /// Coefficients of the direction in the cells of a batch.
 #[derive(Default)]
@@ -84,19 +78,12 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) region: Region,
     /// Whether a state is admissible only where J is positive in this region.
     pub(super) guards: bool,
-    /// The body force, where it is taken at the current position.
-    pub(super) current_force: Option<CurrentForce<D>>,
+    pub(super) body_force: BodyForce<D, L>,
     /// Cells and geometry.
     pub batches: Batches<D, L>,
-    /// Body force at the new time.
-    pub force: ForceField<D, L>,
-    /// Its gradient where it is taken at the current position; else empty.
-    pub force_slope: SlopeField<D, L>,
-    /// Body force at the old time.
-    pub force_old: ForceField<D, L>,
     pub(super) pieces: Vec<Piece>,
-    /// Where the entries of each piece go in the whole matrix, `[batch][piece][row basis][column basis]`.
-    pub(super) slots: Slots<L>,
+    /// Where they go in the whole matrix.
+    pub(super) slots: Slots<D, L>,
     /// Where the element vectors go in `[v, u, p]`, or copies of it.
     pub(super) write_phi: Vec<[u32; L]>,
     pub(super) write_psi: Vec<[u32; L]>,
@@ -154,24 +141,20 @@ where
         let (mut write_phi, mut write_psi, mut write_xi) =
             (rows_phi.clone(), rows_psi.clone(), rows_xi.clone());
         let mut writes = [(&mut write_phi, n, D), (&mut write_psi, n, D), (&mut write_xi, m, 1)].map(
-            |(list, per_batch, width)| Writes {
-                indices: list.as_flattened_mut(),
-                per_batch: per_batch * L,
-                width,
+            |(list, per_batch, width)| {
+                Writes::runs(list.as_flattened_mut(), &batches.chunks, per_batch * L, width)
             },
         );
-        let row_copies = Copies::new(space.n_unknowns(), &batches.chunks, &mut writes)?;
+        let row_copies = Copies::new(space.n_field_unknowns(), batches.chunks.len(), &mut writes)?;
+        drop(writes);
         Ok(Kernel {
             min_j: vec![f64::INFINITY; batches.len() * L],
             pieces: pieces(&form.couplings(), D, space.deforms),
             form,
             region,
             guards,
-            current_force: None,
+            body_force: BodyForce::none(),
             batches,
-            force: vec![],
-            force_slope: vec![],
-            force_old: vec![],
             slots: Slots::default(),
             write_phi,
             write_psi,
@@ -193,34 +176,17 @@ where
         })
     }
 
-    /// Call `visit(lane, row, column)` for every entry of the element matrices, in the numbers that `number` gives to
-    /// places in `[v, u, p]`, [`DROP`]ped ones included.
-    pub(super) fn whole_entries(&self, number: &[u32], visit: &mut dyn FnMut(usize, u32, u32)) {
+    /// Rows and columns of a batch in the numbers that `number` gives to places in `[v, u, p]`.
+    pub(super) fn numbering(&self, batch: usize, number: &[u32]) -> Numbering<D, L> {
         let (n, m) = (self.batches.n_basis, self.batches.n_pressure);
-        let of = |first: u32, i: usize| if first == DROP { DROP } else { number[first as usize + i] };
-        let n_v = self.first_deformation;
-        for batch in 0..self.batches.len() {
-            for piece in &self.pieces {
-                let rows = if piece.test == Test::Xi { m } else { n };
-                let columns = if piece.trial == Trial::P { m } else { n };
-                for (a, b) in (0..rows).flat_map(|a| (0..columns).map(move |b| (a, b))) {
-                    for l in 0..L {
-                        let row = match piece.test {
-                            Test::Phi(i) => of(self.rows_phi[batch * n + a][l], i),
-                            Test::Psi(i) => of(self.rows_psi[batch * n + a][l], i),
-                            Test::Xi => of(self.rows_xi[batch * m + a][l], 0),
-                        };
-                        let column = match piece.trial {
-                            Trial::V(j) => of(self.rows_phi[batch * n + b][l], j),
-                            Trial::U(j) => of(n_v + self.rows_phi[batch * n + b][l], j),
-                            Trial::P => of(self.rows_xi[batch * m + b][l], 0),
-                        };
-                        let there = l < self.batches.active[batch] && row != DROP && column != DROP;
-                        let (row, column) = if there { (row, column) } else { (DROP, DROP) };
-                        visit(l, row, column);
-                    }
-                }
-            }
+        let (nodes, active) = (batch * n..(batch + 1) * n, self.batches.active[batch]);
+        let vectors = |list: &[[u32; L]]| vectors(list.iter().copied(), active, number);
+        let phi = &self.rows_phi[nodes.clone()];
+        let u: Vec<[u32; L]> = phi.iter().map(|lanes| lanes.map(|at| self.first_deformation + at)).collect();
+        let xi = || scalars(self.rows_xi[batch * m..(batch + 1) * m].iter().copied(), active, number);
+        Numbering {
+            rows: [vectors(phi), vectors(&self.rows_psi[nodes]), xi()],
+            columns: [vectors(phi), if self.deforms { vectors(&u) } else { vec![] }, xi()],
         }
     }
 

@@ -10,9 +10,12 @@ mod fields;
 mod interior;
 mod kernel;
 mod min_jacobian;
+mod moved_force;
 mod nodal;
 mod residual;
 mod tangents;
+#[cfg(test)]
+mod tests;
 
 use super::{
     Blocks, DataTime, End, Entries, ForceAt, How, Matrix, NotFinite, Operator, Options, Physics,
@@ -20,16 +23,15 @@ use super::{
 };
 use crate::algebra::SolverError;
 use crate::loops::batch::Batches;
-use crate::loops::scatter::DROP;
-use crate::loops::slots::Slots;
+use crate::loops::slots::{Numbering, Pair, Slots, pairs};
 use crate::loops::width::Width;
 #[cfg(not(test))]
 use crate::loops::width::{available, best_lanes, compiled};
 use crate::math::Lanes;
 use crate::space::{FsiSpace, Region};
 use crate::tangent::{ByHand, Tangent};
+use condensed::CONDENSED;
 use current_force::CurrentForce;
-use interior::runs;
 use kernel::Kernel;
 
 /// The operators of all regions, fluid first.
@@ -103,6 +105,27 @@ where
     Ok(list)
 }
 
+impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+where
+    Lanes<L>: Width,
+{
+    /// What is coupled in a matrix.
+    fn pairs(&self, matrix: Matrix) -> Vec<Pair> {
+        match matrix {
+            Matrix::Whole => pairs(&self.pieces),
+            Matrix::Condensed => CONDENSED.to_vec(),
+        }
+    }
+
+    /// The rows and columns of a matrix in a batch.
+    fn numbering_of(&self, matrix: Matrix, batch: usize, number: &[u32]) -> Numbering<D, L> {
+        match matrix {
+            Matrix::Whole => self.numbering(batch, number),
+            Matrix::Condensed => self.outer_numbering(batch, number),
+        }
+    }
+}
+
 impl<F: ByHand<D> + Send, const D: usize, const L: usize> Operator<D> for Kernel<F, D, L>
 where
     Lanes<L>: Width,
@@ -112,14 +135,12 @@ where
     }
 
     fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
-        if let Some(force) = &mut self.current_force {
-            force.set(at);
-        }
+        self.body_force.set(at);
         Ok(())
     }
 
     fn set_force(&mut self, end: End, force: Option<ForceAt<'_, D>>) {
-        self.fill_force(end, force);
+        self.body_force.fill(end, force, &self.batches.positions);
     }
 
     fn explicit(&mut self, step: &StepView<'_>, out: &mut [f64]) {
@@ -134,36 +155,20 @@ where
     }
 
     fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
-        match matrix {
-            Matrix::Whole => self.whole_entries(number, &mut |_, row, column| {
-                if row != DROP {
-                    visit(row, column);
-                }
-            }),
-            Matrix::Condensed => self.condensed_runs(number, &mut |list, _, row, column| {
-                if row != DROP {
-                    (0..runs::<D>()[list] as u32).for_each(|j| visit(row, column + j));
-                }
-            }),
+        let pairs = self.pairs(matrix);
+        for batch in 0..self.batches.len() {
+            self.numbering_of(matrix, batch, number).visit(&pairs, visit);
         }
     }
 
     fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
-        let (batches, chunks) = (self.batches.len(), &self.batches.chunks);
-        match matrix {
-            Matrix::Whole => {
-                self.slots = Slots::new(batches, chunks, entries, &[1], |put| {
-                    self.whole_entries(number, &mut |lane, row, column| put(0, lane, row, column));
-                })?;
-            }
-            Matrix::Condensed => {
-                let slots = Slots::new(batches, chunks, entries, &runs::<D>(), |put| {
-                    self.condensed_runs(number, put)
-                })?;
-                if let Some(interior) = &mut self.interior {
-                    interior.slots = slots;
-                }
-            }
+        let numbering = |batch| self.numbering_of(matrix, batch, number);
+        let slots =
+            Slots::new(self.batches.len(), &self.batches.chunks, entries, &self.pairs(matrix), numbering)?;
+        match (matrix, &mut self.interior) {
+            (Matrix::Whole, _) => self.slots = slots,
+            (Matrix::Condensed, Some(interior)) => interior.slots = slots,
+            (Matrix::Condensed, None) => {}
         }
         Ok(())
     }
@@ -195,7 +200,7 @@ where
     Lanes<L>: Width,
 {
     fn follow(&mut self, force: CurrentForce<D>) {
-        self.current_force = Some(force);
+        self.body_force.follow(force);
     }
 
     fn watch(&mut self, nodes: &[bool]) {

@@ -3,12 +3,12 @@
 
 use super::kernel::{Kernel, Scratch};
 use super::tangents::{Directions, TangentTasks};
-use crate::loops::evaluate::{pull_back, scatter};
 use crate::loops::scatter::Shared;
+use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
-use crate::math::{Lanes, Scalar, Tensor, Vector};
-use crate::operators::StepView;
+use crate::math::{Lanes, Tensor};
+use crate::operators::{End, StepView};
 use crate::physics::Tested;
 use crate::tangent::{ByHand, Linearization, Tangent};
 
@@ -66,7 +66,6 @@ where
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
-                    let slots = slots.of(0, batch);
                     JacobianTask { kernel: self, step, linearization, tangent, batch, scratch, slots, out }
                         .run();
                 });
@@ -94,28 +93,20 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         k.load(self.step, batch, s, true);
-        s.phi.fill(Vector::zero());
-        s.psi.fill(Vector::zero());
-        s.xi.fill(Lanes::zero());
         let mut min_j = [f64::INFINITY; L];
+        k.begin_tests(s);
         for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
             let (new, old) = k.fields(batch, q, s);
+            let place = k.place(End::New, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.residual(&k.form, &k.place(&k.force, index), &new, &new, &old, &mut r);
+            self.step.rule.residual(&k.form, &place, &new, &new, &old, &mut r);
             let j = (Tensor::identity() + new.grad_u).det();
             for l in 0..L {
                 min_j[l] = min_j[l].min(j.0[l]);
             }
-            let r = pull_back(&r, &b.points[index]);
-            k.test(q, &r, s);
-            let m = b.n_pressure;
-            for (xi, basis) in s.xi.iter_mut().zip(&b.pressure_basis[index * m..(index + 1) * m]) {
-                xi.add_product_lanes(*basis, r.xi);
-            }
+            k.test(batch, q, &r, s);
         }
-        k.finish_tests(s);
-        k.scatter_tests(batch, k.deforms, s, self.out);
+        k.finish_tests(batch, k.deforms, s, self.out);
         for (l, j) in min_j.into_iter().enumerate() {
             self.min_j.set(batch * L + l, j);
         }
@@ -139,22 +130,15 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         k.load(self.step, batch, s, false);
-        s.phi.fill(Vector::zero());
-        s.psi.fill(Vector::zero());
+        k.begin_tests(s);
         for q in 0..b.n_points {
-            let index = batch * b.n_points + q;
             let (_, old) = k.fields(batch, q, s);
+            let place = k.place(End::Old, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.explicit(&k.form, &k.place(&k.force_old, index), &old, &mut r);
-            let r = pull_back(&r, &b.points[index]);
-            k.test(q, &r, s);
+            self.step.rule.explicit(&k.form, &place, &old, &mut r);
+            k.test(batch, q, &r, s);
         }
-        k.finish_tests(s);
-        let (n, active) = (b.n_basis, b.active[batch]);
-        scatter(&k.write_phi[batch * n..(batch + 1) * n], &s.phi, active, self.out);
-        if k.deforms {
-            scatter(&k.write_psi[batch * n..(batch + 1) * n], &s.psi, active, self.out);
-        }
+        k.finish_tests(batch, k.deforms, s, self.out);
     }
 }
 
@@ -165,7 +149,7 @@ pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
     pub(super) tangent: Tangent,
     pub(super) batch: usize,
     pub(super) scratch: &'a mut Scratch<D, L>,
-    pub(super) slots: &'a [[u32; L]],
+    pub(super) slots: &'a Slots<D, L>,
     pub(super) out: &'a Shared<'a>,
 }
 
@@ -182,7 +166,7 @@ where
         let tangents = k.tangents(batch, &s.tangent, s.nodal.asked(tangent));
         let reduced = linearization == Linearization::Reduced && !k.relation();
         let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
-        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, slots, piece, work, out });
+        Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, batch, slots, piece, work, out });
     }
 }
 
@@ -192,7 +176,8 @@ struct ContractTask<'a, const D: usize, const L: usize> {
     pieces: &'a [Piece],
     /// Without derivatives of momentum and divergence with respect to u.
     reduced: bool,
-    slots: &'a [[u32; L]],
+    batch: usize,
+    slots: &'a Slots<D, L>,
     piece: &'a mut [Lanes<L>],
     /// For sums over one coordinate after the other.
     work: &'a mut [Lanes<L>],
@@ -206,20 +191,19 @@ where
     #[inline(always)]
     fn run(self) {
         let (n, m) = (self.tangents.n_basis, self.tangents.n_pressure);
-        let mut slots = self.slots;
         for piece in self.pieces {
-            let rows = if piece.test == Test::Xi { m } else { n };
-            let size = rows * if piece.trial == Trial::P { m } else { n };
-            let (here, rest) = slots.split_at(size);
-            slots = rest;
             if self.reduced && matches!((piece.test, piece.trial), (Test::Phi(_) | Test::Xi, Trial::U(_))) {
                 continue;
             }
-            let block = &mut self.piece[..size];
+            let (rows, columns) =
+                (if piece.test == Test::Xi { m } else { n }, if piece.trial == Trial::P { m } else { n });
+            let block = &mut self.piece[..rows * columns];
             self.tangents.contract(piece, block, self.work);
-            for (slot, value) in here.iter().zip(block.iter()) {
-                for l in 0..L {
-                    self.out.add(slot[l], value.0[l]);
+            let places = self.slots.of(piece.test, piece.trial, self.batch);
+            let components = (piece.test.split().1, piece.trial.split().1);
+            for (a, line) in block.chunks_exact(columns).enumerate() {
+                for (b, value) in line.iter().enumerate() {
+                    places.add(self.out, (a, b), components, value);
                 }
             }
         }

@@ -4,7 +4,7 @@ use super::kernel::{Kernel, Scratch};
 use crate::loops::evaluate::pull_back;
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor};
-use crate::operators::StepView;
+use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place, StepRule, Tested};
 use crate::tangent::{ByHand, Difference, Linearization, Tangent, automatic, fixed_point};
 
@@ -215,7 +215,7 @@ where
         for q in 0..b.n_points {
             let index = batch * b.n_points + q;
             let (new, old) = k.fields(batch, q, s);
-            let (point, place) = (&b.points[index], k.place(&k.force, index));
+            let (point, place) = (&b.points[index], k.place(End::New, index));
             let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
             let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
             for (n, column) in columns.chunks_exact_mut(components).enumerate() {

@@ -54,7 +54,7 @@ impl<const D: usize, const L: usize> Task for DifferenceTask<'_, D, L> {
             }
             *s.unknown(trial, b, j) = before;
         }
-        of.scatter(couplings, &matrix, slots, out);
+        of.scatter(couplings, &matrix, (slots, batch), out);
         (s.matrix, s.base) = (matrix, base);
     }
 }

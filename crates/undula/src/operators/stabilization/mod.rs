@@ -14,9 +14,9 @@ mod tasks;
 use super::{End, Entries, ForceAt, How, Matrix, Operator, Options, StepView};
 use crate::algebra::SolverError;
 use crate::loops::chunks::{Copies, Writes, for_each};
-use crate::loops::scatter::{DROP, PerThread};
-use crate::loops::slots::Slots;
-use crate::loops::test_functions::Trial;
+use crate::loops::scatter::PerThread;
+use crate::loops::slots::{Numbering, Pair, Slots, scalars, vectors};
+use crate::loops::test_functions::{Test, Trial};
 use crate::loops::width::Width;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, Mapping, PressureTerm, Stabilization, TransportTerm};
@@ -58,11 +58,20 @@ pub fn couplings(how: &Stabilization, deforms: bool) -> Vec<Coupling> {
     list
 }
 
+/// The same test function by test function.
+fn pairs(couplings: &[Coupling]) -> Vec<Pair> {
+    let of = |c: &Coupling| {
+        let tests = [(c.phi, Test::Phi(0)), (c.xi, Test::Xi)];
+        tests.into_iter().filter(|(holds, _)| *holds).map(|(_, test)| Pair::full(test, c.trial)).collect()
+    };
+    couplings.iter().flat_map::<Vec<Pair>, _>(of).collect()
+}
+
 /// Where the entries of one matrix go.
 #[derive(Default)]
-struct Target<const L: usize> {
+struct Target<const D: usize, const L: usize> {
     couplings: Vec<Coupling>,
-    slots: Slots<L>,
+    slots: Slots<D, L>,
 }
 
 /// The stabilisation on all cells of the fluid, `L` patches at a time.
@@ -77,7 +86,7 @@ pub struct Stabilizer<const D: usize, const L: usize> {
     write_phi: Vec<[u32; L]>,
     write_xi: Vec<[u32; L]>,
     row_copies: Copies,
-    targets: [Target<L>; 2],
+    targets: [Target<D, L>; 2],
     scratch: PerThread<Scratch<D, L>>,
     deforms: bool,
     n_v: u32,
@@ -107,9 +116,10 @@ where
         let mut write_xi: Vec<[u32; L]> =
             tables.pressure.dofs.iter().map(|l| l.map(|dof| first_pressure + dof)).collect();
         let mut writes = [(&mut write_phi, n, D), (&mut write_xi, m, 1)].map(|(list, per_batch, width)| {
-            Writes { indices: list.as_flattened_mut(), per_batch: per_batch * L, width }
+            Writes::runs(list.as_flattened_mut(), &tables.chunks, per_batch * L, width)
         });
-        let row_copies = Copies::new(space.n_unknowns(), &tables.chunks, &mut writes)?;
+        let row_copies = Copies::new(space.n_field_unknowns(), tables.chunks.len(), &mut writes)?;
+        drop(writes);
         let all = couplings(how, space.deforms);
         let flow = all.iter().copied().filter(|c| !matches!(c.trial, Trial::U(_))).collect();
         let columns = 2 * n * D + m;
@@ -132,38 +142,19 @@ where
         })
     }
 
-    /// Call `visit(lane, row, column)` for every entry in the numbers that `number` gives to places in
-    /// `[v, u, p]`, [`DROP`]ped ones included.
-    fn all_entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(usize, u32, u32)) {
-        let (n, m) = (self.tables.velocity.n, self.tables.pressure.n);
-        for batch in 0..self.tables.n_batches() {
-            let active = self.tables.active[batch];
-            let nodes = &self.tables.velocity.dofs[batch * n..(batch + 1) * n];
-            let pressures = &self.tables.pressure.dofs[batch * m..(batch + 1) * m];
-            let vectors = |first: u32| {
-                nodes.iter().flat_map(move |lanes| {
-                    (0..D as u32).map(move |i| lanes.map(|node| first + node * D as u32 + i))
-                })
-            };
-            let scalars = || pressures.iter().map(|lanes| lanes.map(|dof| self.first_pressure + dof));
-            for coupling in &self.targets[matrix as usize].couplings {
-                let places: Vec<[u32; L]> = match coupling.trial {
-                    Trial::V(_) => vectors(0).collect(),
-                    Trial::U(_) => vectors(self.n_v).collect(),
-                    Trial::P => scalars().collect(),
-                };
-                for column in places {
-                    let phi = vectors(0).filter(|_| coupling.phi);
-                    for row in phi.chain(scalars().filter(|_| coupling.xi)) {
-                        for l in 0..L {
-                            let (row, column) = (number[row[l] as usize], number[column[l] as usize]);
-                            let there = l < active && row != DROP && column != DROP;
-                            visit(l, if there { row } else { DROP }, if there { column } else { DROP });
-                        }
-                    }
-                }
-            }
-        }
+    /// Rows and columns of a batch in the numbers that `number` gives to places in `[v, u, p]`.
+    fn numbering(&self, batch: usize, number: &[u32]) -> Numbering<D, L> {
+        let (n, m, active) = (self.tables.velocity.n, self.tables.pressure.n, self.tables.active[batch]);
+        let nodes = &self.tables.velocity.dofs[batch * n..(batch + 1) * n];
+        let pressures = &self.tables.pressure.dofs[batch * m..(batch + 1) * m];
+        let vector = |first: u32| {
+            let places = nodes.iter().map(|lanes| lanes.map(|node| first + node * D as u32));
+            vectors(places, active, number)
+        };
+        let scalar =
+            || scalars(pressures.iter().map(|l| l.map(|dof| self.first_pressure + dof)), active, number);
+        let u = if self.deforms { vector(self.n_v) } else { vec![] };
+        Numbering { rows: [vector(0), vec![], scalar()], columns: [vector(0), u, scalar()] }
     }
 
     fn for_each_batch(&self, work: impl Fn(usize) + Sync) {
@@ -207,18 +198,17 @@ where
     }
 
     fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
-        self.all_entries(matrix, number, &mut |_, row, column| {
-            if row != DROP {
-                visit(row, column);
-            }
-        });
+        let pairs = pairs(&self.targets[matrix as usize].couplings);
+        for batch in 0..self.tables.n_batches() {
+            self.numbering(batch, number).visit(&pairs, visit);
+        }
     }
 
     fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
         let (batches, chunks) = (self.tables.n_batches(), &self.tables.chunks);
-        let slots = Slots::new(batches, chunks, entries, &[1], |put| {
-            self.all_entries(matrix, number, &mut |lane, row, column| put(0, lane, row, column));
-        })?;
+        let pairs = pairs(&self.targets[matrix as usize].couplings);
+        let numbering = |batch| self.numbering(batch, number);
+        let slots = Slots::new(batches, chunks, entries, &pairs, numbering)?;
         self.targets[matrix as usize].slots = slots;
         Ok(())
     }
@@ -230,7 +220,6 @@ where
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
-                    let slots = slots.of(0, batch);
                     let task = MatrixTask { of: self, step, couplings, slots, batch, scratch, out };
                     match how.tangent.nodal() {
                         Some(by) => Lanes::<L>::dispatch(DifferenceTask { by, task }),

@@ -4,7 +4,8 @@
 use super::{Coupling, Stabilizer};
 use crate::loops::evaluate::{gather, gather_scalar, scatter};
 use crate::loops::scatter::Shared;
-use crate::loops::test_functions::Trial;
+use crate::loops::slots::Slots;
+use crate::loops::test_functions::{Test, Trial};
 use crate::loops::width::Task;
 use crate::math::{Dual, Lanes, Scalar, Tensor, Vector};
 use crate::operators::StepView;
@@ -195,7 +196,7 @@ pub(super) struct MatrixTask<'a, const D: usize, const L: usize> {
     pub(super) of: &'a Stabilizer<D, L>,
     pub(super) step: &'a StepView<'a>,
     pub(super) couplings: &'a [Coupling],
-    pub(super) slots: &'a [[u32; L]],
+    pub(super) slots: &'a Slots<D, L>,
     pub(super) batch: usize,
     pub(super) scratch: &'a mut Scratch<D, L>,
     pub(super) out: &'a Shared<'a>,
@@ -232,7 +233,7 @@ impl<const D: usize, const L: usize> Task for MatrixTask<'_, D, L> {
                 }
             }
         }
-        of.scatter(self.couplings, &matrix, self.slots, self.out);
+        of.scatter(self.couplings, &matrix, (self.slots, batch), self.out);
         s.matrix = matrix;
     }
 }
@@ -287,29 +288,30 @@ impl<const D: usize, const L: usize> Stabilizer<D, L> {
         }
     }
 
-    /// Add the element matrices in the order of [`Stabilizer::entries`].
+    /// Add the element matrices `[column][row]`.
     #[inline(always)]
     pub(super) fn scatter(
         &self,
         couplings: &[Coupling],
         matrix: &[Lanes<L>],
-        slots: &[[u32; L]],
+        (slots, batch): (&Slots<D, L>, usize),
         out: &Shared<'_>,
     ) {
         let (n, m) = (self.tables.velocity.n, self.tables.pressure.n);
-        let mut columns = matrix.chunks_exact(n * D + m);
-        let mut slots = slots.iter();
-        for coupling in couplings {
-            for _ in 0..if coupling.trial == Trial::P { m } else { n * D } {
-                let Some(column) = columns.next() else { return };
-                let phi = column[..n * D].iter().filter(|_| coupling.phi);
-                for (value, slot) in phi.chain(column[n * D..].iter().filter(|_| coupling.xi)).zip(&mut slots)
-                {
-                    for l in 0..L {
-                        out.add(slot[l], value.0[l]);
+        let (rows, mut first) = (n * D + m, 0);
+        for &Coupling { trial, phi, xi } in couplings {
+            let (columns, components) = if trial == Trial::P { (m, 1) } else { (n, D) };
+            let at = |b: usize, j: usize, row: usize| &matrix[(first + b * components + j) * rows + row];
+            let tests = [(phi, Test::Phi(0), n, D, 0), (xi, Test::Xi, m, 1, n * D)];
+            for (_, test, functions, parts, start) in tests.into_iter().filter(|(holds, ..)| *holds) {
+                let places = slots.of(test, trial, batch);
+                for (a, b) in (0..functions).flat_map(|a| (0..columns).map(move |b| (a, b))) {
+                    for (i, j) in (0..parts).flat_map(|i| (0..components).map(move |j| (i, j))) {
+                        places.add(out, (a, b), (i, j), at(b, j, start + a * parts + i));
                     }
                 }
             }
+            first += columns * components;
         }
     }
 }

@@ -206,6 +206,6 @@ fn equations(space: &FsiSpace<2>) -> Vec<Equation> {
     };
     let mut list: Vec<Equation> = (0..space.n_v()).map(|i| momentum(i / 2)).collect();
     list.extend((0..space.n_u()).map(|i| psi(i / 2)));
-    list.resize(space.n_unknowns(), Equation::Divergence);
+    list.resize(space.n_field_unknowns(), Equation::Divergence);
     list
 }

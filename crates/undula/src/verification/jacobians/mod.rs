@@ -116,7 +116,7 @@ pub fn compare(simulation: &mut Simulation, at: At) -> Result<JacobianReport, So
         let case = simulation.case.name.clone();
         let assembler = &mut simulation.stepper.assembler;
         let min_j = setting.min_j(assembler);
-        let unknowns = assembler.space.n_unknowns();
+        let unknowns = assembler.space.n_field_unknowns();
         let (comparisons, left_out) = matrices(assembler, &setting)?;
         let Setting { text: state, rule, .. } = setting;
         Ok(JacobianReport { case, state, rule, min_j, unknowns, comparisons, left_out })

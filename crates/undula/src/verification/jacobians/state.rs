@@ -36,7 +36,7 @@ impl Setting {
     }
 
     pub(super) fn min_j(&self, assembler: &mut Assembler<2>) -> f64 {
-        let mut r = vec![0.0; assembler.space.n_unknowns()];
+        let mut r = vec![0.0; assembler.space.n_field_unknowns()];
         assembler.residual(&StepView { rule: self.rule, new: &self.new, old: &self.old }, &mut r)
     }
 

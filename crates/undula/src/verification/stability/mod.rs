@@ -128,7 +128,7 @@ fn blocks<const D: usize>(
     let v = [true, false].map(|fluid| places(0, &|node, i| constraints.v[node][i], fluid));
     let there = space.deforms;
     let u = [true, false].map(|fluid| places(n_v, &|node, i| !there || constraints.u[node][i], fluid));
-    let p: Vec<u32> = (n_v + n_u..space.n_unknowns()).map(|p| p as u32).collect();
+    let p: Vec<u32> = (n_v + n_u..space.n_field_unknowns()).map(|p| p as u32).collect();
     let join = |parts: &[&Vec<u32>]| -> Vec<u32> {
         let mut all: Vec<u32> = parts.iter().flat_map(|part| part.iter().copied()).collect();
         all.sort_unstable();

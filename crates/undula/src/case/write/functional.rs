@@ -1,0 +1,67 @@
+//! The tables of functionals.
+
+use super::{Lines, names, pair};
+use crate::case::choices::METHODS;
+use crate::case::functionals::{FUNCTIONALS, FunctionalSpec, Site};
+use crate::functional::energy::ENERGIES;
+use crate::functional::quantity::{self, COMPONENTS, TAKES};
+
+impl Site {
+    pub(super) fn write(&self, out: &mut Lines) {
+        match self {
+            Site::Point { point, region } => {
+                out.key("point", pair(point));
+                if let Some(region) = region {
+                    out.word("region", region);
+                }
+            }
+            Site::Boundaries(on, take) => {
+                out.key("on", names(on));
+                out.choice("take", &TAKES, take);
+            }
+            Site::Region(region, take) => {
+                out.word("region", region);
+                out.choice("take", &TAKES, take);
+            }
+        }
+    }
+}
+
+impl FunctionalSpec {
+    /// The lines of its table.
+    pub(super) fn write(&self, out: &mut Lines) {
+        out.variant("kind", &FUNCTIONALS, self);
+        match self {
+            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+                out.key("on", names(on));
+                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
+                out.choice("method", &METHODS, surface_integral);
+                if let Some(scales) = coefficient {
+                    out.key("coefficient", pair(scales));
+                }
+            }
+            FunctionalSpec::Displacement { point, component } => {
+                out.key("point", pair(point));
+                out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
+            }
+            FunctionalSpec::PressureDifference { a, b } => {
+                out.key("a", pair(a));
+                out.key("b", pair(b));
+            }
+            FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
+            FunctionalSpec::Rotation => {}
+            FunctionalSpec::Flux { on } | FunctionalSpec::Power { on } => out.key("on", names(on)),
+            FunctionalSpec::Pressure(at) => at.write(out),
+            FunctionalSpec::Velocity { component, at } | FunctionalSpec::Stress { component, at } => {
+                out.choice("component", &COMPONENTS, component);
+                at.write(out);
+            }
+            FunctionalSpec::WallShearStress { component, on, take } => {
+                out.key("on", names(on));
+                out.choice("component", &COMPONENTS, component);
+                out.choice("take", &TAKES, take);
+            }
+            FunctionalSpec::Volume { region } => out.word("region", region),
+        }
+    }
+}
