@@ -153,7 +153,7 @@ impl Setting<'_> {
     }
 
     fn n(&self) -> usize {
-        self.assembler.space.n_field_unknowns()
+        self.assembler.n_unknowns()
     }
 
     fn condensed_matrix(&mut self, tangent: Tangent, out: &mut Csr) {

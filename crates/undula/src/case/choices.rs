@@ -15,6 +15,12 @@ pub static PRESSURE_AT: [Choice<bool>; 2] = [
     choice("reference", false, "normal and area of the reference boundary: a dead load"),
 ];
 
+/// Whether a spring acts on the normal part alone.
+pub static SPRING_DIRECTIONS: [Choice<bool>; 2] = [
+    choice("all", false, "on all components of u and v"),
+    choice("normal", true, "on the part normal to the reference boundary"),
+];
+
 /// Whether an outlet has the directional term.
 pub static BACKFLOW: [Choice<bool>; 2] = [
     choice("none", false, "no term against flow that comes in"),

@@ -1,6 +1,6 @@
 //! Conditions on boundaries, with the keys of their data.
 
-use super::choices::PRESSURE_AT;
+use super::choices::{PRESSURE_AT, SPRING_DIRECTIONS};
 use super::expression::Expression;
 use super::key::Key;
 use crate::choice::{Choice, choice, row_of};
@@ -8,7 +8,8 @@ use crate::choice::{Choice, choice, row_of};
 /// Two components, expressions of x, y, t.
 pub type Pair = [Expression; 2];
 
-const EMPTY: Pair = [Expression::EMPTY, Expression::EMPTY];
+const ZERO: Expression = Expression::EMPTY;
+const EMPTY: Pair = [ZERO, ZERO];
 
 /// What holds on a boundary.
 #[derive(Clone, Debug, PartialEq)]
@@ -39,10 +40,43 @@ pub enum Condition {
         /// Whether n and the area are those of the boundary in motion.
         follows: bool,
     },
+    /// σ n = −(k u + c v) − P n of the solid, or the normal part of the bed.
+    Spring {
+        /// k \[Pa/m\].
+        stiffness: Expression,
+        /// c \[Pa s/m\].
+        damping: Expression,
+        /// P \[Pa\], which follows the boundary.
+        pressure: Expression,
+        /// Whether only the normal part of u and v acts.
+        normal: bool,
+    },
+    /// The pressure of an outlet is R Q + P.
+    Resistance {
+        /// R \[Pa s/m²\].
+        resistance: Expression,
+        /// P \[Pa\].
+        pressure: Expression,
+    },
+    /// The pressure of an outlet is that of an RCR circuit.
+    Windkessel {
+        /// R_p \[Pa s/m²\].
+        proximal: Expression,
+        /// C \[m²/Pa\].
+        capacitance: Expression,
+        /// R_d \[Pa s/m²\].
+        distal: Expression,
+        /// P_d \[Pa\], behind the circuit.
+        pressure: Expression,
+        /// P_c at the start \[Pa\].
+        initial: Expression,
+    },
+    /// The pressure of an outlet is that with which the given flow leaves.
+    Flux(Expression),
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 10] = [
+pub static CONDITIONS: [Choice<Condition>; 14] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
@@ -65,10 +99,32 @@ pub static CONDITIONS: [Choice<Condition>; 10] = [
         Condition::Pressure { pressure: Expression::EMPTY, follows: true },
         "prescribed pressure P: ρν ∂v/∂n − p n = −P n of the fluid, σ n = −P n of the solid",
     ),
+    choice(
+        "spring",
+        Condition::Spring { stiffness: ZERO, damping: ZERO, pressure: ZERO, normal: false },
+        "elastic bed of the solid: σ n = −(k u + c v) − P n",
+    ),
+    choice(
+        "resistance",
+        Condition::Resistance { resistance: ZERO, pressure: ZERO },
+        "outlet whose pressure is R Q + P, Q the flow out of it",
+    ),
+    choice(
+        "windkessel",
+        Condition::Windkessel {
+            proximal: ZERO,
+            capacitance: ZERO,
+            distal: ZERO,
+            pressure: ZERO,
+            initial: ZERO,
+        },
+        "outlet with an RCR circuit: p = R_p Q + P_c, C dP_c/dt = Q − (P_c − P)/R_d",
+    ),
+    choice("flux", Condition::Flux(ZERO), "inlet or outlet with a given flow and one pressure on all of it"),
 ];
 
 /// Keys of their data.
-pub static DATA: [Key; 5] = [
+pub static DATA: [Key; 14] = [
     Key::data(
         "boundary.NAME.velocity",
         "m/s",
@@ -90,8 +146,33 @@ pub static DATA: [Key; 5] = [
     Key::data(
         "boundary.NAME.pressure",
         "Pa",
-        "pressure: required",
-        "expression of x, y, t at the reference position",
+        "pressure: required, else 0",
+        "expression of x, y, t at the reference position; behind a resistance or a windkessel of t alone",
+    ),
+    Key::data("boundary.NAME.stiffness", "Pa/m", "0", "k of a spring, per area; expression of x, y, t"),
+    Key::data("boundary.NAME.damping", "Pa s/m", "0", "c of a spring, per area; expression of x, y, t"),
+    Key {
+        key: "boundary.NAME.direction",
+        unit: "",
+        default: "all",
+        about: "in which direction a spring acts",
+        choices: Some(&SPRING_DIRECTIONS),
+    },
+    Key::data(
+        "boundary.NAME.resistance",
+        "Pa s/m²",
+        "resistance: required",
+        "R of an outlet; expression of t",
+    ),
+    Key::data("boundary.NAME.proximal", "Pa s/m²", "windkessel: required", "R_p; expression of t"),
+    Key::data("boundary.NAME.capacitance", "m²/Pa", "windkessel: required", "C; expression of t"),
+    Key::data("boundary.NAME.distal", "Pa s/m²", "windkessel: required", "R_d; expression of t"),
+    Key::data("boundary.NAME.initial", "Pa", "0", "P_c of a windkessel at the start"),
+    Key::data(
+        "boundary.NAME.flow-rate",
+        "m²/s",
+        "flux: required",
+        "flow out of the fluid, negative into it; expression of t",
     ),
     Key {
         key: "boundary.NAME.at",
@@ -141,6 +222,23 @@ impl Condition {
             Condition::Pressure { pressure, follows } => {
                 vec![("pressure", Datum::Scalar(pressure)), ("at", Datum::Word(&PRESSURE_AT, follows))]
             }
+            Condition::Spring { stiffness, damping, pressure, normal } => vec![
+                ("stiffness", Datum::Scalar(stiffness)),
+                ("damping", Datum::Scalar(damping)),
+                ("pressure", Datum::Scalar(pressure)),
+                ("direction", Datum::Word(&SPRING_DIRECTIONS, normal)),
+            ],
+            Condition::Resistance { resistance, pressure } => {
+                vec![("resistance", Datum::Scalar(resistance)), ("pressure", Datum::Scalar(pressure))]
+            }
+            Condition::Windkessel { proximal, capacitance, distal, pressure, initial } => vec![
+                ("proximal", Datum::Scalar(proximal)),
+                ("capacitance", Datum::Scalar(capacitance)),
+                ("distal", Datum::Scalar(distal)),
+                ("pressure", Datum::Scalar(pressure)),
+                ("initial", Datum::Scalar(initial)),
+            ],
+            Condition::Flux(flow) => vec![("flow-rate", Datum::Scalar(flow))],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
@@ -157,6 +255,20 @@ impl Condition {
             Condition::Traction(data) => vec![("traction", data.iter().collect())],
             Condition::Displacement(data) => vec![("displacement", data.iter().flatten().collect())],
             Condition::Pressure { pressure, .. } => vec![("pressure", vec![pressure])],
+            Condition::Spring { stiffness, damping, pressure, normal: _ } => {
+                vec![("stiffness", vec![stiffness]), ("damping", vec![damping]), ("pressure", vec![pressure])]
+            }
+            Condition::Resistance { resistance, pressure } => {
+                vec![("resistance", vec![resistance]), ("pressure", vec![pressure])]
+            }
+            Condition::Windkessel { proximal, capacitance, distal, pressure, initial } => vec![
+                ("proximal", vec![proximal]),
+                ("capacitance", vec![capacitance]),
+                ("distal", vec![distal]),
+                ("pressure", vec![pressure]),
+                ("initial", vec![initial]),
+            ],
+            Condition::Flux(flow) => vec![("flow-rate", vec![flow])],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
@@ -179,8 +291,13 @@ impl Condition {
     /// Whether it has a meaning on a boundary of the fluid, of the solid, or of both.
     pub fn suits(&self, fluid: bool, solid: bool) -> bool {
         match self {
-            Condition::Velocity(_) | Condition::DoNothing => fluid,
+            Condition::Velocity(_)
+            | Condition::DoNothing
+            | Condition::Resistance { .. }
+            | Condition::Windkessel { .. }
+            | Condition::Flux(_) => fluid,
             Condition::Clamped => solid,
+            Condition::Spring { .. } => solid && !fluid,
             _ => true,
         }
     }
@@ -192,7 +309,18 @@ impl Condition {
 
     /// Whether the traction is what is given: velocity and displacement are free there, and an outlet may be there.
     pub fn is_natural(&self) -> bool {
-        use Condition::{DoNothing, Pressure, Traction, TractionFree};
-        matches!(self, DoNothing | TractionFree | Traction(_) | Pressure { .. })
+        use Condition::{DoNothing, Pressure, Spring, Traction, TractionFree};
+        self.is_lumped()
+            || matches!(self, DoNothing | TractionFree | Traction(_) | Pressure { .. } | Spring { .. })
+    }
+
+    /// Whether a spring may hold the solid.
+    pub fn is_elastic(&self) -> bool {
+        matches!(self, Condition::Spring { stiffness, .. } if stiffness.constant_value() != Some(0.0))
+    }
+
+    /// Whether one pressure acts on all of an outlet, which depends on the flow.
+    pub fn is_lumped(&self) -> bool {
+        matches!(self, Condition::Resistance { .. } | Condition::Windkessel { .. } | Condition::Flux(_))
     }
 }

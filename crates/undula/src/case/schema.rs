@@ -125,6 +125,10 @@ pub enum MeshSource {
     SchaeferTurek,
     /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
     Rotor,
+    /// Channel (−3, 3) × (0, 4) with an elastic flap on its bottom (preCICE).
+    Flap,
+    /// Unit square over a flexible bottom (Valdés 2007).
+    Cavity,
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -152,10 +156,12 @@ impl PartialEq for OwnMesh {
 }
 
 /// Generators by their names in a case.
-pub static GENERATORS: [Choice<MeshSource>; 4] = [
+pub static GENERATORS: [Choice<MeshSource>; 6] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
+    choice("flap", MeshSource::Flap, "channel with an elastic flap"),
+    choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),
     choice(
         "box",
         MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },

@@ -43,22 +43,22 @@ pub trait FacetTerm<const D: usize>: Send + Sync {
 }
 
 /// A facet as the body sees it.
-struct SeenFacet<const D: usize> {
-    side: Side,
+pub(super) struct SeenFacet<const D: usize> {
+    pub(super) side: Side,
     /// Its boundary of the mesh.
     boundary: u16,
     /// Nodes of the cell.
-    nodes: Vec<u32>,
-    points: Vec<FacetPoint<D>>,
+    pub(super) nodes: Vec<u32>,
+    pub(super) points: Vec<FacetPoint<D>>,
     /// Number of the first point.
     first: usize,
 }
 
 /// A term on the facets of a body.
 pub struct FacetOperator<T, const D: usize> {
-    term: T,
+    pub(super) term: T,
     body: Region,
-    facets: Vec<SeenFacet<D>>,
+    pub(super) facets: Vec<SeenFacet<D>>,
     /// Which of v and u the whole matrix has columns of.
     fields: Vec<usize>,
     /// `[facet][row a, i][column b, j][field]`.

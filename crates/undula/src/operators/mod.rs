@@ -13,8 +13,10 @@ pub mod border;
 mod columns;
 pub mod facets;
 pub mod outflow;
+pub mod outlet;
 pub mod pressure;
 pub mod region;
+pub mod spring;
 pub mod stabilization;
 pub mod traction;
 
@@ -179,6 +181,16 @@ pub trait Operator<const D: usize>: Send + Sync {
     /// How many scalar unknowns the term has. Their equations are scaled like a rate of volume \[m^D/s\].
     fn scalars(&self) -> usize {
         0
+    }
+
+    /// Whether they have no rate, like a pressure: fractional-step θ gives the means of its parts.
+    fn scalars_are_algebraic(&self) -> bool {
+        true
+    }
+
+    /// Their value at the start of a run.
+    fn scalar_start(&self) -> f64 {
+        0.0
     }
 
     /// Told once, where there are some: the number of the first one in `s` of a state, and its row in `[v, u, p, s]`.

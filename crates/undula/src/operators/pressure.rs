@@ -19,6 +19,13 @@ pub struct PressureLoad<const D: usize> {
     values: [Vec<f64>; 2],
 }
 
+impl<const D: usize> PressureLoad<D> {
+    /// The same pressure at all points and times.
+    pub(super) fn set(&mut self, pressure: f64) {
+        self.values.iter_mut().for_each(|values| values.fill(pressure));
+    }
+}
+
 impl<const D: usize> FacetTerm<D> for PressureLoad<D> {
     type Form = Pressure;
     const DEPENDS: [bool; 2] = [false, true];

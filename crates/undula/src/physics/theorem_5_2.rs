@@ -5,7 +5,7 @@
 //! −(J tr(F⁻¹∇w) ρ f + J ρ ∇f w, φ) is missing (its second part for a force at the current position x + u),
 //! and λ tr(dE) lacks the factor I.
 
-use super::{Backflow, Fields, Fluid, Kinematics, Outflow, Place, Pressure, Solid, StepRule, Tested};
+use super::{Backflow, Fields, Fluid, Kinematics, Outflow, Place, Pressure, Solid, Spring, StepRule, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// (5.14) in the fluid: A'(U)(W, ·) with W = {z, w, q}.
@@ -231,4 +231,17 @@ pub fn pressure_load<S: Scalar<Value = S>, const D: usize>(
     let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
     let n = F_inv.t() * *normal;
     weight * form.pressure * (n * (F_inv * W.grad_u).trace() - F_inv.t() * (W.grad_u.t() * n)) * J
+}
+
+/// Derivative of an elastic and viscous bed, which is linear.
+#[inline(always)]
+pub fn spring<S: Scalar<Value = S>, const D: usize>(
+    form: &Spring,
+    weight: f64,
+    _: &Fields<S, D>,
+    normal: &Vector<S, D>,
+    W: &Fields<S, D>,
+) -> Vector<S, D> {
+    let force = form.stiffness * W.u + form.damping * W.v;
+    weight * if form.normal { *normal * normal.dot(force) } else { force }
 }

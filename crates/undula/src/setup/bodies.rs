@@ -55,7 +55,7 @@ impl Bodies<'_> {
     /// Whether a boundary of the part is given; sides of regions that are left out are, unless a condition says else.
     fn is_held(&self, number: usize) -> bool {
         self.part(number).boundaries.iter().any(|name| match self.case.boundary.get(name) {
-            Some(condition) => condition.is_given(),
+            Some(condition) => condition.is_given() || condition.is_elastic(),
             None => name != INTERFACE && self.names.is_inside(name, &self.case.regions()),
         })
     }

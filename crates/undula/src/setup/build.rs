@@ -11,7 +11,9 @@ use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
+use crate::operators::outlet::{Law, Outlet};
 use crate::operators::pressure::pressure;
+use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::{Fluid, Projection, Solid};
 use crate::space::{
@@ -198,7 +200,7 @@ impl Case {
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
             Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
-            Some(Condition::DoNothing | Condition::Pressure { .. }) => {
+            Some(condition) if condition.is_lumped() || has_correction(condition) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
             // The load, if there is one, is among the terms of the equations. The solid is free.
@@ -220,9 +222,26 @@ impl Case {
             for body in [Region::Fluid, Region::Solid] {
                 let condition = self.boundary.get(name);
                 terms.extend(condition.and_then(|condition| self.term(condition, space, boundary, body)));
+                terms.extend(condition.and_then(|condition| self.bed(condition, space, boundary, body)));
             }
         }
         terms
+    }
+
+    /// The bed of a condition `spring`, whose pressure is a term of its own.
+    fn bed(
+        &self,
+        condition: &Condition,
+        space: &FsiSpace<2>,
+        boundary: u16,
+        body: Region,
+    ) -> Option<Box<dyn Operator<2>>> {
+        let Condition::Spring { stiffness, damping, normal, .. } = condition else { return None };
+        let both = [stiffness.clone(), damping.clone()];
+        let data =
+            Box::new(move |x: &[f64; 2], t: f64| [0, 1].map(|i: usize| both[i].eval(&[x[0], x[1], 0.0], t)));
+        let bed = spring(space, boundary, (data, *normal), self.space.quadrature);
+        (body == Region::Solid).then(|| Box::new(bed) as Box<dyn Operator<2>>)
     }
 
     /// The term of a condition on the facets of `body` at a boundary of the mesh.
@@ -236,10 +255,20 @@ impl Case {
         let n = self.space.quadrature;
         match condition {
             Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
-            Condition::Pressure { pressure: p, follows } => {
+            Condition::Pressure { pressure: p, .. } | Condition::Spring { pressure: p, .. }
+                if body == Region::Solid || has_correction(condition) =>
+            {
+                let follows = !matches!(condition, Condition::Pressure { follows: false, .. });
                 let p = p.clone();
                 let data = Box::new(move |x: &[f64; 2], t: f64| p.eval(&[x[0], x[1], 0.0], t));
-                Some(Box::new(pressure(space, body, boundary, (data, *follows), n)))
+                Some(Box::new(pressure(space, body, boundary, (data, follows), n)))
+            }
+            _ if condition.is_lumped() && body == Region::Fluid => {
+                let start = match condition {
+                    Condition::Windkessel { initial, .. } => initial.eval(&[0.0; 3], 0.0),
+                    _ => 0.0,
+                };
+                Some(Box::new(Outlet::new(space, boundary, law(condition)?, start, n)))
             }
             _ => None,
         }
@@ -295,6 +324,27 @@ fn function(f: &[Expression; 2]) -> Force<2> {
     Box::new(move |x, t| {
         let x = [x[0], x[1], 0.0];
         [f[0].eval(&x, t), f[1].eval(&x, t)]
+    })
+}
+
+/// Whether the fluid has the do-nothing correction.
+fn has_correction(condition: &Condition) -> bool {
+    matches!(condition, Condition::DoNothing | Condition::Pressure { .. })
+}
+
+/// The law of an outlet, `None` for another condition.
+fn law(condition: &Condition) -> Option<Law> {
+    let at = |e: &Expression, t: f64| e.eval(&[0.0; 3], t);
+    Some(match condition.clone() {
+        Condition::Resistance { resistance, pressure } => {
+            Law::Resistance(Box::new(move |t| [at(&resistance, t), at(&pressure, t)]))
+        }
+        Condition::Windkessel { proximal, capacitance, distal, pressure, initial: _ } => {
+            let all = [proximal, capacitance, distal, pressure];
+            Law::Windkessel(Box::new(move |t| std::array::from_fn(|i| at(&all[i], t))))
+        }
+        Condition::Flux(flow) => Law::Flow(Box::new(move |t| [at(&flow, t)])),
+        _ => return None,
     })
 }
 

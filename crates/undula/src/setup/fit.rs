@@ -109,7 +109,12 @@ impl Fit<'_> {
                 Some(condition) if !condition.suits(fluid, solid) => {
                     let names =
                         CONDITIONS.iter().filter(|row| row.value.suits(fluid, solid)).map(|row| row.name);
-                    let message = format!("only the solid is here; use one of {}", quoted(names));
+                    let here = match (fluid, solid) {
+                        (true, true) => "fluid and solid are here, and it is for one of them",
+                        (true, false) => "only the fluid is here",
+                        _ => "only the solid is here",
+                    };
+                    let message = format!("{here}; use one of {}", quoted(names));
                     self.error(&format!("{key}.condition"), message);
                 }
                 Some(_) => {}

@@ -85,6 +85,8 @@ impl Case {
             MeshSource::TurekHron => of_mesh(&generate::turek_hron(0, grading)),
             MeshSource::SchaeferTurek => of_mesh(&generate::schaefer_turek(0)),
             MeshSource::Rotor => of_mesh(&generate::rotor(0, grading)),
+            MeshSource::Flap => of_mesh(&generate::flap(0, grading)),
+            MeshSource::Cavity => of_mesh(&generate::cavity(0)),
             MeshSource::Box { lower, upper, cells } => {
                 let all = cells[0] as f64 * cells[1] as f64;
                 (all, all * self.share_of_box(*lower, *upper))

@@ -61,6 +61,8 @@ impl Case {
             MeshSource::TurekHron => (generate::turek_hron(0, grading), vec![generate::cylinder()]),
             MeshSource::SchaeferTurek => (generate::schaefer_turek(0), vec![generate::cylinder()]),
             MeshSource::Rotor => (generate::rotor(0, grading), vec![]),
+            MeshSource::Flap => (generate::flap(0, grading), vec![]),
+            MeshSource::Cavity => (generate::cavity(0), vec![]),
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, 0)?, vec![])
             }

@@ -1,8 +1,9 @@
 //! Rigid motions that the supports of a solid leave free.
 
 use super::bodies::extent;
-use crate::case::Case;
+use crate::case::{Case, Condition};
 use crate::error::Error;
+use crate::space::normals::normals;
 use crate::space::{Constraints, FsiSpace, Region};
 
 /// What of the sum of squares counts as 0.
@@ -36,23 +37,44 @@ impl Case {
                 parts.push(component[cell]);
             }
         }
+        let springs = self.springs(space);
         for &part in &parts {
             let cells = (0..space.mesh.n_cells()).filter(|&cell| component[cell] == part);
             let mut nodes: Vec<u32> = cells.flat_map(|cell| space.nodes.cell(cell).iter().copied()).collect();
             nodes.sort_unstable();
             nodes.dedup();
-            let Some((motion, lower, upper)) = free_motion(space, &constraints, &nodes) else { continue };
+            let springs: Vec<_> =
+                springs.iter().filter(|(node, _)| nodes.binary_search(node).is_ok()).copied().collect();
+            let free = free_motion(space, &constraints, &nodes, &springs);
+            let Some((motion, lower, upper)) = free else { continue };
             let subject = match parts.len() {
                 1 => "the solid".to_string(),
                 _ => format!("the part of the solid in {}", extent(&lower, &upper)),
             };
             let message = format!(
                 "nothing holds {subject} against {motion}, so it has no stationary state: expected a boundary with \
-                 condition = `clamped`, or another plane of symmetry"
+                 condition = `clamped`, or another plane of symmetry or spring"
             );
             return Err(self.refuse("solid", message));
         }
         Ok(())
+    }
+}
+
+impl Case {
+    /// Nodes on springs with the directions in which they act.
+    fn springs(&self, space: &FsiSpace<2>) -> Vec<(u32, [f64; 2])> {
+        let mut springs = vec![];
+        for (name, condition) in self.boundary.iter().filter(|(_, condition)| condition.is_elastic()) {
+            let facets = space.boundary_facets(name);
+            let normal = matches!(condition, Condition::Spring { normal: true, .. });
+            for (node, normals) in normals(space, facets.iter()) {
+                let own = normals.iter().map(|n| (node, n.0));
+                let all = [[1.0, 0.0], [0.0, 1.0]].map(|n| (node, n));
+                if normal { springs.extend(own) } else { springs.extend(all) }
+            }
+        }
+        springs
     }
 }
 
@@ -61,6 +83,7 @@ fn free_motion(
     space: &FsiSpace<2>,
     constraints: &Constraints<2>,
     nodes: &[u32],
+    springs: &[(u32, [f64; 2])],
 ) -> Option<(String, [f64; 2], [f64; 2])> {
     let points = || nodes.iter().map(|&node| space.nodes.points[node as usize]);
     let lower = [0, 1].map(|d| points().map(|x| x[d]).fold(f64::INFINITY, f64::min));
@@ -84,6 +107,7 @@ fn free_motion(
             .filter(|(_, given)| *given)
             .for_each(|(n, _)| held(node, n));
     }
+    springs.iter().for_each(|(node, n)| held(*node, *n));
     for at in constraints.directions.iter().filter(|at| at.u && nodes.binary_search(&at.node).is_ok()) {
         at.normals.iter().for_each(|n| held(at.node, n.0));
     }

@@ -148,10 +148,17 @@ impl<const D: usize> Assembler<D> {
         self.space.n_field_unknowns() + self.scalars
     }
 
-    /// Rest.
+    /// Which scalar unknowns have no rate.
+    pub fn algebraic_scalars(&self) -> Vec<bool> {
+        self.terms.iter().flat_map(|term| vec![term.scalars_are_algebraic(); term.scalars()]).collect()
+    }
+
+    /// Rest, with scalar unknowns as at the start of a run.
     pub fn zero(&self) -> State {
         let space = &self.space;
-        State { s: vec![0.0; self.scalars], ..State::zero(space.n_v(), space.n_u(), space.n_p()) }
+        let start = |term: &dyn Operator<D>| vec![term.scalar_start(); term.scalars()];
+        let s = self.terms.iter().flat_map(|term| start(&**term)).collect();
+        State { s, ..State::zero(space.n_v(), space.n_u(), space.n_p()) }
     }
 
     /// Take what the Jacobian at the iterate of `step` has besides `matrix`.

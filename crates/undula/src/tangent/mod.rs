@@ -8,7 +8,7 @@ pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};
 use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::{
-    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Solid, StepRule, Tested, WeakForm,
+    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Solid, Spring, StepRule, Tested, WeakForm,
     theorem_5_2,
 };
 
@@ -199,6 +199,7 @@ macro_rules! by_hand {
 by_hand!(Outflow, theorem_5_2::outflow);
 by_hand!(Backflow, theorem_5_2::backflow);
 by_hand!(Pressure, theorem_5_2::pressure_load);
+by_hand!(Spring, theorem_5_2::spring);
 
 /// Derivative of a facet term in direction `W` by one dual evaluation.
 #[inline(always)]

@@ -38,7 +38,10 @@ impl<const D: usize> Stepper<D> {
         };
         let State { p, s, .. } = &mut self.new;
         p.iter_mut().enumerate().for_each(|(n, p)| *p = mean(&|state| state.p[n]));
-        s.iter_mut().enumerate().for_each(|(n, s)| *s = mean(&|state| state.s[n]));
+        let algebraic = self.assembler.algebraic_scalars();
+        for (n, s) in s.iter_mut().enumerate().filter(|(n, _)| algebraic[*n]) {
+            *s = mean(&|state| state.s[n]);
+        }
         self.parts = Some(parts);
         total.parts = 1;
         Ok(total)

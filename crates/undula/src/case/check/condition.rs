@@ -47,14 +47,18 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
 /// The condition with its data. Data of other conditions have no effect.
 fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Option<Condition> {
     let about = |name: &str| DATA.iter().find(|key| last(key) == name);
+    let required = format!("{}: required", condition.as_ref().map_or("", Condition::name));
     let mut taken = vec![];
     for (name, datum) in condition.iter_mut().flat_map(Condition::data_mut) {
         taken.push(name);
-        let needed = about(name).filter(|key| key.default.ends_with("required") && !s.has(name));
+        let needed = about(name).filter(|key| key.default.contains(&required) && !s.has(name));
         if let Some(key) = needed {
             s.missing(name, &format!("{} [{}]", key.about, key.unit));
         }
         read_datum(s, name, datum);
+    }
+    if let Some(condition) = &condition {
+        check_lumped(s, condition);
     }
     for name in DATA.iter().map(last).filter(|name| !taken.contains(name)) {
         let others = CONDITIONS.iter().filter(|row| takes(&row.value, name));
@@ -68,6 +72,23 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
         }
     }
     condition
+}
+
+/// Outlets with one pressure have numbers that are the same on all of them, and circuits take no negative ones.
+fn check_lumped(s: &Section<'_, '_>, condition: &Condition) {
+    let spring = matches!(condition, Condition::Spring { .. });
+    for (name, data) in condition.data().into_iter().filter(|_| condition.is_lumped() || spring) {
+        let number = data[0].constant_value();
+        if data[0].depends_on_space() && !spring {
+            s.wrong(name, "depends on x or y, and there is one pressure on all of the boundary: expected a function of t");
+        } else if name == "initial" && data[0].depends_on_time() {
+            s.wrong(name, "depends on t: expected the value at the start");
+        } else if name == "distal" && s.has(name) && number.is_some_and(|x| x <= 0.0) {
+            s.wrong(name, "expected a number above 0");
+        } else if !["pressure", "initial", "flow-rate"].contains(&name) && number.is_some_and(|x| x < 0.0) {
+            s.wrong(name, "expected a number, 0 or above");
+        }
+    }
 }
 
 /// Reads one datum; it stays as it is if it is not given.

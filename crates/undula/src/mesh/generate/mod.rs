@@ -4,12 +4,16 @@
 //! cylinder exactly on the circle at every level.
 
 mod blocks;
+mod cavity;
 mod channel;
+mod flap;
 mod rectangle;
 mod rotor;
 mod schaefer_turek;
 mod turek_hron;
 
+pub use cavity::cavity;
+pub use flap::flap;
 pub use rectangle::rectangle;
 pub use rotor::rotor;
 pub use schaefer_turek::schaefer_turek;

@@ -3,7 +3,7 @@
 use crate::algebra::{Csr, Pattern};
 use crate::physics::StepRule;
 use crate::space::State;
-use crate::system::{Assembler, StepView};
+use crate::system::{Assembler, Borders, Matrix, StepView};
 
 /// Columns of a pattern in groups, and what is needed to difference them.
 pub struct Differences {
@@ -56,7 +56,7 @@ impl Differences {
         let given: Vec<usize> =
             (0..pattern.n).filter(|&i| is_given[i]).filter_map(|i| pattern.find(i, i)).collect();
         let groups = colour(&pattern, &columns, |col| !is_given[col]);
-        let zeros = || vec![0.0; pattern.n];
+        let zeros = || vec![0.0; assembler.n_unknowns()];
         Differences { groups, columns, given, plus: zeros(), minus: zeros(), direction: zeros() }
     }
 
@@ -77,6 +77,9 @@ impl Differences {
         out.values.fill(0.0);
         self.given.iter().for_each(|&place| out.values[place] = 1.0);
         let back = if central { -1.0 } else { 0.0 };
+        // Couplings that are in no matrix are taken out of the differences.
+        let mut borders = Borders::default();
+        assembler.borders(Matrix::Whole, &StepView { rule, new, old }, &mut borders);
         for group in &self.groups {
             self.direction.fill(0.0);
             group.iter().for_each(|&col| self.direction[col as usize] = h[col as usize]);
@@ -86,6 +89,9 @@ impl Differences {
                 assembler.residual(&StepView { rule, new, old }, r);
             }
             new.add_scaled(-back, &self.direction);
+            for border in borders.iter().filter(|border| border.scalar.is_none()) {
+                border.add_column(-(1.0 - back) * border.product(&self.direction), &mut self.plus);
+            }
             for &col in group {
                 let scale = 1.0 / ((1.0 - back) * h[col as usize]);
                 for &(row, place) in self.columns.of(col as usize) {

@@ -36,7 +36,7 @@ impl Setting {
     }
 
     pub(super) fn min_j(&self, assembler: &mut Assembler<2>) -> f64 {
-        let mut r = vec![0.0; assembler.space.n_field_unknowns()];
+        let mut r = vec![0.0; assembler.n_unknowns()];
         assembler.residual(&StepView { rule: self.rule, new: &self.new, old: &self.old }, &mut r)
     }
 
@@ -60,8 +60,8 @@ fn random(simulation: &mut Simulation, seed: u64, spacing: Vec<f64>) -> Setting 
     let t = stepper.time + k.unwrap_or(0.0);
     let mut random = Random(seed.wrapping_mul(2).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
     let text = format!("a random state, seed {seed}");
-    let mut new = state(&stepper.assembler.space, &spacing, density, &mut random);
-    let mut old = state(&stepper.assembler.space, &spacing, density, &mut random);
+    let mut new = state(&stepper.assembler, &spacing, density, &mut random);
+    let mut old = state(&stepper.assembler, &spacing, density, &mut random);
     for (state, t) in [(&mut new, t), (&mut old, stepper.time)] {
         stepper.assembler.constraints.apply(&stepper.assembler.space, t, &mut state.v, &mut state.u);
     }
@@ -76,11 +76,12 @@ fn random(simulation: &mut Simulation, seed: u64, spacing: Vec<f64>) -> Setting 
     setting
 }
 
-fn state(space: &FsiSpace<2>, spacing: &[f64], density: f64, random: &mut Random) -> State {
+fn state(assembler: &Assembler<2>, spacing: &[f64], density: f64, random: &mut Random) -> State {
+    let (space, s) = (&assembler.space, assembler.zero().s);
     let v = (0..space.n_v()).map(|_| 2.0 * random.next()).collect();
     let u = (0..space.n_u()).map(|i| 2.0 * DEFORMATION * spacing[i / 2] * random.next()).collect();
     let p = (0..space.n_p()).map(|_| 2.0 * density * random.next()).collect();
-    State { v, u, p, s: vec![] }
+    State { v, u, p, s }
 }
 
 /// Smallest distance of each node to another node of a cell.

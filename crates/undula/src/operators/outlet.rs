@@ -1,0 +1,339 @@
+//! Outlets whose pressure depends on the flow through them: J σ F⁻ᵀ N = −P J F⁻ᵀ N, with one P on the whole boundary.
+//!
+//! Q = ∫ (v − ∂_t u)·J F⁻ᵀ N flows out. The laws are
+//! ```text
+//!     resistance   P = R Q + P_d
+//!     windkessel   P = R_p Q + P_c,   C dP_c/dt = Q − (P_c − P_d)/R_d
+//!     flow         Q = q,   P = λ
+//! ```
+//! P_c and λ are scalar unknowns; P_c is integrated like the flow, λ belongs to the new time like the pressure. The
+//! dependence on Q is a far coupling of rank one, the load itself that of a pressure.
+
+use super::border::Borders;
+use super::facets::{FacetOperator, SeenFacet};
+use super::pressure::{PressureLoad, pressure};
+use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
+use crate::algebra::SolverError;
+use crate::math::Vector;
+use crate::mesh::Side;
+use crate::physics::kinematics::cofactor;
+use crate::sampling::fields_at;
+use crate::space::{FsiSpace, Region, State};
+use std::collections::BTreeMap;
+
+/// What holds between pressure and flow. Numbers at a time \[s\]; in D dimensions flows are in m^D/s.
+pub enum Law {
+    /// P = R Q + P_d: R \[Pa s/m^D\], P_d \[Pa\].
+    Resistance(Numbers<2>),
+    /// R_p, C, R_d, P_d: \[Pa s/m^D\], \[m^D/Pa\], \[Pa s/m^D\], \[Pa\].
+    Windkessel(Numbers<4>),
+    /// q \[m^D/s\].
+    Flow(Numbers<1>),
+}
+
+/// Numbers that depend on time.
+pub type Numbers<const N: usize> = Box<dyn Fn(f64) -> [f64; N] + Send + Sync>;
+
+/// R, C, R_d, P_d, q at one time; what a law does not have is 0.
+#[derive(Copy, Clone, Debug, Default)]
+struct Parameters {
+    resistance: f64,
+    capacitance: f64,
+    distal: f64,
+    pressure: f64,
+    flow: f64,
+}
+
+/// An outlet.
+pub struct Outlet<const D: usize> {
+    law: Law,
+    /// The load of the pressure, with its derivative where P is as it is.
+    load: FacetOperator<PressureLoad<D>, D>,
+    boundary: u16,
+    /// P_c at the start \[Pa\].
+    start: f64,
+    /// At the old and the new time.
+    at: [Parameters; 2],
+    /// Number and row of the scalar unknown.
+    scalar: (usize, usize),
+    deforms: bool,
+    n_v: usize,
+    /// ∂P cof(F) N and ∂Q, by place, of one moment.
+    column: BTreeMap<u32, f64>,
+    row: BTreeMap<u32, f64>,
+}
+
+/// A moment of the step: weight, τ and whose parameters hold.
+type Moment = (f64, f64, End);
+
+impl<const D: usize> Outlet<D> {
+    /// On the facets of the fluid at `boundary`, `n` Gauss points per direction; `start` is P_c \[Pa\] at the beginning.
+    pub fn new(space: &FsiSpace<D>, boundary: u16, law: Law, start: f64, n: usize) -> Outlet<D> {
+        let load = pressure(space, Region::Fluid, boundary, (Box::new(|_, _| 0.0), true), n);
+        let (scalar, n_v, deforms) = ((0, 0), space.n_v(), space.deforms);
+        let (column, row) = Default::default();
+        Outlet { law, load, boundary, start, at: Default::default(), scalar, deforms, n_v, column, row }
+    }
+
+    fn has_scalar(&self) -> bool {
+        !matches!(self.law, Law::Resistance(_))
+    }
+
+    fn is_flow(&self) -> bool {
+        matches!(self.law, Law::Flow(_))
+    }
+
+    /// The moments of the load; a given flow has its pressure at the new time.
+    fn moments(&self, step: &StepView<'_>) -> Vec<Moment> {
+        if self.is_flow() {
+            return vec![(1.0, 1.0, End::New)];
+        }
+        let old = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0, End::Old));
+        step.rule.transport_points().map(|(weight, tau)| (weight, tau, End::New)).chain(old).collect()
+    }
+
+    /// Call `visit` at all points with the weighted normal cof(F) N and v − ∂_t u at (1 − τ) U⁻ + τ U.
+    fn visit(
+        &self,
+        step: &StepView<'_>,
+        tau: f64,
+        mut visit: impl FnMut(&SeenFacet<D>, usize, Vector<f64, D>, Vector<f64, D>),
+    ) {
+        for facet in &self.load.facets {
+            for (q, point) in facet.points.iter().enumerate() {
+                let of = |state: &State| fields_at(&facet.nodes, &point.value, &point.grad, state);
+                let (old, new) = (of(step.old), of(step.new));
+                let rate = step.rule.per_k * (new.u - old.u);
+                let at = old.lerp(&new, tau);
+                let normal = cofactor(&at.grad_u) * point.normal * point.weight;
+                visit(facet, q, normal, at.v - rate);
+            }
+        }
+    }
+
+    /// Q at a moment.
+    fn flow(&self, step: &StepView<'_>, tau: f64) -> f64 {
+        let mut sum = 0.0;
+        self.visit(step, tau, |_, _, normal, relative| sum += normal.dot(relative));
+        sum
+    }
+
+    fn scalar_at(&self, step: &StepView<'_>, tau: f64) -> f64 {
+        if !self.has_scalar() {
+            return 0.0;
+        }
+        let [old, new] = [step.old, step.new].map(|state| state.s[self.scalar.0]);
+        old + tau * (new - old)
+    }
+
+    /// P at a moment.
+    fn pressure(&self, step: &StepView<'_>, (_, tau, end): Moment) -> f64 {
+        let at = self.at[end as usize];
+        match self.law {
+            Law::Resistance(_) => at.resistance * self.flow(step, tau) + at.pressure,
+            Law::Windkessel(_) => at.resistance * self.flow(step, tau) + self.scalar_at(step, tau),
+            Law::Flow(_) => self.scalar_at(step, tau),
+        }
+    }
+
+    /// The equation of the scalar unknown.
+    fn equation(&self, step: &StepView<'_>) -> f64 {
+        match self.law {
+            Law::Resistance(_) => 0.0,
+            Law::Flow(_) => self.flow(step, given_at(step)) - self.at[End::New as usize].flow,
+            Law::Windkessel(_) => {
+                let [old, new] = [step.old, step.new].map(|state| state.s[self.scalar.0]);
+                let capacitance = self.at[End::New as usize].capacitance;
+                let rates = self.moments(step).into_iter().map(|(weight, tau, end)| {
+                    let at = self.at[end as usize];
+                    let drained = (self.scalar_at(step, tau) - at.pressure) / at.distal;
+                    weight * (self.flow(step, tau) - drained)
+                });
+                capacitance * step.rule.per_k * (new - old) - rates.sum::<f64>()
+            }
+        }
+    }
+
+    /// Derivatives at a moment: `column` of ⟨cof(F) N, φ⟩ by place, `row` of Q by place, with u in the whole matrix.
+    fn derivatives(&mut self, matrix: Matrix, step: &StepView<'_>, tau: f64) {
+        let (mut column, mut row) = (std::mem::take(&mut self.column), std::mem::take(&mut self.row));
+        column.clear();
+        row.clear();
+        let with_u = self.deforms && matrix == Matrix::Whole;
+        self.visit(step, tau, |facet, q, normal, relative| {
+            let point = &facet.points[q];
+            for (a, &node) in facet.nodes.iter().enumerate() {
+                for i in 0..D {
+                    let (place, value) = (node * D as u32 + i as u32, point.value[a] * normal.0[i]);
+                    *column.entry(place).or_insert(0.0) += value;
+                    *row.entry(place).or_insert(0.0) += tau * value;
+                    if with_u {
+                        // d(cof F N) = (tr(F⁻¹ ∇w) I − F⁻ᵀ ∇wᵀ) cof(F) N is linear in ∇w.
+                        let of = |state: &State| fields_at(&facet.nodes, &point.value, &point.grad, state);
+                        let at = of(step.old).lerp(&of(step.new), tau);
+                        let slope = normal_slope(&at.grad_u, &point.normal, i, &point.grad[a]) * point.weight;
+                        let change = tau * relative.dot(slope) - step.rule.per_k * value;
+                        *row.entry(place + self.n_v as u32).or_insert(0.0) += change;
+                    }
+                }
+            }
+        });
+        (self.column, self.row) = (column, row);
+    }
+}
+
+/// Where in the step a flow is given: where its data are taken.
+fn given_at(step: &StepView<'_>) -> f64 {
+    if step.rule.quadrature.is_empty() { 1.0 } else { 0.5 }
+}
+
+/// The derivative of cof(F) N where ∇w has the row `i` equal to `grad`.
+fn normal_slope<const D: usize>(
+    grad_u: &crate::math::Tensor<f64, D>,
+    normal: &Vector<f64, D>,
+    i: usize,
+    grad: &[f64; D],
+) -> Vector<f64, D> {
+    let kinematics = crate::physics::Kinematics::of(grad_u);
+    let n = kinematics.F_inv.t() * *normal * kinematics.J;
+    let along: f64 = (0..D).map(|d| kinematics.F_inv.0[d][i] * grad[d]).sum();
+    // F⁻ᵀ ∇wᵀ n with ∇wᵀ n = grad n_i.
+    n * along - kinematics.F_inv.t() * Vector(*grad) * n.0[i]
+}
+
+impl<const D: usize> Operator<D> for Outlet<D> {
+    fn body(&self) -> Region {
+        Region::Fluid
+    }
+
+    fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
+        let mut values = Parameters::default();
+        match &self.law {
+            Law::Resistance(numbers) => [values.resistance, values.pressure] = numbers(at.time),
+            Law::Windkessel(numbers) => {
+                [values.resistance, values.capacitance, values.distal, values.pressure] = numbers(at.time);
+            }
+            Law::Flow(numbers) => [values.flow] = numbers(at.time),
+        }
+        values.pressure *= at.load;
+        values.flow *= at.load;
+        let Parameters { resistance, capacitance, distal, pressure, flow } = values;
+        if let Some(&value) =
+            [resistance, capacitance, distal, pressure, flow].iter().find(|value| !value.is_finite())
+        {
+            let x = self.load.facets.first().map_or([0.0; D], |facet| facet.points[0].x);
+            return Err(NotFinite { boundary: self.boundary, at: x, value: [value; D] });
+        }
+        self.at[at.end as usize] = values;
+        Ok(())
+    }
+
+    fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
+        for moment in self.moments(step) {
+            let p = moment.0 * self.pressure(step, moment);
+            self.visit(step, moment.1, |facet, q, normal, _| {
+                for (value, &node) in facet.points[q].value.iter().zip(&facet.nodes) {
+                    for i in 0..D {
+                        out[node as usize * D + i] += p * value * normal.0[i];
+                    }
+                }
+            });
+        }
+        if self.has_scalar() {
+            out[self.scalar.1] += self.equation(step);
+        }
+        f64::INFINITY
+    }
+
+    fn entries(&self, matrix: Matrix, number: &[u32], visit: &mut dyn FnMut(u32, u32)) {
+        self.load.entries(matrix, number, visit);
+    }
+
+    fn place(&mut self, matrix: Matrix, number: &[u32], entries: &Entries<'_>) -> Result<(), SolverError> {
+        self.load.place(matrix, number, entries)
+    }
+
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+        let p = self.pressure(step, (1.0, 1.0, End::New));
+        self.load.term.set(p);
+        self.load.linearise(matrix, step, how, out);
+    }
+
+    fn apply(&mut self, matrix: Matrix, step: &StepView<'_>, x: &[f64], y: &mut [f64]) {
+        let p = self.pressure(step, (1.0, 1.0, End::New));
+        self.load.term.set(p);
+        self.load.apply(matrix, step, x, y);
+    }
+
+    fn scalars(&self) -> usize {
+        usize::from(self.has_scalar())
+    }
+
+    fn scalars_are_algebraic(&self) -> bool {
+        self.is_flow()
+    }
+
+    fn scalar_start(&self) -> f64 {
+        self.start
+    }
+
+    fn number_scalars(&mut self, first: usize, row: usize) {
+        self.scalar = (first, row);
+    }
+
+    fn borders(&mut self, matrix: Matrix, step: &StepView<'_>, borders: &mut Borders) {
+        let moments = self.moments(step);
+        let coupled = if self.is_flow() { &[][..] } else { &moments };
+        for &(weight, tau, end) in coupled {
+            let factor = weight * self.at[end as usize].resistance;
+            if factor != 0.0 && (tau != 0.0 || (self.deforms && matrix == Matrix::Whole)) {
+                self.derivatives(matrix, step, tau);
+                let border = borders.coupling();
+                border.column.extend(self.column.iter().map(|(&place, &value)| (place, factor * value)));
+                border.row.extend(self.row.iter().map(|(&place, &value)| (place, value)));
+            }
+        }
+        if !self.has_scalar() {
+            return;
+        }
+        let new = self.at[End::New as usize];
+        let corner = match self.law {
+            Law::Windkessel(_) => {
+                let drained =
+                    moments.iter().map(|&(weight, tau, end)| weight * tau / self.at[end as usize].distal);
+                new.capacitance * step.rule.per_k + drained.sum::<f64>()
+            }
+            _ => 0.0,
+        };
+        let (mut columns, mut rows) = (BTreeMap::new(), BTreeMap::new());
+        for &(weight, tau, _) in &moments {
+            self.derivatives(matrix, step, tau);
+            let sign = if self.is_flow() { 1.0 } else { -weight };
+            for (&place, &value) in &self.column {
+                *columns.entry(place).or_insert(0.0) += weight * tau * value;
+            }
+            if self.is_flow() {
+                self.derivatives(matrix, step, given_at(step));
+            }
+            for (&place, &value) in &self.row {
+                *rows.entry(place).or_insert(0.0) += sign * value;
+            }
+        }
+        let border = borders.scalar(self.scalar.0, corner);
+        border.column.extend(columns);
+        border.row.extend(rows);
+    }
+
+    fn force_through(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {
+        let mut sum = Vector::zero();
+        for moment in self.moments(step) {
+            let p = moment.0 * self.pressure(step, moment);
+            self.visit(step, moment.1, |facet, _, normal, _| {
+                if sides.contains(&facet.side) {
+                    sum += normal * p;
+                }
+            });
+        }
+        sum
+    }
+}

@@ -1,0 +1,39 @@
+//! Built-in cases that people bring from other codes, against published values.
+
+use crate::common::builtin;
+use undula::simulation::Simulation;
+
+/// Times and values of a functional over the whole run.
+fn history(name: &str, functional: &str) -> Vec<(f64, f64)> {
+    let mut simulation = Simulation::new(builtin(name, &[]), 1).unwrap();
+    let mut list = vec![];
+    while !simulation.finished() {
+        let row = simulation.step().unwrap();
+        list.push((row.time, row[functional]));
+    }
+    list
+}
+
+/// The tip of the flap, preCICE tutorials: within 2 % at four times.
+#[test]
+fn the_flap_bends_as_published() {
+    let history = history("flap", "ux_tip");
+    for (t, published) in [(0.3, 0.0884), (0.5, 0.1647), (0.7, 0.1951), (1.0, 0.1409)] {
+        let at = history.iter().find(|row| (row.0 - t).abs() < 1e-9).unwrap();
+        assert!((at.1 / published - 1.0).abs() < 0.02, "t = {t}: {} for {published}", at.1);
+    }
+}
+
+/// Successive extrema of the bottom of the cavity, Valdés 2007: within 10 %.
+#[test]
+fn the_bottom_of_the_cavity_swings_as_published() {
+    let history = history("cavity", "uy_mid");
+    let turns = |w: &&[(f64, f64)]| (w[1].1 - w[0].1) * (w[2].1 - w[1].1) < 0.0;
+    let late = history.windows(3).filter(turns).map(|w| w[1]).filter(|row| row.0 > 11.0);
+    let extrema: Vec<(f64, f64)> = late.collect();
+    let published = [0.162, 0.254, 0.196, 0.267];
+    assert_eq!(extrema.len(), published.len(), "{extrema:?}");
+    for (found, published) in extrema.iter().zip(published) {
+        assert!((found.1 / published - 1.0).abs() < 0.1, "{extrema:?}");
+    }
+}
