@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Compares history.csv of two programs byte for byte, for all built-in cases.
+"""Compares history.csv of two programs byte for byte, for all built-in cases that both
+have.
 
 usage: validation/same_history.py OLD NEW [STEPS]        default 100 steps; stationary cases as a whole
 
@@ -22,7 +23,11 @@ def history(program, case, sets, directory):
     return open(os.path.join(directory, "history.csv"), "rb").read()
 
 
-cases = [line.split()[0] for line in said(new, "cases").splitlines() if line.strip()]
+def names(program):
+    return [line.split()[0] for line in said(program, "cases").splitlines() if line.strip()]
+
+
+cases = [case for case in names(new) if case in names(old)]
 different = 0
 with tempfile.TemporaryDirectory(prefix="undula-same-") as work:
     for case in cases:
