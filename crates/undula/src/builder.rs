@@ -140,9 +140,7 @@ impl CaseBuilder {
             let message = format!("the stored energy has a stress of {stress} Pa at rest; expected 0");
             return Err(case.refuse("solid.law", message));
         }
-        if let Some(SolidSpec { own, .. }) = &mut case.solid {
-            *own = Some(law);
-        }
+        case.solids.iter_mut().for_each(|SolidSpec { own, .. }| *own = Some(law));
         Ok(case)
     }
 }
