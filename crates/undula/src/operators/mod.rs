@@ -2,7 +2,7 @@
 //! are what several of them need.)
 //!
 //! The volume terms of a region are a [`RegionOperator`]: its cells are where J is seen and where unknowns are
-//! eliminated. Two fluids or three solids would be more values of it, each with its own equations. All others only add.
+//! eliminated. Several fluids or solids are several values of it, each with its own equations. All others only add.
 //! `system` sums them.
 // Unit tests have no kernels, see `region`.
 #![cfg_attr(test, allow(dead_code))]
