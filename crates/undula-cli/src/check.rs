@@ -98,15 +98,20 @@ pub fn summary(case: &Case, overview: Option<&Overview>) -> Result<String, std::
         let how = &case.stabilization;
         writeln!(out, "          stabilisation: pressure {:?}, transport {:?}", how.pressure, how.transport)?;
     }
-    match &case.fluid {
-        None => writeln!(out, "fluid     none: the interface is traction-free")?,
-        Some(fluid) => write_fluid(&mut out, case, fluid)?,
+    if case.fluids.is_empty() {
+        writeln!(out, "fluid     none: the interface is traction-free")?;
     }
-    match &case.solid {
-        None => writeln!(out, "solid     none: the interface is a no-slip wall")?,
-        Some(solid) => write_solid(&mut out, solid)?,
+    for fluid in &case.fluids {
+        write_fluid(&mut out, fluid)?;
     }
-    if let (Some(fluid), Some(solid)) = (&case.fluid, &case.solid) {
+    write_velocities(&mut out, case)?;
+    if case.solids.is_empty() {
+        writeln!(out, "solid     none: the interface is a no-slip wall")?;
+    }
+    for solid in &case.solids {
+        write_solid(&mut out, solid)?;
+    }
+    if let ([fluid], [solid]) = (&case.fluids[..], &case.solids[..]) {
         let ratio = solid.density / fluid.density;
         writeln!(out, "          density ratio solid/fluid {}", fixed(ratio, ratio, 3))?;
     }
@@ -119,9 +124,25 @@ pub fn summary(case: &Case, overview: Option<&Overview>) -> Result<String, std::
     Ok(out)
 }
 
-fn write_fluid(out: &mut String, case: &Case, fluid: &FluidSpec) -> std::fmt::Result {
+/// The kind of a body with its name and its regions if there are others of the kind.
+fn write_body(out: &mut String, kind: &str, name: Option<&String>, regions: &[String]) -> std::fmt::Result {
+    write!(out, "{kind:<10}")?;
+    match name {
+        Some(name) => write!(out, "{name} in {}: ", regions.join(", ")),
+        None => Ok(()),
+    }
+}
+
+fn write_fluid(out: &mut String, fluid: &FluidSpec) -> std::fmt::Result {
     let (rho, nu) = (fluid.density, fluid.kinematic_viscosity);
-    writeln!(out, "fluid     density {rho} kg/m³, viscosity {nu} m²/s ({:.3e} Pa s)", rho * nu)?;
+    write_body(out, "fluid", fluid.name.as_ref(), &fluid.regions)?;
+    writeln!(out, "density {rho} kg/m³, viscosity {nu} m²/s ({:.3e} Pa s)", rho * nu)
+}
+
+fn write_velocities(out: &mut String, case: &Case) -> std::fmt::Result {
+    if case.fluids.is_empty() {
+        return Ok(());
+    }
     for (name, condition) in &case.boundary {
         let Condition::Velocity(velocity) = condition else { continue };
         writeln!(out, "          {name}: v = ({}, {}) m/s", velocity[0], velocity[1])?;
@@ -141,7 +162,8 @@ fn source(case: &Case) -> String {
 
 fn write_solid(out: &mut String, solid: &SolidSpec) -> std::fmt::Result {
     let (rho, mu, lambda) = (solid.density, solid.mu, solid.lambda);
-    writeln!(out, "solid     density {rho} kg/m³, {}", solid.law.name())?;
+    write_body(out, "solid", solid.name.as_ref(), &solid.regions)?;
+    writeln!(out, "density {rho} kg/m³, {}", solid.law.name())?;
     if solid.c2 > 0.0 {
         writeln!(out, "          c1 {:.4e} Pa, c2 {:.4e} Pa", 0.5 * mu - solid.c2, solid.c2)?;
     }

@@ -15,7 +15,7 @@ pub fn rows(steps: usize, refine: u32) -> Result<Vec<Row>, Error> {
         .set("functional.energy.kind", "energy")
         .set("functional.energy.term", "fluid-kinetic")
         .build()?;
-    let density = case.fluid.as_ref().map_or(0.0, |fluid| fluid.density);
+    let density = case.fluids.first().map_or(0.0, |fluid| fluid.density);
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let mut simulation = Simulation::new(case, threads)?;
     simulation.record("energy_own", "J/m", move |fields| {

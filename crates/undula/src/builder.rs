@@ -78,7 +78,7 @@ impl CaseBuilder {
     ///
     /// ```
     /// let rigid = undula::CaseBuilder::load("fsi3")?.remove("solid").build()?;
-    /// assert!(rigid.solid.is_none());
+    /// assert!(rigid.solids.is_empty());
     /// # Ok::<(), undula::Error>(())
     /// ```
     pub fn remove(mut self, key: &str) -> CaseBuilder {
@@ -96,7 +96,8 @@ impl CaseBuilder {
 
     /// Takes the stored energy `law` in place of `solid.law` and its constants. It is kept until the program ends.
     ///
-    /// The table `[solid]` must be there with its density. The file that [`Case::to_toml`] writes cannot be read again.
+    /// The table `[solid]` must be there with its density, and no other solid. The file that [`Case::to_toml`] writes
+    /// cannot be read again.
     pub fn material(mut self, law: impl StoredEnergy + 'static) -> CaseBuilder {
         self.law = Some(OwnLaw::new(law));
         self
@@ -140,9 +141,7 @@ impl CaseBuilder {
             let message = format!("the stored energy has a stress of {stress} Pa at rest; expected 0");
             return Err(case.refuse("solid.law", message));
         }
-        if let Some(SolidSpec { own, .. }) = &mut case.solid {
-            *own = Some(law);
-        }
+        case.solids.iter_mut().for_each(|SolidSpec { own, .. }| *own = Some(law));
         Ok(case)
     }
 }

@@ -95,8 +95,8 @@ impl Simulation {
             time.adaptive.map(|settings| Adaptive::new(settings, first))
         });
         let (assembler, state) = (&stepper.assembler, &stepper.new);
-        let fluid = assembler.physics.fluid;
-        let balance = fluid.map(|f| Balance::new(&assembler.space, f.rho, state, stepper.time));
+        let density = assembler.physics.fluids().map(|(_, fluid)| fluid.rho).reduce(f64::min);
+        let balance = density.map(|rho| Balance::new(&assembler.space, rho, state, stepper.time));
         let mut simulation = Simulation {
             case,
             adaptive,

@@ -3,6 +3,7 @@
 //! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
 //! `condition`, time and solvers in `solver`. What needs the mesh is in [`crate::setup::fit`].
 
+mod bodies;
 mod body;
 mod condition;
 mod functional;
@@ -13,8 +14,9 @@ use super::builtin::{builtin_case, builtin_cases};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, FluidSpec, OwnMesh, Record, Scheme, SolidSpec, SpaceSpec, TimeSpec};
+use super::schema::{Case, OwnMesh, Record, Scheme, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
+use crate::space::Region;
 use std::path::{Path, PathBuf};
 
 impl Case {
@@ -83,25 +85,24 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let reference = reference(&mut root);
     let mesh = body::mesh(root.section("mesh"), &root);
     let space = body::space(root.section("space"), mesh.as_ref());
-    let fluid = body::fluid(root.section("fluid"));
-    if fluid.is_some() {
+    let fluids = bodies::read(&mut root, "fluid", body::fluid);
+    if !fluids.is_empty() {
         body::refuse_pair(&root.section("space"), &space);
     }
-    let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
-    let solid = body::solid(root.section("solid"));
-    refuse_bodies(&mut root, fluid.as_ref(), solid.as_ref(), &space);
+    let how = stabilization::stabilization(root.section("stabilization"), &space, !fluids.is_empty());
+    let solids = bodies::read(&mut root, "solid", body::solid);
+    bodies::refuse(&mut root, &fluids, &solids, &space, &how);
     let motion = root.section("motion");
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     let initial = solver::initial(root.section("initial"), time.is_some());
-    if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
-        refuse_current(&root.section("fluid"), time.as_ref(), &how);
+    for fluid in fluids.iter().filter(|fluid| fluid.force_at_current) {
+        refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }
     let motion = body::motion(motion, time.is_some(), space.velocity);
-    let newton = solver::newton(root.section("newton"), time.is_some() || solid.is_none());
+    let newton = solver::newton(root.section("newton"), time.is_some() || solids.is_empty());
     let linear = solver::linear(root.section("linear"));
-    let (functional, names) =
-        condition::functional(root.section("functional"), fluid.as_ref(), solid.as_ref());
+    let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     if time.is_none() {
         note_steps(checker, &output);
@@ -113,8 +114,8 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         mesh: mesh?,
         space,
         stabilization: how,
-        fluid,
-        solid,
+        fluids,
+        solids,
         motion,
         boundary,
         directional,
@@ -132,27 +133,6 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     root.finish();
     Some(case)
-}
-
-/// A solid whose elements are not stable, a case without bodies, and two bodies in one region.
-fn refuse_bodies(
-    root: &mut Section<'_, '_>,
-    fluid: Option<&FluidSpec>,
-    solid: Option<&SolidSpec>,
-    space: &SpaceSpec,
-) {
-    if let Some(solid) = solid {
-        body::refuse_unstable_solid(&root.section("solid"), solid, space);
-    }
-    if fluid.is_none() && solid.is_none() && !root.has("fluid") && !root.has("solid") {
-        let message = "the case has neither [fluid] nor [solid]";
-        root.checker.error(&Origin::File(0..0), "", None, message.into());
-    }
-    if let (Some(f), Some(s)) = (fluid, solid)
-        && f.region == s.region
-    {
-        root.section("solid").wrong("region", format!("the fluid fills the region `{}` already", f.region));
-    }
 }
 
 /// Methods that take the body force at other places than those where the flow is.
@@ -198,11 +178,14 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
             }
         }
     }
-    let fluid = case.fluid.as_ref().map(|f| ("fluid", &f.body_force));
-    let solid = case.solid.as_ref().map(|s| ("solid", &s.body_force));
-    for (body, force) in fluid.into_iter().chain(solid) {
+    let forces = case.loads().into_iter().map(|load| (load.body, load.material, load.force));
+    for (body, material, force) in forces {
         if force.iter().any(super::expression::Expression::depends_on_time) {
-            root.section(body).wrong("body-force", message);
+            let (kind, name) = match body {
+                Region::Fluid => ("fluid", &case.fluids[usize::from(material)].name),
+                Region::Solid => ("solid", &case.solids[usize::from(material)].name),
+            };
+            bodies::section(root, kind, name.as_deref()).wrong("body-force", message);
         }
     }
 }

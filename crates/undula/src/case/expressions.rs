@@ -12,10 +12,8 @@ impl Case {
         for (name, expression) in &self.mesh.region {
             found.push((key::join("mesh.region", name), expression));
         }
-        let fluid = self.fluid.as_ref().map(|fluid| ("fluid.body-force", &fluid.body_force));
-        let solid = self.solid.as_ref().map(|solid| ("solid.body-force", &solid.body_force));
-        for (key, force) in fluid.into_iter().chain(solid) {
-            found.extend(force.iter().map(|expression| (key.to_string(), expression)));
+        for load in self.loads() {
+            found.extend(load.force.iter().map(|expression| (load.key.clone(), expression)));
         }
         for (name, condition) in &self.boundary {
             for (last, data) in condition.data() {
@@ -30,8 +28,8 @@ impl Case {
     /// The same to be changed, without keys.
     fn expressions_mut(&mut self) -> Vec<&mut Expression> {
         let mut found: Vec<&mut Expression> = self.mesh.region.values_mut().collect();
-        found.extend(self.fluid.iter_mut().flat_map(|fluid| &mut fluid.body_force));
-        found.extend(self.solid.iter_mut().flat_map(|solid| &mut solid.body_force));
+        found.extend(self.fluids.iter_mut().flat_map(|fluid| &mut fluid.body_force));
+        found.extend(self.solids.iter_mut().flat_map(|solid| &mut solid.body_force));
         for (_, datum) in self.boundary.values_mut().flat_map(Condition::data_mut) {
             found.extend(datum.expressions());
         }

@@ -3,7 +3,6 @@
 use crate::choice::{Choice, choice};
 use crate::functional::energy::Integral;
 use crate::functional::quantity::{Component, Take, WALL_SHEAR_STRESS};
-use crate::physics::SolidLaw;
 
 /// Where a field is looked at.
 #[derive(Clone, Debug, PartialEq)]
@@ -197,8 +196,9 @@ impl FunctionalSpec {
     }
 
     /// The body without which it has no meaning, `true`: the fluid; `None`: it is that of a point or of a region.
-    pub(super) fn needs_fluid(&self, solid: Option<SolidLaw>) -> Option<bool> {
-        let pressure = !solid.is_some_and(SolidLaw::is_incompressible);
+    /// `solid_pressure`: whether a solid has a pressure.
+    pub(super) fn needs_fluid(&self, solid_pressure: bool) -> Option<bool> {
+        let pressure = !solid_pressure;
         match self {
             FunctionalSpec::PressureDifference { .. } => Some(pressure),
             FunctionalSpec::Energy(integral) => Some(integral.is_of_fluid()),

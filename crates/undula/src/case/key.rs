@@ -28,6 +28,27 @@ impl Key {
     }
 }
 
+/// A part of a key in the table that stands for any name.
+pub(super) const NAME: &str = "NAME";
+
+/// All `keys`, those of fluids and solids once more for each of several: `solid.NAME.density` as `solid.density`.
+pub(super) fn with_named(mut keys: Vec<&'static Key>) -> Vec<&'static Key> {
+    for kind in ["fluid", "solid"] {
+        let of_kind =
+            |key: &Key| key.key.split_once('.').filter(|(table, _)| *table == kind).map(|(_, name)| name);
+        let named = |key: &&'static Key| -> Option<&'static Key> {
+            let name = of_kind(key)?;
+            let default = if name == "region" { NAME } else { key.default };
+            let key = Key { key: format!("{kind}.{NAME}.{name}").leak(), default, ..**key };
+            Some(Box::leak(Box::new(key)))
+        };
+        let all: Vec<&'static Key> = keys.iter().filter_map(named).collect();
+        let end = keys.iter().rposition(|key| of_kind(key).is_some()).map_or(0, |last| last + 1);
+        keys.splice(end..end, all);
+    }
+    keys
+}
+
 /// One part of a key, in quotes unless it is of letters, digits, `-` and `_` only.
 pub(crate) fn quote(part: &str) -> String {
     let bare = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';

@@ -9,6 +9,7 @@ use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
 pub use super::key::Key;
+use super::key::NAME;
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -44,7 +45,8 @@ const fn word(
 /// All keys, table by table.
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
     let data = |key: &Key| if key.key == "boundary.NAME.condition" { &DATA[..] } else { &[] };
-    KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key))).collect()
+    let keys = KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key)));
+    key::with_named(keys.collect())
 });
 
 /// All but those of the data of boundary conditions.
@@ -70,7 +72,7 @@ static KEYS_BUT_DATA: &[Key] = &[
         "from the velocity",
         "Gauss points per direction; exact to the same degree on triangles",
     ),
-    text("fluid.region", "fluid", "region of the mesh that the fluid fills"),
+    text("fluid.region", "fluid", "region of the mesh that the fluid fills, or several as [\"a\", \"b\"]"),
     number("fluid.density", "kg/m³", "required", "density"),
     number(
         "fluid.kinematic-viscosity",
@@ -101,7 +103,7 @@ static KEYS_BUT_DATA: &[Key] = &[
         "the axes of a cell have parameters of their own (true or false)",
     ),
     word("stabilization.map", &MAPPINGS, "full", "how the terms are carried to the reference domain"),
-    text("solid.region", "solid", "region of the mesh that the solid fills"),
+    text("solid.region", "solid", "region of the mesh that the solid fills, or several as [\"a\", \"b\"]"),
     word("solid.law", &LAWS, "st-venant-kirchhoff", "constitutive law"),
     number("solid.density", "kg/m³", "required", "density"),
     number("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
@@ -243,9 +245,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     ),
 ];
 
-/// A part of a key in the table that stands for any name.
-const NAME: &str = "NAME";
-
 impl Key {
     /// Names of the values with a line about each; empty if any value of a type is accepted.
     pub fn choices(&self) -> Vec<(&'static str, &'static str)> {
@@ -374,7 +373,10 @@ mod tests {
         assert!(keys("motion").iter().all(|key| key.starts_with("motion.")));
         assert_eq!(keys("[time.adaptive]").len(), 4);
         assert_eq!(keys("min-"), ["time.adaptive.min-step"]);
-        assert_eq!(keys("*.den*y"), ["fluid.density", "solid.density"]);
+        assert_eq!(
+            keys("*.den*y"),
+            ["fluid.density", "fluid.NAME.density", "solid.density", "solid.NAME.density"]
+        );
         assert_eq!(keys("motion.?uter"), ["motion.outer"]);
         assert_eq!(keys("bdf2"), ["time.scheme"]);
         assert_eq!(search("bdf2")[0].choices.len(), 1);

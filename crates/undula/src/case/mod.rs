@@ -4,10 +4,11 @@
 //! `read` one table, `check` the whole case, so that all mistakes are told at once (`error`); `write` is the way back,
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
 //! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `functionals` the kinds of
-//! functionals, `expression` the
+//! functionals, `bodies` fluids and solids, `expression` the
 //! formulas in x, y and t with tables of values, `expressions` those of a case, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
 
+mod bodies;
 pub mod builtin;
 mod check;
 pub mod choices;
@@ -27,6 +28,7 @@ mod synonyms;
 pub mod unit;
 mod write;
 
+pub(crate) use bodies::Load;
 pub use check::name_of_file;
 pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};

@@ -103,6 +103,20 @@ impl<'c, 'd> Section<'c, 'd> {
         self.table.is_some_and(|t| t.get(key).is_some())
     }
 
+    /// Whether the value of `key` is a table.
+    pub fn is_table(&self, key: &str) -> bool {
+        self.table.and_then(|t| t.get(key)).is_some_and(|item| matches!(item.value, Value::Table(_)))
+    }
+
+    /// Whether the value of `key` is an array of tables.
+    pub fn is_array_of_tables(&self, key: &str) -> bool {
+        let tables = |items: &[Item]| items.iter().all(|item| matches!(item.value, Value::Table(_)));
+        self.table.and_then(|t| t.get(key)).is_some_and(|item| match &item.value {
+            Value::Array(items) => !items.is_empty() && tables(items),
+            _ => false,
+        })
+    }
+
     /// Whether there is another key that can only mean `key`, about which [`Section::finish`] will tell.
     pub fn means(&self, key: &str) -> bool {
         self.keys().iter().any(|k| synonyms::meant(&self.path, k) == Some(key))

@@ -15,7 +15,7 @@ use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{Material, OwnLaw, Stabilization};
+use crate::physics::{Material, OwnLaw, Solid, Stabilization};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
@@ -40,10 +40,10 @@ pub struct Case {
     pub space: SpaceSpec,
     /// Terms that pairs of equal order need, and terms against oscillations by transport.
     pub stabilization: Stabilization,
-    /// The flow; `None` leaves its region out and makes the interface traction-free.
-    pub fluid: Option<FluidSpec>,
-    /// The elastic body; `None` leaves its region out and makes the interface a no-slip wall.
-    pub solid: Option<SolidSpec>,
+    /// The fluids; none leaves their region out and makes the interface traction-free.
+    pub fluids: Vec<FluidSpec>,
+    /// The elastic bodies; none leaves their region out and makes the interface a no-slip wall.
+    pub solids: Vec<SolidSpec>,
     /// How the deformation is extended into the fluid.
     pub motion: MotionSpec,
     /// What holds on each named boundary (except `interface`).
@@ -180,11 +180,13 @@ pub struct SpaceSpec {
     pub quadrature: usize,
 }
 
-/// The flow.
+/// A fluid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FluidSpec {
-    /// Region of the mesh it fills.
-    pub region: String,
+    /// NAME of its table `[fluid.NAME]`; `None` of `[fluid]`.
+    pub name: Option<String>,
+    /// Regions of the mesh it fills, at least one.
+    pub regions: Vec<String>,
     /// ρ_f \[kg/m³\].
     pub density: f64,
     /// ν_f \[m²/s\].
@@ -195,11 +197,13 @@ pub struct FluidSpec {
     pub force_at_current: bool,
 }
 
-/// The elastic body.
+/// An elastic body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolidSpec {
-    /// Region of the mesh it fills.
-    pub region: String,
+    /// NAME of its table `[solid.NAME]`; `None` of `[solid]`.
+    pub name: Option<String>,
+    /// Regions of the mesh it fills, at least one.
+    pub regions: Vec<String>,
     /// Constitutive law.
     pub law: SolidLaw,
     /// A stored energy of the program in place of `law`, see [`crate::CaseBuilder::material`]; `mu` and
@@ -220,6 +224,11 @@ pub struct SolidSpec {
 }
 
 impl SolidSpec {
+    /// The equations.
+    pub(crate) fn solid(&self) -> Solid {
+        Solid { rho: self.density, material: self.material() }
+    }
+
     /// The law with its constants.
     pub fn material(&self) -> Material {
         match self.own {

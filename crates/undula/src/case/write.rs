@@ -56,6 +56,14 @@ impl Lines {
         self.text += &format!("{key} = {}  # {comment}\n", value.as_ref());
     }
 
+    /// The regions of a body.
+    fn regions(&mut self, regions: &[String]) {
+        match regions {
+            [one] => self.word("region", one),
+            several => self.key("region", names(several)),
+        }
+    }
+
     /// A word, which says itself what it means.
     fn word(&mut self, key: &str, value: &str) {
         self.text += &format!("{key} = {}\n", string(value));
@@ -186,7 +194,7 @@ impl Case {
     /// Keys that matter only: others would be refused when read again.
     fn write_stabilization(&self, out: &mut Lines) {
         let how = &self.stabilization;
-        if self.fluid.is_none() {
+        if self.fluids.is_empty() {
             return;
         }
         out.table("stabilization");
@@ -208,17 +216,17 @@ impl Case {
     }
 
     fn write_bodies(&self, out: &mut Lines) {
-        if let Some(fluid) = &self.fluid {
-            out.table("fluid");
-            out.word("region", &fluid.region);
+        for fluid in &self.fluids {
+            out.table(&fluid.table());
+            out.regions(&fluid.regions);
             out.key("density", number(fluid.density));
             out.key("kinematic-viscosity", number(fluid.kinematic_viscosity));
             out.key("body-force", expressions(&fluid.body_force));
             out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
         }
-        if let Some(solid) = &self.solid {
-            out.table("solid");
-            out.word("region", &solid.region);
+        for solid in &self.solids {
+            out.table(&solid.table());
+            out.regions(&solid.regions);
             match solid.own {
                 // The stored energy of a program: give it one to read this.
                 Some(_) => out.key("law", string(OWN)),

@@ -70,19 +70,20 @@ impl Energy {
     /// Integrand at a point; `None` in the region that does not count.
     fn density<const D: usize>(&self, at: &Snapshot<'_, D>, point: &PointValues<'_, D>) -> Option<f64> {
         let f = &point.fields;
+        let physics = at.physics.of(at.space.material[point.cell]);
         match (self.integral, point.region) {
             (Integral::FluidKinetic, Region::Fluid) => {
-                Some(0.5 * at.physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
+                Some(0.5 * physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
             }
             (Integral::Dissipation, Region::Fluid) => {
-                let fluid = at.physics.fluid?;
+                let fluid = physics.fluid?;
                 let Kinematics { F_inv, J, .. } = Kinematics::of(&f.grad_u);
                 let grad_v = f.grad_v * F_inv;
                 let strain = 0.5 * (grad_v + grad_v.t());
                 Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain))
             }
-            (Integral::SolidKinetic, Region::Solid) => Some(0.5 * at.physics.solid?.rho * f.v.dot(f.v)),
-            (Integral::Elastic, Region::Solid) => Some(at.physics.solid?.material.energy(&f.grad_u)),
+            (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
+            (Integral::Elastic, Region::Solid) => Some(physics.solid?.material.energy(&f.grad_u)),
             (Integral::Rotation, Region::Solid) => Some(point.x[0] * f.u.0[1] - point.x[1] * f.u.0[0]),
             _ => None,
         }

@@ -252,13 +252,14 @@ impl<const D: usize> Tractions<D> {
     /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
     fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
         let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
+        let viscosity = at.physics.of(at.space.material[self.cell]).fluid.map_or(0.0, |f| f.rho * f.nu);
         let theta = at.rule.theta;
         let mut sum = Vector::zero();
         for (weight, point, basis) in &self.points {
             let p: f64 = dofs.iter().zip(basis).map(|(&dof, b)| b * at.new.p[dof as usize]).sum();
             let fields = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
             let mut add = |part: f64, fields: &Fields<f64, D>| {
-                sum += weight * part * traction(at, fields, p, point.normal);
+                sum += weight * part * traction(viscosity, fields, p, point.normal);
             };
             if at.rule.quadrature.is_empty() {
                 add(theta, &fields(at.new));
@@ -274,14 +275,13 @@ impl<const D: usize> Tractions<D> {
     }
 }
 
-/// J σ F⁻ᵀ n at a point, with the pressure `p`.
+/// J σ F⁻ᵀ n at a point, with ρ ν and the pressure `p`.
 fn traction<const D: usize>(
-    at: &Snapshot<'_, D>,
+    viscosity: f64,
     fields: &Fields<f64, D>,
     p: f64,
     normal: Vector<f64, D>,
 ) -> Vector<f64, D> {
-    let viscosity = at.physics.fluid.map_or(0.0, |f| f.rho * f.nu);
     let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
     let grad_v = fields.grad_v * F_inv;
     let sigma = viscosity * (grad_v + grad_v.t()) - p * Tensor::identity();

@@ -11,6 +11,7 @@ pub mod power;
 pub mod quantity;
 pub mod sampled;
 mod signal;
+pub mod site;
 pub mod statistics;
 pub mod transfer;
 

@@ -131,7 +131,8 @@ pub fn in_body<const D: usize>(
         |point| {
             let node = space.nodes.cell(point.cell)[visited % per_cell] as usize;
             visited += 1;
-            field.add(physics, region, &point.fields, &mut values[node * n..(node + 1) * n]);
+            let physics = physics.of(space.material[point.cell]);
+            field.add(&physics, region, &point.fields, &mut values[node * n..(node + 1) * n]);
             count[node] += 1.0;
         },
     );
@@ -195,8 +196,9 @@ impl<const D: usize> WallShear<D> {
             if !facet.at_solid && at.iter().any(|(fields, n)| fields.v.dot(*n).abs() > least) {
                 continue;
             }
+            let physics = physics.of(space.material[facet.cell]);
             for (&node, (fields, n)) in facet.nodes.iter().zip(&at) {
-                let tau = wall_shear(physics, fields, *n);
+                let tau = wall_shear(&physics, fields, *n);
                 (0..D).for_each(|i| values[node as usize * D + i] += tau.0[i]);
                 count[node as usize] += 1.0;
             }

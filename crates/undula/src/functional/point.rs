@@ -1,5 +1,6 @@
 //! Values at material points.
 
+use super::site::Place;
 use super::{Functional, Snapshot};
 use crate::element::{Quadrature, lagrange};
 use crate::math::Tensor;
@@ -76,21 +77,21 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// At the reference position `x` \[m\] in the body `region`; without it in the fluid, if it reaches there.
+    /// At the reference position `x` \[m\] in `place`; without it in the fluid, if it reaches there.
     ///
     /// # Errors
     /// If `x` lies outside of the body or of the mesh, or where there is no pressure.
     pub fn new<const D: usize>(
         space: &FsiSpace<D>,
         x: [f64; D],
-        region: Option<Region>,
+        place: Option<Place>,
     ) -> Result<Self, MeshError> {
-        let Some(body) = region else { return Ok(Pressure { terms: recovery(space, x)? }) };
+        let Some(place) = place else { return Ok(Pressure { terms: recovery(space, x)? }) };
         let locator = Locator::new(&space.mesh);
         locator.find(x)?;
-        let within = locator.find_where(x, INSIDE, |cell| space.regions[cell] == body);
+        let within = locator.find_where(x, INSIDE, |cell| place.has(space, cell));
         let cell = within.map_err(|_| MeshError::OtherRegion { point: x.to_vec() })?.cell;
-        let patch = patch_in(space, body, cell, x);
+        let patch = patch_in(space, place, cell, x);
         Ok(Pressure { terms: recovery_on(space, x, &patch)? })
     }
 }
@@ -194,15 +195,16 @@ fn solve_small(mut a: Vec<Vec<f64>>) -> Vec<f64> {
     y
 }
 
-/// The cells at `x` and their neighbours across nodes, all of one region: of the fluid if it is at `x`, else of
+/// The cells at `x` and their neighbours across nodes, all of one body: of the fluid if it is at `x`, else of
 /// the solid.
 fn patch_around<const D: usize>(space: &FsiSpace<D>, cell: usize, x: [f64; D]) -> Vec<usize> {
-    let of_fluid = patch_in(space, Region::Fluid, cell, x);
-    if of_fluid.is_empty() { patch_in(space, Region::Solid, cell, x) } else { of_fluid }
+    let of_fluid = patch_in(space, Region::Fluid.into(), cell, x);
+    if of_fluid.is_empty() { patch_in(space, Region::Solid.into(), cell, x) } else { of_fluid }
 }
 
-fn patch_in<const D: usize>(space: &FsiSpace<D>, region: Region, cell: usize, x: [f64; D]) -> Vec<usize> {
-    let inside = |c: &usize| space.regions[*c] == region;
+/// The cells of `place` at `x` and their neighbours, all of the material of the first.
+fn patch_in<const D: usize>(space: &FsiSpace<D>, place: Place, cell: usize, x: [f64; D]) -> Vec<usize> {
+    let inside = |c: &usize| place.has(space, *c);
     let near = |&node: &u32| {
         let at = space.nodes.points[node as usize];
         (0..D).all(|d| (at[d] - x[d]).abs() < 1e-9)
@@ -214,8 +216,12 @@ fn patch_in<const D: usize>(space: &FsiSpace<D>, region: Region, cell: usize, x:
     let at_node: Vec<u32> = space.nodes.cell(cell).iter().copied().filter(near).collect();
     let inner =
         if at_node.is_empty() { vec![cell].into_iter().filter(inside).collect() } else { touching(&at_node) };
-    let nodes: Vec<u32> = inner.iter().flat_map(|&c| space.nodes.cell(c).to_vec()).collect();
-    touching(&nodes)
+    let inner: Vec<usize> = inner;
+    let Some(&first) = inner.first() else { return vec![] };
+    let of_material = |c: &usize| space.material[*c] == space.material[first];
+    let inner = inner.iter().filter(|c| of_material(c));
+    let nodes: Vec<u32> = inner.flat_map(|&c| space.nodes.cell(c).to_vec()).collect();
+    touching(&nodes).into_iter().filter(of_material).collect()
 }
 
 impl<const D: usize> Functional<D> for PressureDifference {

@@ -148,7 +148,7 @@ impl Quantity {
         units[d]
     }
 
-    /// The value at a point of `region`; 0 of a body that is not there. `normal` is the current normal that points out
+    /// The value at a point of `region`, by the equations of its material; 0 of a body that is not there. `normal` is the current normal that points out
     /// of the fluid; without it what needs one is 0.
     pub fn at<const D: usize>(
         self,

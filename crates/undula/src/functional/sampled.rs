@@ -3,6 +3,7 @@
 
 use super::force::Surfaces;
 use super::quantity::{Quantity, Take};
+use super::site::Place;
 use super::{Functional, Snapshot};
 use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
@@ -109,13 +110,14 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
         let mut collected = Collected::new();
         for (cell, points, pressure) in &self.facets {
             let (nodes, dofs) = (at.space.nodes.cell(*cell), at.space.pressure.cell(*cell));
+            let physics = at.physics.of(at.space.material[*cell]);
             for (point, basis) in points.iter().zip(pressure) {
                 let mut fields = fields_at(nodes, &point.value, &point.grad, &state);
                 fields.p = pressure_at(dofs, basis, &state);
                 let area = cofactor(&fields.grad_u) * point.normal;
                 let stretch = area.dot(area).sqrt();
                 let normal = Some(area * (1.0 / stretch));
-                let value = self.quantity.at(at.physics, Region::Fluid, &fields, normal);
+                let value = self.quantity.at(&physics, Region::Fluid, &fields, normal);
                 collected.add(value, point.weight * stretch);
             }
         }
@@ -123,9 +125,9 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
     }
 }
 
-/// A quantity in the cells of one body. Integrals are those over the current region, ∫ f J dx.
+/// A quantity in the cells of one body, or of one region of the mesh. Integrals are those over the current region, ∫ f J dx.
 pub struct InRegion {
-    region: Region,
+    place: Place,
     quantity: Quantity,
     take: Take,
     /// Gauss points per direction.
@@ -133,9 +135,9 @@ pub struct InRegion {
 }
 
 impl InRegion {
-    /// In `region`, with so many Gauss points per direction.
-    pub fn new(region: Region, quantity: Quantity, take: Take, quadrature: usize) -> Self {
-        InRegion { region, quantity, take, quadrature }
+    /// In `place`, with so many Gauss points per direction.
+    pub fn new(place: impl Into<Place>, quantity: Quantity, take: Take, quadrature: usize) -> Self {
+        InRegion { place: place.into(), quantity, take, quadrature }
     }
 }
 
@@ -156,10 +158,11 @@ impl<const D: usize> Functional<D> for InRegion {
         };
         let state = state_of(self.quantity, at);
         let mut collected = Collected::new();
-        let wanted = |cell: usize| at.space.regions[cell] == self.region;
+        let wanted = |cell: usize| self.place.has(at.space, cell);
         for_each_point_of(at.space, &state, &rule, wanted, |point| {
+            let physics = at.physics.of(at.space.material[point.cell]);
             let J = (Tensor::identity() + point.fields.grad_u).det();
-            let value = self.quantity.at(at.physics, self.region, &point.fields, None);
+            let value = self.quantity.at(&physics, self.place.body, &point.fields, None);
             collected.add(value, point.weight * J);
         });
         collected.take(self.take)
@@ -182,22 +185,22 @@ struct InCell<const D: usize> {
 }
 
 impl<const D: usize> AtPoint<D> {
-    /// At the reference position `x` \[m\] in the body `region`; without it in the solid, if it reaches there.
+    /// At the reference position `x` \[m\] in `place`; without it in the solid, if it reaches there.
     ///
     /// # Errors
     /// If `x` lies outside of the body, or of the mesh.
     pub fn new(
         space: &FsiSpace<D>,
         x: [f64; D],
-        region: Option<Region>,
+        place: Option<Place>,
         quantity: Quantity,
     ) -> Result<Self, MeshError> {
         let locator = Locator::new(&space.mesh);
-        let has = |body| meets(space, &locator, x, body);
-        let found = match region {
-            Some(body) => (body, has(body)),
-            None => match has(Region::Solid) {
-                cells if cells.is_empty() => (Region::Fluid, has(Region::Fluid)),
+        let has = |place| meets(space, &locator, x, place);
+        let found = match place {
+            Some(place) => (place.body, has(place)),
+            None => match has(Place::from(Region::Solid)) {
+                cells if cells.is_empty() => (Region::Fluid, has(Place::from(Region::Fluid))),
                 cells => (Region::Solid, cells),
             },
         };
@@ -211,16 +214,16 @@ impl<const D: usize> AtPoint<D> {
     }
 }
 
-/// The cells of `body` in which `x` \[m\] lies, those whose side it lies on among them.
+/// The cells of `place` in which `x` \[m\] lies, those whose side it lies on among them.
 fn meets<const D: usize>(
     space: &FsiSpace<D>,
     locator: &Locator<'_, D>,
     x: [f64; D],
-    body: Region,
+    place: Place,
 ) -> Vec<InCell<D>> {
     let mut found: Vec<InCell<D>> = vec![];
     let wanted = |found: &[InCell<D>], cell: usize| {
-        space.regions[cell] == body && found.iter().all(|other| other.cell != cell)
+        place.has(space, cell) && found.iter().all(|other| other.cell != cell)
     };
     while let Ok(place) =
         locator.find_where(x, if found.is_empty() { NEAR } else { TOUCHING }, |cell| wanted(&found, cell))
@@ -271,7 +274,8 @@ impl<const D: usize> Functional<D> for AtPoint<D> {
         let value = |InCell { cell, value, grad, pressure }: &InCell<D>| {
             let mut fields = fields_at(at.space.nodes.cell(*cell), value, grad, &state);
             fields.p = pressure_at(at.space.pressure.cell(*cell), pressure, &state);
-            self.quantity.at(at.physics, self.region, &fields, None)
+            let physics = at.physics.of(at.space.material[*cell]);
+            self.quantity.at(&physics, self.region, &fields, None)
         };
         self.cells.iter().map(value).sum::<f64>() / self.cells.len() as f64
     }

@@ -60,8 +60,21 @@ impl<const D: usize> Mesh<D> {
     /// # Errors
     /// [`MeshError::NoInterface`], [`MeshError::UnmarkedInterface`], [`MeshError::StrayInterface`].
     pub fn check_interface(&self, first: &str, second: &str) -> Result<(), MeshError> {
-        let sides = self.sides_between(first, second)?;
-        let names = || (first.to_string(), second.to_string());
+        self.check_interface_of(&[first], &[second])
+    }
+
+    /// The same of several regions on each side, the first one that of a cell from which the interface is seen.
+    ///
+    /// # Errors
+    /// As [`Mesh::check_interface`].
+    pub fn check_interface_of(&self, firsts: &[&str], seconds: &[&str]) -> Result<(), MeshError> {
+        let mut sides = vec![];
+        for first in firsts {
+            for second in seconds {
+                sides.extend(self.sides_between(first, second)?);
+            }
+        }
+        let names = || (firsts.join(", "), seconds.join(", "));
         if sides.is_empty() {
             let (first, second) = names();
             return Err(MeshError::NoInterface { first, second });

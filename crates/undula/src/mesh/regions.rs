@@ -179,6 +179,19 @@ impl<const D: usize> Mesh<D> {
         Ok(sides)
     }
 
+    /// Boundaries all of whose facets lie between cells of different regions.
+    pub fn boundaries_between_regions(&self) -> Vec<&str> {
+        let different = |pair: &[Side; 2]| {
+            let [one, two] = pair.map(|side| self.cell_region[side.cell as usize]);
+            one != two
+        };
+        let inner = self.facets_of_cells().inner.into_iter().filter(different);
+        let between: HashSet<Side> = inner.flatten().collect();
+        let elsewhere = |n: u16| self.facets.iter().any(|f| f.boundary == n && !between.contains(&f.side()));
+        let names = (0..).zip(&self.boundaries).filter(|(n, _)| !elsewhere(*n));
+        names.map(|(_, name)| name.as_str()).collect()
+    }
+
     /// Index of region `name`, or an error that names those there are.
     pub fn require_region(&self, name: &str) -> Result<u16, MeshError> {
         self.region(name).ok_or_else(|| unknown("region", name, &self.regions))

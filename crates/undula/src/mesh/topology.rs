@@ -58,9 +58,14 @@ impl<const D: usize> Mesh<D> {
 
     /// The same, if the facets between cells are known.
     pub fn components_by(&self, inner: &[[Side; 2]]) -> Vec<u32> {
+        self.components_where(inner, |one, two| self.cell_region[one] == self.cell_region[two])
+    }
+
+    /// The same of neighbours that are `together`.
+    pub fn components_where(&self, inner: &[[Side; 2]], together: impl Fn(usize, usize) -> bool) -> Vec<u32> {
         let mut next: Vec<Vec<u32>> = vec![vec![]; self.n_cells()];
         for [one, two] in inner {
-            if self.cell_region[one.cell as usize] == self.cell_region[two.cell as usize] {
+            if together(one.cell as usize, two.cell as usize) {
                 next[one.cell as usize].push(two.cell);
                 next[two.cell as usize].push(one.cell);
             }

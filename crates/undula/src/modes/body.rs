@@ -3,6 +3,7 @@
 use super::{Mode, Setting, frequency};
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
 use crate::math::Tensor;
+use crate::physics::Solid;
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::{FsiSpace, Region, State};
 use std::sync::Arc;
@@ -37,11 +38,12 @@ impl Body {
         let unknowns = places.iter().map(unknown).collect();
         let (stiffness, mass) = (Csr::zeros(&pattern), Csr::zeros(&pattern));
         let mut body = Body { number, places, stiffness, mass, unknowns };
-        let elasticity = elasticity(setting);
+        let elasticity: Vec<_> = setting.solids.iter().map(elasticity).collect();
         let rest = State::zero(space.n_v(), space.n_u(), space.n_p());
         for_each_point(space, &rest, setting.quadrature, |point| {
             if point.region == Region::Solid {
-                body.add(setting, &elasticity, point);
+                let material = usize::from(space.material[point.cell]);
+                body.add(setting, setting.solids[material].rho, &elasticity[material], point);
             }
         });
         body
@@ -50,6 +52,7 @@ impl Body {
     fn add(
         &mut self,
         setting: &Setting<'_>,
+        density: f64,
         elasticity: &[[Tensor<f64, 2>; 2]; 2],
         point: &PointValues<'_, 2>,
     ) {
@@ -62,7 +65,7 @@ impl Body {
                 }
                 let [x, y] = point.grad[b];
                 let stress = point.weight * (x * elasticity[j][0] + y * elasticity[j][1]);
-                let inertia = point.weight * setting.solid.rho * point.value[b];
+                let inertia = point.weight * density * point.value[b];
                 for (a, &row_node) in nodes.iter().enumerate() {
                     for i in 0..2 {
                         let row = self.number[2 * row_node as usize + i];
@@ -122,11 +125,11 @@ fn rows(space: &FsiSpace<2>, number: &[u32], n: usize) -> Vec<Vec<u32>> {
 }
 
 /// ∂P/∂(∂_d u_j) at rest, `[j][d]`.
-fn elasticity(setting: &Setting<'_>) -> [[Tensor<f64, 2>; 2]; 2] {
+fn elasticity(solid: &Solid) -> [[Tensor<f64, 2>; 2]; 2] {
     let along = |j: usize, d: usize| {
         let mut slope = Tensor::zero();
         slope.0[j][d] = 1.0;
-        setting.solid.material.tangent(&Tensor::zero(), &slope)
+        solid.material.tangent(&Tensor::zero(), &slope)
     };
     [0, 1].map(|j| [0, 1].map(|d| along(j, d)))
 }

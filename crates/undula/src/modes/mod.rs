@@ -31,7 +31,7 @@ pub use write::{check_empty, write};
 
 use crate::algebra::{LinearSolver, MultifrontalLu, Options, SolverError};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition};
+use crate::case::{Case, Condition, Load, SolidSpec};
 use crate::error::Error;
 use crate::physics::Solid;
 use crate::space::{Constraints, FsiSpace, Region};
@@ -44,8 +44,8 @@ use std::f64::consts::PI;
 pub struct Setting<'a> {
     /// Spaces on the body and, if there is one, the fluid.
     pub space: &'a FsiSpace<2>,
-    /// Density and law of the body.
-    pub solid: Solid,
+    /// Density and law of each body, by the material of the space.
+    pub solids: Vec<Solid>,
     /// ρ_f \[kg/m³\].
     pub fluid_density: Option<f64>,
     /// Components of the displacement that are 0, for every node of the space; those of the fluid alone do not count.
@@ -118,7 +118,7 @@ impl Setting<'_> {
     /// The box around a part of the body that nothing holds \[m\]: fewer than three components of its nodes are given.
     pub fn unheld(&self) -> Option<([f64; 2], [f64; 2])> {
         let FsiSpace { mesh, nodes, regions, .. } = self.space;
-        let parts = mesh.components();
+        let parts = self.space.components_by(&mesh.facets_of_cells().inner);
         let n_parts = parts.iter().max().map_or(0, |&last| last as usize + 1);
         (0..n_parts).find_map(|part| {
             let of_part = |&cell: &usize| parts[cell] as usize == part && regions[cell] == Region::Solid;
@@ -148,17 +148,24 @@ fn frequency(inverse: f64) -> f64 {
 /// [`Error::Case`] if there is no solid, if it is incompressible, or if a part of it is not held; as
 /// [`Case::build_space`]; if a matrix cannot be factorised.
 pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>, Modes), Error> {
-    let Some(solid) = &case.solid else {
+    if case.solids.is_empty() {
         let message = "there is no [solid]: expected an elastic body, whose modes are computed";
         return Err(case.refuse("solid", message.into()));
-    };
-    if solid.law.is_incompressible() && solid.own.is_none() {
+    }
+    let fluids = &case.fluids[..];
+    if let [first, others @ ..] = fluids
+        && let Some(other) = others.iter().find(|other| other.density != first.density)
+    {
+        let message = "modes with fluids of several densities are not yet available: expected equal ones";
+        return Err(case.refuse(&format!("{}.density", other.table()), message.into()));
+    }
+    if let Some(solid) = case.solids.iter().find(|s| s.law.is_incompressible() && s.own.is_none()) {
         let message = format!(
             "`{}` has a pressure of its own, for which modes are not yet available: expected a compressible law, such \
              as `neo-hookean`",
             solid.law.name()
         );
-        return Err(case.refuse("solid.law", message));
+        return Err(case.refuse(&format!("{}.law", solid.table()), message));
     }
     let space = case.build_space()?;
     let constraints = Constraints::new(&space, &case.conditions(&space.mesh));
@@ -167,8 +174,7 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
                        boundaries parallel to axes";
         return Err(case.refuse("boundary", message.into()));
     }
-    let setting =
-        setting(case, &space, &constraints, Solid { rho: solid.density, material: solid.material() });
+    let setting = setting(case, &space, &constraints);
     if let Some((lower, upper)) = setting.unheld() {
         let message = format!(
             "nothing holds the part of the solid in {lower:?} to {upper:?} m, so that it has rigid motions and K is \
@@ -193,32 +199,25 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
 
 /// The keys of the loads of `case`, which have no effect: modes are those of a body at rest without loads.
 pub fn unused_loads(case: &Case) -> Vec<String> {
-    let fluid = case.fluid.as_ref().map(|fluid| ("fluid.body-force", &fluid.body_force));
-    let solid = case.solid.as_ref().map(|solid| ("solid.body-force", &solid.body_force));
-    let acts = |load: &[Expression; 2]| !load.iter().all(Expression::is_zero);
-    let forces = [fluid, solid].into_iter().flatten().filter(|(_, force)| acts(force));
+    let acts = |load: &Load<'_>| !load.force.iter().all(Expression::is_zero);
+    let forces = case.loads().into_iter().filter(acts);
     let loads = |(name, condition): (&String, &Condition)| -> Vec<String> {
         let data = condition.data().into_iter().filter(|_| !matches!(condition, Condition::Velocity(_)));
         let loaded = data.filter(|(_, data)| !data.iter().all(|e| e.is_zero()));
         loaded.map(|(key, _)| format!("boundary.{name}.{key}")).collect()
     };
     let of_side = case.boundary.iter().flat_map(loads);
-    forces.map(|(key, _)| key.to_string()).chain(of_side).collect()
+    forces.map(|load| load.key).chain(of_side).collect()
 }
 
-fn setting<'a>(
-    case: &Case,
-    space: &'a FsiSpace<2>,
-    constraints: &Constraints<2>,
-    solid: Solid,
-) -> Setting<'a> {
+fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, constraints: &Constraints<2>) -> Setting<'a> {
     let held = constraints.v.iter().zip(&constraints.u);
     let held = held.map(|(v, u)| std::array::from_fn(|i| v[i] || u[i])).collect();
     let open = |name: &String| case.boundary.get(name).is_some_and(Condition::is_natural);
     Setting {
         space,
-        solid,
-        fluid_density: case.fluid.as_ref().map(|fluid| fluid.density),
+        solids: case.solids.iter().map(SolidSpec::solid).collect(),
+        fluid_density: case.fluids.first().map(|fluid| fluid.density),
         held,
         open: space.mesh.boundaries.iter().map(open).collect(),
         quadrature: case.space.quadrature,

@@ -2,6 +2,7 @@
 
 use super::End;
 use super::facets::{FacetOperator, FacetTerm};
+use crate::mesh::Facet;
 use crate::physics::{Backflow, Fluid};
 use crate::space::{BoundaryCondition, FsiSpace, Region};
 
@@ -18,16 +19,18 @@ impl<const D: usize> FacetTerm<D> for Directional {
     }
 }
 
-/// The term on the outlets of the fluid whose condition has it, `n` Gauss points per direction.
+/// The term on the outlets of a fluid with its material, whose condition has it, `n` Gauss points per direction.
 pub fn directional<const D: usize>(
     space: &FsiSpace<D>,
-    fluid: Fluid,
+    (material, fluid): (u16, Fluid),
     conditions: &[BoundaryCondition<D>],
     n: usize,
 ) -> FacetOperator<Directional, D> {
-    let here = |boundary: u16| {
-        matches!(conditions[boundary as usize], BoundaryCondition::Outflow { directional: true, .. })
+    let here = |facet: &Facet| {
+        let condition = &conditions[facet.boundary as usize];
+        space.material[facet.cell as usize] == material
+            && matches!(condition, BoundaryCondition::Outflow { directional: true, .. })
     };
     let form = Backflow { density: fluid.rho };
-    FacetOperator::new(space, Region::Fluid, |facet| here(facet.boundary), n, |_| Directional(form))
+    FacetOperator::new(space, Region::Fluid, |facet| here(facet), n, |_| Directional(form))
 }

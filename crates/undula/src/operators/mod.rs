@@ -2,7 +2,7 @@
 //! are what several of them need.)
 //!
 //! The volume terms of a region are a [`RegionOperator`]: its cells are where J is seen and where unknowns are
-//! eliminated. Two fluids or three solids would be more values of it, each with its own equations. All others only add.
+//! eliminated. Several fluids or solids are several values of it, each with its own equations. All others only add.
 //! `system` sums them.
 // Unit tests have no kernels, see `region`.
 #![cfg_attr(test, allow(dead_code))]
@@ -34,10 +34,49 @@ use region::current_force::CurrentForce;
 /// The equations of the regions; an absent one is `None`.
 #[derive(Copy, Clone, Debug)]
 pub struct Physics {
-    /// Flow and extension.
+    /// Flow and extension; of several fluids that of material 0. All have the same extension.
     pub fluid: Option<Fluid>,
-    /// Elastic body.
+    /// Elastic body; of several that of material 0.
     pub solid: Option<Solid>,
+    /// Fluids and solids of the materials 1, 2, …, kept until the program ends: every copy of the equations refers to
+    /// them.
+    pub further: &'static [(Option<Fluid>, Option<Solid>)],
+}
+
+impl Physics {
+    /// One body of each kind at most.
+    pub const fn new(fluid: Option<Fluid>, solid: Option<Solid>) -> Physics {
+        Physics { fluid, solid, further: &[] }
+    }
+
+    /// Several bodies of each kind; their numbers are their materials, see [`FsiSpace::material`].
+    pub fn of_several(fluids: &[Fluid], solids: &[Solid]) -> Physics {
+        let number = fluids.len().max(solids.len());
+        let further: Vec<_> = (1..number).map(|n| (fluids.get(n).copied(), solids.get(n).copied())).collect();
+        let further = if further.is_empty() { &[][..] } else { further.leak() };
+        Physics { fluid: fluids.first().copied(), solid: solids.first().copied(), further }
+    }
+
+    /// The equations of one material alone.
+    pub fn of(&self, material: u16) -> Physics {
+        let (fluid, solid) = match usize::from(material) {
+            0 => (self.fluid, self.solid),
+            n => self.further[n - 1],
+        };
+        Physics::new(fluid, solid)
+    }
+
+    /// The fluids with their materials.
+    pub fn fluids(&self) -> impl Iterator<Item = (u16, Fluid)> {
+        let further = self.further.iter().map(|(fluid, _)| *fluid);
+        (0..).zip(std::iter::once(self.fluid).chain(further)).filter_map(|(n, fluid)| Some((n, fluid?)))
+    }
+
+    /// The solids with their materials.
+    pub fn solids(&self) -> impl Iterator<Item = (u16, Solid)> {
+        let further = self.further.iter().map(|(_, solid)| *solid);
+        (0..).zip(std::iter::once(self.solid).chain(further)).filter_map(|(n, solid)| Some((n, solid?)))
+    }
 }
 
 /// Body force per mass at a position \[m/s²\].
@@ -141,6 +180,11 @@ pub struct NotFinite<const D: usize> {
 pub trait Operator<const D: usize>: Send + Sync {
     /// Whose balance of momentum the term belongs to: the force of a body is the sum of its terms.
     fn body(&self) -> Region;
+
+    /// The material of that body whose cells the term is about; `None`: all.
+    fn material(&self) -> Option<u16> {
+        None
+    }
 
     /// Take prescribed data of the time `at`.
     ///

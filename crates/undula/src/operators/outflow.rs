@@ -2,6 +2,7 @@
 
 use super::End;
 use super::facets::{FacetOperator, FacetTerm};
+use crate::mesh::Facet;
 use crate::physics::{Fluid, Outflow};
 use crate::space::{BoundaryCondition, FsiSpace, Region};
 
@@ -17,16 +18,18 @@ impl<const D: usize> FacetTerm<D> for Correction {
     }
 }
 
-/// The correction on the outlets of the fluid whose condition has it, `n` Gauss points per direction.
+/// The correction on the outlets of a fluid with its material, whose condition has it, `n` Gauss points per direction.
 pub fn correction<const D: usize>(
     space: &FsiSpace<D>,
-    fluid: Fluid,
+    (material, fluid): (u16, Fluid),
     conditions: &[BoundaryCondition<D>],
     n: usize,
 ) -> FacetOperator<Correction, D> {
-    let here = |boundary: u16| {
-        matches!(conditions[boundary as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
+    let here = |facet: &Facet| {
+        let condition = &conditions[facet.boundary as usize];
+        space.material[facet.cell as usize] == material
+            && matches!(condition, BoundaryCondition::Outflow { do_nothing: true, .. })
     };
     let form = Outflow { viscosity: fluid.rho * fluid.nu };
-    FacetOperator::new(space, Region::Fluid, |facet| here(facet.boundary), n, |_| Correction(form))
+    FacetOperator::new(space, Region::Fluid, |facet| here(facet), n, |_| Correction(form))
 }

@@ -75,8 +75,24 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
         points: (0..n).map(point).collect(),
         cells: (0..space.mesh.n_cells()).flat_map(|cell| points_of(space, cell)).copied().collect(),
         point_data,
-        cell_data: vec![Field::new("solid", 1, solid)],
+        cell_data: [Some(Field::new("solid", 1, solid)), material(space)].into_iter().flatten().collect(),
     }
+}
+
+/// The number of the body in each cell, fluids and then solids in the order of the case; `None` where `solid` tells it.
+fn material(space: &FsiSpace<2>) -> Option<Field> {
+    let several = space.material.iter().any(|&material| material > 0);
+    let last = |region: Region| {
+        let of_region = space.regions.iter().zip(&space.material).filter(|(r, _)| **r == region);
+        of_region.map(|(_, &material)| material + 1).max().unwrap_or(0)
+    };
+    let first = [(Region::Fluid, 0), (Region::Solid, last(Region::Fluid))];
+    let number = |(region, material): (&Region, &u16)| {
+        let first = first.iter().find(|(r, _)| r == region).map_or(0, |(_, first)| *first);
+        f64::from(first + material)
+    };
+    let values = || space.regions.iter().zip(&space.material).map(number).collect();
+    several.then(|| Field::new("material", 1, values()))
 }
 
 /// The nodes of `cell` that are points.

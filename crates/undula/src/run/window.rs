@@ -112,7 +112,7 @@ impl Window {
             fields.point_data.push(Field::new("mean-deformation", 2, list(2, 2, mean)));
             fields.point_data.push(Field::new("rms-deformation", 2, list(2, 2, &rms)));
         }
-        if simulation.case.fluid.is_some() {
+        if !simulation.case.fluids.is_empty() {
             fields.point_data.extend([
                 Field::new("mean-pressure", 1, list(PRESSURE, 1, mean)),
                 Field::new("rms-pressure", 1, list(PRESSURE, 1, &rms)),

@@ -8,20 +8,15 @@
 use super::names::{Component, MeshNames};
 use crate::case::{Case, Condition};
 use crate::mesh::INTERFACE;
+use crate::space::Region;
 
 /// Mistakes by the key that they belong to.
-pub(super) fn check(case: &Case, names: &MeshNames) -> Vec<(&'static str, String)> {
+pub(super) fn check(case: &Case, names: &MeshNames) -> Vec<(String, String)> {
     let bodies = Bodies { case, names };
     let mut errors = vec![];
     bodies.check_volumes(&mut errors);
     bodies.check_held(&mut errors);
     errors
-}
-
-#[derive(Copy, Clone, PartialEq, Eq)]
-enum Body {
-    Fluid,
-    Solid,
 }
 
 struct Bodies<'a> {
@@ -35,15 +30,41 @@ impl Bodies<'_> {
     }
 
     /// Numbers of the connected parts that are computed on.
-    fn parts(&self, body: Body) -> impl Iterator<Item = usize> + '_ {
+    fn parts(&self, body: Region) -> impl Iterator<Item = usize> + '_ {
         (0..self.names.components.len()).filter(move |&n| self.body(n) == Some(body))
     }
 
-    fn body(&self, number: usize) -> Option<Body> {
-        let region = &self.part(number).region;
-        let fluid = self.case.fluid.as_ref().is_some_and(|f| f.region == *region);
-        let solid = self.case.solid.as_ref().is_some_and(|s| s.region == *region);
-        if fluid { Some(Body::Fluid) } else { solid.then_some(Body::Solid) }
+    fn body(&self, number: usize) -> Option<Region> {
+        self.case.body_in(&self.part(number).region).map(|(body, _)| body)
+    }
+
+    /// The table of the body of a part.
+    fn table(&self, number: usize) -> String {
+        let found = self.case.body_in(&self.part(number).region);
+        found.map_or(String::new(), |(body, material)| match body {
+            Region::Fluid => self.case.fluids[usize::from(material)].table(),
+            Region::Solid => self.case.solids[usize::from(material)].table(),
+        })
+    }
+
+    /// Whether two parts that touch each other are of bodies of one kind, so that they move alike.
+    fn are_bonded(&self, one: usize, other: usize) -> bool {
+        self.body(one).is_some() && self.body(one) == self.body(other)
+    }
+
+    /// The parts that hang together with a part, itself among them.
+    fn bonded(&self, number: usize) -> Vec<usize> {
+        let mut group = vec![number];
+        let mut next = 0;
+        while next < group.len() {
+            for &other in &self.part(group[next]).touches {
+                if self.are_bonded(group[next], other) && !group.contains(&other) {
+                    group.push(other);
+                }
+            }
+            next += 1;
+        }
+        group
     }
 
     /// Whether the part has a boundary without traction.
@@ -56,25 +77,30 @@ impl Bodies<'_> {
     fn is_held(&self, number: usize) -> bool {
         self.part(number).boundaries.iter().any(|name| match self.case.boundary.get(name) {
             Some(condition) => condition.is_given() || condition.is_elastic(),
-            None => name != INTERFACE && self.names.is_inside(name, &self.case.regions()),
+            None => {
+                let kept = self.case.regions();
+                let inside = self.names.is_inside(name, &kept) && !self.names.is_between(name, &kept);
+                name != INTERFACE && inside
+            }
         })
     }
 
-    fn touches(&self, number: usize, body: Body) -> bool {
+    fn touches(&self, number: usize, body: Region) -> bool {
         self.part(number).touches.iter().any(|&other| self.body(other) == Some(body))
     }
 
     /// Whether the part has a surface towards a fluid that an absent table leaves out.
     fn has_surface(&self, number: usize) -> bool {
-        let absent = self.case.absent_region().filter(|_| self.case.fluid.is_none());
+        let absent = self.case.absent_region().filter(|_| self.case.fluids.is_empty());
         self.part(number).touches.iter().any(|&other| absent == Some(&*self.part(other).region))
     }
 
     /// Whether the part keeps its volume exactly.
     fn is_constant(&self, number: usize) -> bool {
-        let kept =
-            self.case.solid.as_ref().is_some_and(|s| s.law.is_incompressible() && s.lambda.is_infinite());
-        self.body(number).is_some_and(|body| body == Body::Fluid || kept)
+        self.case.body_in(&self.part(number).region).is_some_and(|(body, material)| match body {
+            Region::Fluid => true,
+            Region::Solid => self.case.solids[usize::from(material)].keeps_volume(),
+        })
     }
 
     /// Whether the part touches something that gives way, not counting other parts of constant volume.
@@ -82,18 +108,24 @@ impl Bodies<'_> {
         let in_time = self.case.time.is_some();
         let softer = |&other: &usize| self.body(other).is_some() && !self.is_constant(other);
         self.is_open(number)
-            || (in_time && self.part(number).touches.iter().any(softer))
-            || (self.body(number) == Some(Body::Solid)
-                && (self.has_surface(number) || (!in_time && self.touches(number, Body::Fluid))))
+            || self
+                .part(number)
+                .touches
+                .iter()
+                .filter(|other| softer(other))
+                .any(|&other| in_time || self.are_bonded(number, other))
+            || (self.body(number) == Some(Region::Solid)
+                && (self.has_surface(number) || (!in_time && self.touches(number, Region::Fluid))))
     }
 
-    /// The parts of constant volume that pass on their pressures to each other: those at rest stay alone.
+    /// The parts of constant volume that pass on their pressures to each other: at rest those of one kind only.
     fn group(&self, number: usize) -> Vec<usize> {
         let mut group = vec![number];
         let mut next = 0;
-        while next < group.len() && self.case.time.is_some() {
+        while next < group.len() {
             for &other in &self.part(group[next]).touches {
-                if self.is_constant(other) && !group.contains(&other) {
+                let passes = self.case.time.is_some() || self.are_bonded(group[next], other);
+                if passes && self.is_constant(other) && !group.contains(&other) {
                     group.push(other);
                 }
             }
@@ -102,7 +134,7 @@ impl Bodies<'_> {
         group
     }
 
-    fn check_volumes(&self, errors: &mut Vec<(&'static str, String)>) {
+    fn check_volumes(&self, errors: &mut Vec<(String, String)>) {
         let mut seen = vec![];
         for first in (0..self.names.components.len()).filter(|&n| self.is_constant(n)) {
             if seen.contains(&first) {
@@ -113,39 +145,44 @@ impl Bodies<'_> {
             if group.iter().any(|&n| self.gives_way(n)) {
                 continue;
             }
-            if let Some(&solid) = group.iter().find(|&&n| self.body(n) == Some(Body::Solid)) {
+            if let Some(&solid) = group.iter().find(|&&n| self.body(n) == Some(Region::Solid)) {
                 let subject =
-                    self.subject(solid, Body::Solid, "its volume", "the volume of the part of the solid");
+                    self.subject(solid, Region::Solid, "its volume", "the volume of the part of the solid");
                 let message = format!(
                     "{subject} cannot change and no boundary gives way, so that pressures are determined up to a \
                      constant only: one boundary needs condition = `traction-free` or `do-nothing`, or give `bulk`"
                 );
-                errors.push(("solid.law", message));
-            } else if self.touches(first, Body::Solid) {
-                let subject = self.subject(first, Body::Fluid, "the fluid", "the part of the fluid");
+                errors.push((format!("{}.law", self.table(solid)), message));
+            } else if self.touches(first, Region::Solid) {
+                let subject = self.subject(first, Region::Fluid, "the fluid", "the part of the fluid");
                 let message = format!(
                     "{subject} is closed in on all sides, so its pressure is determined up to a constant only (at rest \
                      the solid does not give way): one boundary needs condition = `do-nothing` or `traction-free`, or \
                      give the case a [time] to begin in"
                 );
-                errors.push(("fluid", message));
+                errors.push((self.table(first), message));
             }
         }
     }
 
-    fn check_held(&self, errors: &mut Vec<(&'static str, String)>) {
+    fn check_held(&self, errors: &mut Vec<(String, String)>) {
         let stationary = self.case.time.is_none();
-        for number in self.parts(Body::Solid).filter(|&n| stationary && !self.is_held(n)) {
-            let subject = self.subject(number, Body::Solid, "the solid", "the part of the solid");
+        let loose = |n: &usize| {
+            let group = self.bonded(*n);
+            // Told of the first of those that hang together.
+            group.iter().min() == Some(n) && !group.iter().any(|&n| self.is_held(n))
+        };
+        for number in self.parts(Region::Solid).filter(|n| stationary && loose(n)) {
+            let subject = self.subject(number, Region::Solid, "the solid", "the part of the solid");
             let message = format!(
                 "nothing holds {subject}, so it has no stationary state: add a boundary with condition = `clamped`"
             );
-            errors.push(("solid", message));
+            errors.push((self.table(number), message));
         }
     }
 
     /// `whole` if the body is in one piece, else `part` with its extent.
-    fn subject(&self, number: usize, body: Body, whole: &str, part: &str) -> String {
+    fn subject(&self, number: usize, body: Region, whole: &str, part: &str) -> String {
         if self.parts(body).count() == 1 {
             return whole.into();
         }

@@ -4,7 +4,7 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, Precision, PressureElement, VelocityElement};
+use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
@@ -21,7 +21,7 @@ use crate::space::{
 };
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
-use crate::time::{Force, Scheme, Stepper, StepperSettings};
+use crate::time::{Force, MaterialForce, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -29,10 +29,6 @@ pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
 
 #[doc(hidden)]
 impl Case {
-    fn solid_region(&self) -> &str {
-        self.solid.as_ref().map_or("", |s| s.region.as_str())
-    }
-
     /// Spaces on the regions that take part.
     ///
     /// # Errors
@@ -51,14 +47,18 @@ impl Case {
     /// Spaces on the regions of the complete `mesh` that take part; coarser meshes are not known.
     pub(crate) fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
         let mesh = mesh.restrict(&self.regions());
-        let solid = mesh.region(self.solid_region()).filter(|_| self.solid.is_some());
-        let region = |&r: &u16| if Some(r) == solid { Region::Solid } else { Region::Fluid };
-        let regions = mesh.cell_region.iter().map(region).collect();
+        let bodies = mesh.regions.iter().map(|name| self.body_in(name).unwrap_or((Region::Fluid, 0)));
+        let bodies: Vec<(Region, u16)> = bodies.collect();
+        let of_cells = || mesh.cell_region.iter().map(|&region| bodies[usize::from(region)]);
+        let (regions, material) = of_cells().unzip();
         let pressure = match self.space.pressure {
             PressureElement::Pdc(m) => PressureKind::Pdc(m),
             PressureElement::Q(m) | PressureElement::P(m) => PressureKind::Continuous(m),
         };
-        let own = self.solid.as_ref().is_some_and(|s| s.law.is_incompressible());
+        let solids = (0..).zip(&self.solids);
+        let with_pressure: Vec<u16> =
+            solids.filter(|(_, solid)| solid.law.is_incompressible()).map(|(n, _)| n).collect();
+        let own = !with_pressure.is_empty();
         let bodies = if own { &[Region::Fluid, Region::Solid][..] } else { &[Region::Fluid] };
         let degree = self.space.velocity.degree();
         let mut space = match self.space.velocity {
@@ -69,6 +69,9 @@ impl Case {
             VelocityElement::P2Bubble => FsiSpace::with_bubbles(mesh, regions, degree, pressure),
             _ => FsiSpace::with_pressure_in(mesh, regions, degree, pressure, bodies),
         };
+        if self.fluids.len() > 1 || self.solids.len() > 1 {
+            space = space.with_materials(material, &with_pressure);
+        }
         space.walls = self.motion.walls;
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
@@ -76,7 +79,7 @@ impl Case {
         space.deforms |= space.mesh.facets_on(&displaced).iter().any(in_fluid);
         let message =
             "no node of the boundary of the fluid lies on one smooth boundary, so that nothing can slide";
-        if space.walls == Walls::Sliding && space.deforms && self.fluid.is_some() && !space.slides() {
+        if space.walls == Walls::Sliding && space.deforms && !self.fluids.is_empty() && !space.slides() {
             return Err(self.refuse("motion.walls", message.into()));
         }
         self.check_patches(&space)?;
@@ -100,10 +103,10 @@ impl Case {
     /// Parameters of the equations.
     pub fn physics(&self) -> Physics {
         let extension = self.motion.model.extension(&self.motion.numbers());
-        let fluid =
-            self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
-        let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
-        Physics { fluid, solid }
+        let fluid = |f: &FluidSpec| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension };
+        let fluids: Vec<Fluid> = self.fluids.iter().map(fluid).collect();
+        let solids: Vec<Solid> = self.solids.iter().map(SolidSpec::solid).collect();
+        Physics::of_several(&fluids, &solids)
     }
 
     /// Everything that computes: assembly, Newton, linear solver and the initial state at rest.
@@ -136,11 +139,11 @@ impl Case {
         let mut assembler =
             Assembler::try_new(space.clone(), self.physics(), &conditions, &*stiffness, &options)?;
         // Without deformation the current position is the reference position.
-        let current = self.fluid.as_ref().filter(|f| f.force_at_current && space.deforms);
-        let current = current.and_then(|f| current_force(&f.body_force));
-        let follows = current.is_some();
-        if let Some(force) = current {
-            assembler.follow(force);
+        let follows = |fluid: &FluidSpec| fluid.force_at_current && space.deforms;
+        for (material, fluid) in (0..).zip(&self.fluids).filter(|(_, fluid)| follows(fluid)) {
+            if let Some(force) = current_force(&fluid.body_force) {
+                assembler.follow(material, force);
+            }
         }
         assembler.stabilize(&self.stabilization, &options)?;
         self.terms(&space).into_iter().for_each(|term| assembler.add(term));
@@ -176,11 +179,14 @@ impl Case {
         if self.time.is_some() {
             assembler.constraints.apply(&space, start, v, u);
         }
-        let force = [
-            self.fluid.as_ref().filter(|_| !follows).and_then(|f| body_force(&f.body_force)),
-            self.solid.as_ref().and_then(|s| body_force(&s.body_force)),
-        ];
-        Ok(Stepper::new(assembler, newton, linear, settings, start, initial, force))
+        let given = |load: &Load<'_>| {
+            load.body == Region::Solid || !follows(&self.fluids[usize::from(load.material)])
+        };
+        let forces = self.loads().into_iter().filter(given).filter_map(|load| {
+            let Load { body, material, .. } = load;
+            Some(MaterialForce { body, material, force: body_force(load.force)? })
+        });
+        Ok(Stepper::new(assembler, newton, linear, settings, start, initial, forces.collect()))
     }
 
     /// Newton's method for `assembler`, with nothing kept.
@@ -194,7 +200,8 @@ impl Case {
 
     /// One condition per boundary of `mesh`.
     pub(crate) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
-        let both = self.fluid.is_some() && self.solid.is_some();
+        let both = !self.fluids.is_empty() && !self.solids.is_empty();
+        let inside = mesh.boundaries_between_regions();
         let of = |name: &String| match self.boundary.get(name) {
             Some(Condition::Velocity(v)) => BoundaryCondition::Velocity(Arc::from(function(v))),
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
@@ -208,7 +215,9 @@ impl Case {
                 BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
             }
             // The interface: inside the domain, or the surface of the region that is left.
-            None if name == INTERFACE && (both || self.fluid.is_none()) => BoundaryCondition::Free,
+            None if name == INTERFACE && (both || self.fluids.is_empty()) => BoundaryCondition::Free,
+            // Between two regions of bodies that hang together.
+            None if inside.contains(&name.as_str()) => BoundaryCondition::Free,
             // Sides of regions that are left out. Names of parts of the interface are on no facet of the mesh.
             None => BoundaryCondition::Fixed,
         };

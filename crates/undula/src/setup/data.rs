@@ -1,12 +1,11 @@
 //! Data that are not finite somewhere: told with key, place and time, before anything is computed where possible.
 
-use crate::case::conditions::Pair;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, TimeSpec};
+use crate::case::{Case, Condition, Load, TimeSpec};
 use crate::error::Error;
 use crate::math::{rounded, shortest};
-use crate::space::{FsiSpace, Region};
+use crate::space::FsiSpace;
 use crate::time::{DataFault, DataKind};
 
 /// Times between the start and the end at which data are looked at in advance.
@@ -38,11 +37,10 @@ impl Case {
                 errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, key), &data, f)));
             }
         }
-        for region in [Region::Fluid, Region::Solid] {
-            if let Some((key, data)) = self.force(region) {
-                let fault = find(data, &places(space, region), &self.times(data, self.takes_old_forces()));
-                errors.extend(fault.map(|f| self.not_finite(space, key, data, f)));
-            }
+        for Load { body, material, key, force } in self.loads() {
+            let here = |cell: usize| space.regions[cell] == body && space.material[cell] == material;
+            let fault = find(force, &places(space, here), &self.times(force, self.takes_old_forces()));
+            errors.extend(fault.map(|f| self.not_finite(space, &key, force, f)));
         }
         if errors.is_empty() { Ok(()) } else { Err(Error::Case(CaseErrors(errors))) }
     }
@@ -78,7 +76,11 @@ impl Case {
             Some((data_key(name, key), data))
         };
         let data = match fault.kind {
-            DataKind::Force(region) => self.force(region).map(|(key, data)| (key.to_string(), data.to_vec())),
+            DataKind::Force { body, material } => {
+                let mut loads = self.loads().into_iter();
+                let found = loads.find(|load| load.body == body && load.material == material);
+                found.map(|load| (load.key, load.force.to_vec()))
+            }
             DataKind::Velocity { node } => {
                 let here = |name: &str| space.boundary_nodes(name).contains(&node);
                 let mut given = self.boundary.iter().filter(|(name, c)| c.is_given() && here(name));
@@ -121,13 +123,6 @@ impl Case {
             value,
             message,
         }])))
-    }
-
-    fn force(&self, region: Region) -> Option<(&'static str, &Pair)> {
-        match region {
-            Region::Fluid => self.fluid.as_ref().map(|f| ("fluid.body-force", &f.body_force)),
-            Region::Solid => self.solid.as_ref().map(|s| ("solid.body-force", &s.body_force)),
-        }
     }
 
     /// Whether a step takes the forces of its beginning, too.
@@ -208,9 +203,9 @@ fn is_finite(value: &[f64]) -> bool {
     value.iter().all(|x| x.is_finite())
 }
 
-/// Nodes and centres of the cells of `region`.
-fn places(space: &FsiSpace<2>, region: Region) -> Vec<[f64; 2]> {
-    let cells = || (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region);
+/// Nodes and centres of the cells `here`.
+fn places(space: &FsiSpace<2>, here: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
+    let cells = || (0..space.mesh.n_cells()).filter(|&c| here(c));
     let mut nodes: Vec<u32> = cells().flat_map(|c| space.nodes.cell(c).iter().copied()).collect();
     nodes.sort_unstable();
     nodes.dedup();

@@ -6,6 +6,7 @@ use crate::case::error::{CaseError, CaseErrors, Place, quoted, suggestion};
 use crate::case::key;
 use crate::case::{Case, Condition, FunctionalSpec};
 use crate::mesh::INTERFACE;
+use crate::space::Region;
 
 #[doc(hidden)]
 impl Case {
@@ -24,6 +25,7 @@ impl Case {
             fit.boundaries();
             fit.functionals();
             fit.held();
+            fit.fluids();
         }
         if fit.errors.is_empty() { Ok(()) } else { Err(CaseErrors(fit.errors)) }
     }
@@ -65,8 +67,8 @@ impl Fit<'_> {
 
     /// Whether a boundary touches the region of the fluid, of the solid.
     fn touches(&self, regions: &[String]) -> (bool, bool) {
-        let has = |region: Option<&String>| region.is_some_and(|r| regions.contains(r));
-        (has(self.case.fluid.as_ref().map(|f| &f.region)), has(self.case.solid.as_ref().map(|s| &s.region)))
+        let has = |filled: Vec<&str>| regions.iter().any(|region| filled.contains(&region.as_str()));
+        (has(self.case.fluid_regions()), has(self.case.solid_regions()))
     }
 
     fn boundaries(&mut self) {
@@ -119,7 +121,7 @@ impl Fit<'_> {
                 }
                 Some(_) => {}
             }
-            if self.case.directional.contains(name) && self.case.fluid.is_some() && !fluid {
+            if self.case.directional.contains(name) && !self.case.fluids.is_empty() && !fluid {
                 let message = "it is for an outlet of the fluid, and only the solid is here; remove it";
                 self.error(&format!("{key}.backflow"), message.into());
             }
@@ -178,10 +180,35 @@ impl Fit<'_> {
         }
     }
 
+    /// Fluids of different density or viscosity that touch each other: their interface would move with the flow.
+    fn fluids(&mut self) {
+        let case = self.case;
+        let fluid_in = |number: usize| {
+            let (body, material) = case.body_in(&self.names.components[number].region)?;
+            (body == Region::Fluid).then(|| &case.fluids[usize::from(material)])
+        };
+        let mut errors = vec![];
+        for (number, part) in self.names.components.iter().enumerate() {
+            for &other in part.touches.iter().filter(|&&other| other > number) {
+                let (Some(one), Some(two)) = (fluid_in(number), fluid_in(other)) else { continue };
+                let message = format!(
+                    "[{}] touches [{}] of another density or viscosity, and their interface would move with the flow, which \
+                     is not available: expected equal values, or a solid between them",
+                    two.table(),
+                    one.table()
+                );
+                if !one.flows_like(two) && errors.iter().all(|(_, told)| *told != message) {
+                    errors.push((two.table(), message));
+                }
+            }
+        }
+        errors.into_iter().for_each(|(key, message)| self.error(&key, message));
+    }
+
     /// A stationary solid needs a hold, a fluid on its own a way out.
     fn held(&mut self) {
         for (key, message) in super::bodies::check(self.case, self.names) {
-            self.error(key, message);
+            self.error(&key, message);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The functionals of a case on its spaces.
 
-use crate::case::{Case, FunctionalSpec, Site};
+use crate::case::{Case, FluidSpec, FunctionalSpec, Site};
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
@@ -8,15 +8,19 @@ use crate::functional::point::{Displacement, Pressure, PressureDifference};
 use crate::functional::power::Power;
 use crate::functional::quantity::{Quantity, Take};
 use crate::functional::sampled::{AtPoint, InRegion, OnBoundary};
+use crate::functional::site::Place;
 use crate::mesh::MeshError;
-use crate::space::{FsiSpace, Region};
+use crate::space::{FluidBoundary, FsiSpace, Region};
 
 impl Case {
-    /// The body that fills `region` of the mesh; `None` if none does.
-    pub(super) fn body_in(&self, region: &str) -> Option<Region> {
-        let fluid = self.fluid.as_ref().is_some_and(|f| f.region == region);
-        let solid = self.solid.as_ref().is_some_and(|s| s.region == region);
-        if fluid { Some(Region::Fluid) } else { solid.then_some(Region::Solid) }
+    /// The fluid at the first of the boundaries `names` that it touches; without one the first fluid.
+    pub(super) fn fluid_at(&self, space: &FsiSpace<2>, names: &[impl AsRef<str>]) -> Option<&FluidSpec> {
+        let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
+        let surface = FluidBoundary::new(space);
+        let facets = surface.numbers(&space.mesh.facets_on(&names));
+        let at = facets.first().map(|&n| surface.facets[n].side.cell);
+        let material = at.map_or(0, |cell| space.material[cell as usize]);
+        self.fluids.get(usize::from(material))
     }
 
     /// Whether the bodies are there that `functional` is about.
@@ -45,7 +49,7 @@ impl FunctionalSpec {
         let quadrature = case.space.quadrature;
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                let density = case.fluid.as_ref().map_or(1.0, |f| f.density);
+                let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
                 let (factor, unit) = match coefficient {
                     Some([speed, length]) => (2.0 / (density * speed * speed * length), ""),
                     None => (1.0, "N/m"),
@@ -68,8 +72,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
             FunctionalSpec::Pressure(Site::Point { point, region }) => {
-                let body = region.as_ref().and_then(|region| case.body_in(region));
-                Box::new(Pressure::new(space, *point, body)?)
+                Box::new(Pressure::new(space, *point, place(case, space, region.as_deref()))?)
             }
             FunctionalSpec::Pressure(at) => at.build(case, space, surfaces, Quantity::Pressure)?,
             FunctionalSpec::Velocity { component, at } => {
@@ -117,16 +120,22 @@ impl Site {
         surfaces: &Surfaces<'_, 2>,
         quantity: Quantity,
     ) -> Result<Box<dyn Functional<2>>, MeshError> {
-        let body = |region: &String| case.body_in(region);
         Ok(match self {
             Site::Point { point, region } => {
-                Box::new(AtPoint::new(space, *point, region.as_ref().and_then(body), quantity)?)
+                let place = place(case, space, region.as_deref());
+                Box::new(AtPoint::new(space, *point, place, quantity)?)
             }
             Site::Boundaries(on, take) => Box::new(OnBoundary::new(surfaces, on, quantity, *take)),
             Site::Region(region, take) => {
-                let body = body(region).unwrap_or(Region::Fluid);
-                Box::new(InRegion::new(body, quantity, *take, case.space.quadrature))
+                let place = place(case, space, Some(region)).unwrap_or(Place::from(Region::Fluid));
+                Box::new(InRegion::new(place, quantity, *take, case.space.quadrature))
             }
         })
     }
+}
+
+/// A region of the mesh with the body that fills it.
+fn place(case: &Case, space: &FsiSpace<2>, region: Option<&str>) -> Option<Place> {
+    let (body, _) = case.body_in(region?)?;
+    Some(Place { body, region: space.mesh.region(region?) })
 }

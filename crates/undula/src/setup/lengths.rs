@@ -1,6 +1,6 @@
 //! Numbers that a case leaves open because they come from its mesh, and the scales of its equations.
 
-use crate::case::{Case, MotionModel, MotionSpec};
+use crate::case::{Case, MotionModel, MotionSpec, SolidSpec};
 use crate::linear::Scales;
 use crate::math::rounded;
 use crate::mesh::Mesh;
@@ -23,7 +23,10 @@ impl Case {
     /// effect stays open.
     pub fn motion_on(&self, space: &FsiSpace<2>) -> MotionSpec {
         let mut motion = self.motion.clone();
-        let (Some(fluid), Some(solid)) = (&self.fluid, &self.solid) else { return motion };
+        let (fluids, solids) = (self.fluid_regions(), self.solid_regions());
+        if fluids.is_empty() || solids.is_empty() {
+            return motion;
+        }
         let elastic = matches!(motion.model, MotionModel::PseudoElastic | MotionModel::JacobianStiffened);
         let offset = elastic && motion.exponent != 0.0 && motion.offset.is_none();
         let scale = motion.model == MotionModel::StiffenedHarmonic && motion.scale.is_none();
@@ -35,8 +38,7 @@ impl Case {
         let mesh = coarser.first().filter(|_| coarser.len() == self.mesh.refine as usize);
         let mesh = mesh.unwrap_or(&space.mesh);
         let of = |names: &[&str]| extents(mesh, names);
-        let [fluid, solid, both] =
-            [of(&[&fluid.region]), of(&[&solid.region]), of(&[&fluid.region, &solid.region])];
+        let [fluid, solid, both] = [of(&fluids), of(&solids), of(&self.regions())];
         if offset {
             motion.offset = Some(decimal(OFFSET * fluid[0].min(solid[1])));
         } else {
@@ -52,17 +54,23 @@ impl Case {
         Case { motion, ..self.clone() }
     }
 
-    /// The scales of the equations on `space`; `stiffness` is the largest E_e.
+    /// The largest density of a fluid, without fluid that of a solid \[kg/m³\].
+    pub(super) fn largest_density(&self) -> Option<f64> {
+        let largest = |densities: &mut dyn Iterator<Item = f64>| densities.reduce(f64::max);
+        let fluid = largest(&mut self.fluids.iter().map(|f| f.density));
+        fluid.or_else(|| largest(&mut self.solids.iter().map(|s| s.density)))
+    }
+
+    /// The scales of the equations on `space`, of several bodies with the largest density, viscosity and modulus;
+    /// `stiffness` is the largest E_e.
     pub(super) fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
         let size = space.node_distance();
         // The operator of fourth order has the unit 1/m² besides.
         let fourth = self.motion.model == MotionModel::Biharmonic;
         let stiffness = if fourth { 1.0 / (size * size) } else { stiffness };
-        let (fluid, solid) = (self.fluid.as_ref(), self.solid.as_ref());
-        let density = fluid.map(|f| f.density).or(solid.map(|s| s.density)).unwrap_or(1.0);
-        let modulus =
-            solid.map_or(0.0, |s| if s.lambda.is_finite() { s.lambda + 2.0 * s.mu } else { 3.0 * s.mu });
-        let viscosity = fluid.map_or(0.0, |f| f.kinematic_viscosity);
+        let density = self.largest_density().unwrap_or(1.0);
+        let modulus = self.solids.iter().map(SolidSpec::stiffness).fold(0.0, f64::max);
+        let viscosity = self.fluids.iter().map(|f| f.kinematic_viscosity).fold(0.0, f64::max);
         Scales::new(space, density, viscosity, modulus, stiffness)
     }
 }

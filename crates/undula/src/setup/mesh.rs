@@ -44,10 +44,9 @@ impl Case {
         notes.extend(self.outer_interface(&names));
         let blame = |e| self.blame(mesh_key(self), e);
         mesh.check_kept(&self.regions()).map_err(blame)?;
-        if let [fluid, solid] = self.regions()[..]
-            && mesh.boundary(INTERFACE).is_some()
-        {
-            mesh.check_interface(fluid, solid).map_err(blame)?;
+        let (fluids, solids) = (self.fluid_regions(), self.solid_regions());
+        if !fluids.is_empty() && !solids.is_empty() && mesh.boundary(INTERFACE).is_some() {
+            mesh.check_interface_of(&fluids, &solids).map_err(blame)?;
         }
         mesh.check_curves(&curves).map_err(blame)?;
         Ok(Marked { hierarchy: hierarchy.named_as(&mesh), mesh, notes })

@@ -1,7 +1,7 @@
 //! What names a mesh has, and which parts they belong to.
 
 use crate::mesh::{Facet, Facets, Mesh, Side};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// The names of a complete mesh, before any region is left out.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +14,8 @@ pub struct MeshNames {
     pub outer: Vec<(String, Vec<String>)>,
     /// Further names of facets: parts of the interface.
     pub parts: Vec<String>,
+    /// Boundaries with facets between cells of two regions, and these regions.
+    pub between: Vec<(String, [String; 2])>,
     /// Connected parts of the regions.
     pub components: Vec<Component>,
 }
@@ -52,7 +54,17 @@ impl MeshNames {
         mesh.parts
             .iter()
             .for_each(|f| push_new(&mut parts, mesh.boundaries[usize::from(f.boundary)].clone()));
+        let region = |side: &Side| mesh.regions[usize::from(mesh.cell_region[side.cell as usize])].clone();
+        let beyond: HashMap<Side, Side> = inner.iter().flat_map(|&[a, b]| [(a, b), (b, a)]).collect();
+        let mut between = vec![];
+        for facet in &mesh.facets {
+            if let Some(other) = beyond.get(&facet.side()) {
+                let name = mesh.boundaries[usize::from(facet.boundary)].clone();
+                push_new(&mut between, (name, [region(&facet.side()), region(other)]));
+            }
+        }
         Self {
+            between,
             regions: mesh.regions.clone(),
             boundaries: touched(&mut mesh.facets.iter().chain(&mesh.parts)),
             outer: outer.into_iter().filter(|(_, regions)| !regions.is_empty()).collect(),
@@ -65,6 +77,15 @@ impl MeshNames {
     pub(super) fn is_inside(&self, name: &str, kept: &[&str]) -> bool {
         let touches = |regions: &[String]| regions.iter().any(|region| kept.contains(&region.as_str()));
         !self.outer.iter().any(|(n, regions)| n == name && touches(regions))
+    }
+
+    /// Whether all facets of `name` lie between two different regions of those `kept`.
+    pub(super) fn is_between(&self, name: &str, kept: &[&str]) -> bool {
+        let mut here = self.between.iter().filter(|(n, _)| n == name).peekable();
+        let of_kept = |[one, two]: &[String; 2]| {
+            one != two && [one, two].iter().all(|region| kept.contains(&region.as_str()))
+        };
+        here.peek().is_some() && self.is_inside(name, kept) && here.all(|(_, regions)| of_kept(regions))
     }
 }
 

@@ -104,10 +104,12 @@ impl Case {
     }
 
     fn boundaries(&self, space: &FsiSpace<2>) -> Vec<Boundary> {
+        let between = space.mesh.boundaries_between_regions();
         let of = |(number, name): (usize, &String)| {
             let facets = || space.mesh.facets_on(&[name]).into_iter();
             let own = space.mesh.facets.iter().any(|f| usize::from(f.boundary) == number);
-            let inside = name == INTERFACE && self.fluid.is_some() && self.solid.is_some();
+            let inside = name == INTERFACE && !self.fluids.is_empty() && !self.solids.is_empty();
+            let between = !inside && between.contains(&name.as_str());
             let has = |body| facets().any(|f| space.regions[f.cell as usize] == body);
             let bodies = match (inside || has(Region::Fluid), inside || has(Region::Solid)) {
                 (true, true) => "fluid and solid",
@@ -122,7 +124,8 @@ impl Case {
                     Some(condition) => condition.name().into(),
                     None if !own => "part of the interface".into(),
                     None if inside => "coupling".into(),
-                    None if name == INTERFACE && self.fluid.is_none() => {
+                    None if between => "none, inside a body".into(),
+                    None if name == INTERFACE && self.fluids.is_empty() => {
                         Condition::TractionFree.name().into()
                     }
                     // Sides of regions that are left out.
@@ -136,7 +139,7 @@ impl Case {
 
     /// Where most of the fluid comes in, and how fast.
     fn inflow(&self, space: &FsiSpace<2>, smallest: f64) -> Option<Inflow> {
-        let fluid = self.fluid.as_ref()?;
+        self.fluids.first()?;
         let (mut found, mut largest, mut first) = (None::<(f64, String, f64)>, 0.0f64, 0.0f64);
         let step = self.time.as_ref().map(|time| time.step.eval(&[0.0; 3], time.start));
         for (number, name) in space.mesh.boundaries.iter().enumerate() {
@@ -164,7 +167,7 @@ impl Case {
             _ => (length, "the length of that boundary"),
         };
         Some(Inflow {
-            reynolds: mean * scale.0 / fluid.kinematic_viscosity,
+            reynolds: mean * scale.0 / self.fluid_at(space, &[&name])?.kinematic_viscosity,
             cfl: step.map(|k| [first, largest].map(|speed| speed * k / smallest)),
             name,
             length,
@@ -183,7 +186,7 @@ impl Case {
 
     fn looks_like_millimetres(&self, [lower, upper]: [[f64; 2]; 2]) -> Option<String> {
         let size = (upper[0] - lower[0]).max(upper[1] - lower[1]);
-        let density = self.fluid.as_ref().map(|f| f.density).or(self.solid.as_ref().map(|s| s.density))?;
+        let density = self.largest_density()?;
         let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
         large.then(|| {
             format!(

@@ -20,17 +20,15 @@ pub(super) fn mesh_key(case: &Case) -> &'static str {
 impl Case {
     /// Regions of the mesh that are computed on: those of `[fluid]` and `[solid]`.
     pub fn regions(&self) -> Vec<&str> {
-        let fluid = self.fluid.as_ref().map(|f| f.region.as_str());
-        let solid = self.solid.as_ref().map(|s| s.region.as_str());
-        fluid.into_iter().chain(solid).collect()
+        [self.fluid_regions(), self.solid_regions()].concat()
     }
 
     /// The region that an absent table leaves out together with its interface, `solid` without `[solid]` and `fluid`
     /// without `[fluid]`, unless something else is said about it.
     pub(super) fn absent_region(&self) -> Option<&'static str> {
-        let absent = match (&self.fluid, &self.solid) {
-            (Some(_), None) => SOLID,
-            (None, Some(_)) => FLUID,
+        let absent = match (self.fluids.is_empty(), self.solids.is_empty()) {
+            (false, true) => SOLID,
+            (true, false) => FLUID,
             _ => return None,
         };
         let free =
@@ -48,17 +46,14 @@ impl Case {
             let known = suggestion(name, regions.iter().map(String::as_str));
             format!("the mesh has no region `{name}`{known}")
         };
-        let tables = [
-            ("fluid", self.fluid.as_ref().map(|f| &f.region)),
-            ("solid", self.solid.as_ref().map(|s| &s.region)),
-        ];
-        for (table, region) in tables {
-            if let Some(region) = region.filter(|region| !regions.contains(region)) {
+        let tables = self.tables_of_bodies();
+        for (table, filled) in &tables {
+            for region in filled.iter().filter(|region| !regions.contains(region)) {
                 error(&format!("{table}.region"), unknown(region));
             }
         }
         for name in &self.mesh.leave_out {
-            let table = tables.iter().find(|(_, region)| *region == Some(name));
+            let table = tables.iter().find(|(_, filled)| filled.contains(name));
             match table {
                 Some((table, _)) => {
                     error(
@@ -97,9 +92,9 @@ impl Case {
             .chain(regions.iter().copied())
             .map(|name| format!("\"{name}\""))
             .collect();
-        let tables = match (&self.fluid, &self.solid) {
-            (Some(_), Some(_)) => "name one as fluid.region or solid.region".into(),
-            (Some(_), None) => format!("add [solid] with region = \"{}\"", regions[0]),
+        let tables = match (self.fluids.is_empty(), self.solids.is_empty()) {
+            (false, false) => "name one as fluid.region or solid.region".into(),
+            (false, true) => format!("add [solid] with region = \"{}\"", regions[0]),
             _ => format!("add [fluid] with region = \"{}\"", regions[0]),
         };
         format!(
@@ -147,35 +142,17 @@ impl Case {
     pub(super) fn mark_sides(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
         let mut notes = vec![];
         let absent = self.absent_region();
-        let pair =
-            [self.fluid.as_ref().map(|f| f.region.as_str()), self.solid.as_ref().map(|s| s.region.as_str())];
-        let [first, second] = pair.map(|region| region.or(absent));
-        if let (Some(first), Some(second)) = (first, second)
-            && mesh.region(first).is_some()
-            && mesh.region(second).is_some()
-        {
-            match mesh.mark_interface(first, second) {
-                Ok(_) => {}
-                Err(MeshError::NoInterface { .. }) if absent.is_some() => {}
-                Err(MeshError::NoInterface { .. }) if self.is_between(mesh, first, second) => {
-                    notes.push(
-                        "fluid and solid touch nowhere: regions that are left out lie between them".into(),
-                    );
-                }
-                // What keeps the regions apart says more than that they are.
-                Err(error) => return Err(self.blame(mesh_key(self), mesh.check().err().unwrap_or(error))),
-            }
-        }
+        notes.extend(self.mark_interface(mesh)?);
         for region in &self.mesh.leave_out {
             mesh.mark_sides(region, &self.regions()).map_err(|e| self.blame("mesh.leave-out", e))?;
         }
         let left_out = absent.filter(|region| mesh.region(region).is_some());
-        notes.extend(left_out.map(|region| match self.fluid {
-            Some(_) => format!(
+        notes.extend(left_out.map(|region| match self.fluids.is_empty() {
+            false => format!(
                 "region `{region}` of the mesh is left out, as there is no [solid]: its sides, `{INTERFACE}`, are \
                  no-slip walls"
             ),
-            None => format!(
+            true => format!(
                 "region `{region}` of the mesh is left out, as there is no [fluid]: its sides, `{INTERFACE}`, are free \
                  of traction"
             ),
@@ -185,9 +162,9 @@ impl Case {
 
     /// What should be known of an outer boundary that the mesh of one body calls `interface`.
     pub(super) fn outer_interface(&self, names: &MeshNames) -> Option<String> {
-        let holds = match (&self.fluid, &self.solid) {
-            (Some(_), Some(_)) => return None,
-            (Some(_), None) => "a no-slip wall",
+        let holds = match (self.fluids.is_empty(), self.solids.is_empty()) {
+            (false, false) => return None,
+            (false, true) => "a no-slip wall",
             _ => "free of traction",
         };
         let outer = !names.is_inside(INTERFACE, &self.regions());
@@ -198,10 +175,39 @@ impl Case {
         })
     }
 
-    /// Whether a region that is left out touches both regions.
-    fn is_between(&self, mesh: &Mesh<2>, first: &str, second: &str) -> bool {
+    /// Names the sides between fluids and solids, or those of the region that an absent table leaves out; returns what
+    /// should be known about that.
+    fn mark_interface(&self, mesh: &mut Mesh<2>) -> Result<Option<String>, Error> {
+        let absent = self.absent_region();
+        let [firsts, seconds] = [self.fluid_regions(), self.solid_regions()].map(|regions| {
+            let regions = if regions.is_empty() { absent.into_iter().collect() } else { regions };
+            regions.into_iter().filter(|region| mesh.region(region).is_some()).collect::<Vec<_>>()
+        });
+        let (mut found, mut apart) = (false, None);
+        for (first, second) in
+            firsts.iter().flat_map(|first| seconds.iter().map(move |second| (first, second)))
+        {
+            match mesh.mark_interface(first, second) {
+                Ok(_) => found = true,
+                Err(error @ MeshError::NoInterface { .. }) => apart = Some(error),
+                Err(error) => return Err(self.blame(mesh_key(self), error)),
+            }
+        }
+        match apart.filter(|_| !found && absent.is_none()) {
+            None => Ok(None),
+            Some(_) if self.is_between(mesh, &firsts, &seconds) => {
+                Ok(Some("fluid and solid touch nowhere: regions that are left out lie between them".into()))
+            }
+            // What keeps the regions apart says more than that they are.
+            Some(error) => Err(self.blame(mesh_key(self), mesh.check().err().unwrap_or(error))),
+        }
+    }
+
+    /// Whether a region that is left out touches regions of both.
+    fn is_between(&self, mesh: &Mesh<2>, firsts: &[&str], seconds: &[&str]) -> bool {
         let touch = |a: &str, b: &str| mesh.sides_between(a, b).is_ok_and(|sides| !sides.is_empty());
-        self.mesh.leave_out.iter().any(|out| touch(out, first) && touch(out, second))
+        let any = |a: &str, regions: &[&str]| regions.iter().any(|b| touch(a, b));
+        self.mesh.leave_out.iter().any(|out| any(out, firsts) && any(out, seconds))
     }
 
     /// Name, number of cells and area \[m²\] of each region of the complete `mesh` that is left out.

@@ -20,17 +20,11 @@ impl Case {
     /// # Errors
     /// [`Error::Case`] with the motion.
     pub(super) fn check_supports(&self, space: &FsiSpace<2>) -> Result<(), Error> {
-        if self.time.is_some() || self.solid.is_none() {
+        if self.time.is_some() || self.solids.is_empty() {
             return Ok(());
         }
         let constraints = Constraints::new(space, &self.conditions(&space.mesh));
-        let inner = space.mesh.facets_of_cells().inner;
-        let same = |pair: &[crate::mesh::Side; 2]| {
-            let [one, two] = pair.map(|side| space.regions[side.cell as usize]);
-            one == two
-        };
-        let inner: Vec<_> = inner.into_iter().filter(same).collect();
-        let component = space.mesh.components_by(&inner);
+        let component = space.components_by(&space.mesh.facets_of_cells().inner);
         let mut parts: Vec<u32> = vec![];
         for cell in (0..space.mesh.n_cells()).filter(|&cell| space.regions[cell] == Region::Solid) {
             if !parts.contains(&component[cell]) {

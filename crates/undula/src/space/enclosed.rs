@@ -28,7 +28,7 @@ pub fn enclosed<const D: usize>(
 ) -> Vec<Enclosed<D>> {
     let mesh = &space.mesh;
     let inner = mesh.facets_of_cells().inner;
-    let component = mesh.components_by(&inner);
+    let component = space.components_by(&inner);
     let n = component.iter().max().map_or(0, |&last| last as usize + 1);
     let (mut open, mut touches, mut cells) = (vec![false; n], vec![false; n], vec![vec![]; n]);
     for facet in &mesh.facets {

@@ -21,7 +21,7 @@ pub use state::State;
 
 use crate::element::{Quadrature, Shape};
 use crate::math::Tensor;
-use crate::mesh::{Facet, Hierarchy, Mesh};
+use crate::mesh::{Facet, Hierarchy, Mesh, Side};
 
 /// Which equations hold in a cell.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -53,6 +53,8 @@ pub struct FsiSpace<const D: usize> {
     pub hierarchy: Hierarchy<D>,
     /// Equations of every cell.
     pub regions: Vec<Region>,
+    /// Number of the material of every cell among those of its equations: 0 where there is one fluid and one solid.
+    pub material: Vec<u16>,
     /// Nodes of velocity and deformation.
     pub nodes: Nodes<D>,
     /// Pressure unknowns.
@@ -124,7 +126,42 @@ impl<const D: usize> FsiSpace<D> {
             PressureKind::Continuous(k) => pressure_nodes(&mesh, &nodes, &pressure, k),
         };
         let (walls, hierarchy) = (Walls::Fixed, Hierarchy::default());
-        FsiSpace { mesh, hierarchy, regions, nodes, pressure, owner, deforms, walls, pressure_nodes }
+        let material = vec![0; regions.len()];
+        FsiSpace {
+            mesh,
+            hierarchy,
+            regions,
+            material,
+            nodes,
+            pressure,
+            owner,
+            deforms,
+            walls,
+            pressure_nodes,
+        }
+    }
+
+    /// The same with the `material` of every cell, and a pressure in the fluid and in the solids `with_pressure`. Pressures
+    /// are discontinuous from solid to solid, as at the fluid.
+    #[must_use]
+    pub fn with_materials(mut self, material: Vec<u16>, with_pressure: &[u16]) -> FsiSpace<D> {
+        let kind = self.pressure.kind;
+        let of = |here: &dyn Fn(usize) -> bool| PressureSpace::new(&self.mesh, kind, here);
+        let mut pressure = of(&|c| self.regions[c] == Region::Fluid);
+        for solid in with_pressure {
+            pressure = pressure.joined(of(&|c| self.regions[c] == Region::Solid && material[c] == *solid));
+        }
+        if let PressureKind::Continuous(k) = kind {
+            self.pressure_nodes = pressure_nodes(&self.mesh, &self.nodes, &pressure, k);
+        }
+        (self.material, self.pressure) = (material, pressure);
+        self
+    }
+
+    /// Number of the connected part of every cell, bodies of one kind that touch each other in facets being one; `inner`
+    /// are the facets between cells.
+    pub fn components_by(&self, inner: &[[Side; 2]]) -> Vec<u32> {
+        self.mesh.components_where(inner, |one, two| self.regions[one] == self.regions[two])
     }
 
     /// Number of velocity unknowns, given ones counted.

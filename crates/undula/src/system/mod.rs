@@ -97,7 +97,7 @@ impl Assembler<2> {
         let regions = regions(&space, &physics, stiffness, options)?;
         let constraints = Constraints::new(&space, conditions);
         let mut terms: Vec<Box<dyn Operator<2>>> = vec![];
-        if let Some(fluid) = physics.fluid {
+        for fluid in physics.fluids() {
             let n = options.quadrature;
             let outflow = correction(&space, fluid, conditions, n);
             let backflow = directional(&space, fluid, conditions, n);
@@ -185,9 +185,9 @@ impl<const D: usize> Assembler<D> {
         Ok(())
     }
 
-    /// Take the body force of the fluid at the current position x + u.
-    pub fn follow(&mut self, force: CurrentForce<D>) {
-        if let Some(fluid) = self.fluids().next() {
+    /// Take the body force of the fluid `material` at the current position x + u.
+    pub fn follow(&mut self, material: u16, force: CurrentForce<D>) {
+        if let Some(fluid) = self.fluids().find(|fluid| fluid.material() == Some(material)) {
             fluid.follow(force);
         }
     }
@@ -247,10 +247,17 @@ impl<const D: usize> Assembler<D> {
         self.operators_mut().map(|operator| operator.set_data(at)).fold(Ok(()), Result::and)
     }
 
-    /// Set the body force of a region at one end of the step; `None`: no force.
+    /// Set the body force of a region at one end of the step, in all of its materials; `None`: no force.
     pub fn set_force(&mut self, region: Region, end: End, force: Option<ForceAt<'_, D>>) {
         let of_region = self.operators_mut().filter(|operator| operator.body() == region);
         of_region.for_each(|operator| operator.set_force(end, force));
+    }
+
+    /// The same in one material of a region.
+    pub fn set_force_of(&mut self, body: (Region, u16), end: End, force: Option<ForceAt<'_, D>>) {
+        let is_its = |material: Option<u16>| material.is_none_or(|other| other == body.1);
+        let of_body = self.operators_mut().filter(|o| o.body() == body.0 && is_its(o.material()));
+        of_body.for_each(|operator| operator.set_force(end, force));
     }
 
     /// The explicit part (1 − θ) A(U⁻) of all rows, `[v, u, p, s]`, given rows included.
@@ -322,11 +329,13 @@ impl<const D: usize> Assembler<D> {
         Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
     }
 
-    /// The entries of the term that is the extension, those of the regions last.
+    /// The entries of the term that is the extension, else those of all regions.
     fn visit_extension(&self, step: &StepView<'_>, put: &mut dyn FnMut(u32, u32, f64)) {
-        let terms = self.terms.iter().map(|term| &**term);
-        let regions = self.regions.iter().map(|region| &**region as &dyn Operator<D>);
-        let _ = terms.chain(regions).any(|operator| operator.extension(step, put));
+        if !self.terms.iter().any(|term| term.extension(step, put)) {
+            for region in &self.regions {
+                region.extension(step, put);
+            }
+        }
     }
 
     /// Whether the extension is of fourth order.

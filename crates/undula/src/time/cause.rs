@@ -69,7 +69,12 @@ pub enum DataKind {
         node: u32,
     },
     /// The body force of a region \[m/s²\].
-    Force(Region),
+    Force {
+        /// The kind of its body.
+        body: Region,
+        /// Number of the material.
+        material: u16,
+    },
     /// Data of the condition on a boundary.
     Condition {
         /// Its number in the mesh.
@@ -169,7 +174,7 @@ impl fmt::Display for Cause {
             Cause::Data(DataFault { kind, at, time, value }) => {
                 let data = match kind {
                     DataKind::Velocity { .. } => "the velocity of the boundary",
-                    DataKind::Force(_) => "the body force",
+                    DataKind::Force { .. } => "the body force",
                     DataKind::Condition { .. } => "the data of a boundary condition",
                 };
                 write!(f, "{data} is not finite: {value:?} at {at:?} m, t = {time} s")

@@ -51,7 +51,7 @@ impl<const D: usize> Stepper<D> {
             assembler: _,
             settings: _,
             start: _,
-            force: _,
+            forces: _,
             source: _,
             // In the clock.
             time: _,

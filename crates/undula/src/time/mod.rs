@@ -24,4 +24,4 @@ pub use memory::{Clock, Memory};
 pub use report::{Attempt, Details, StepFailure, StepReport};
 pub use schedule::{Next, Schedule};
 pub use scheme::{Damping, DomainMotion, Scheme};
-pub use stepper::{Force, Stepper, StepperSettings};
+pub use stepper::{Force, MaterialForce, Stepper, StepperSettings};

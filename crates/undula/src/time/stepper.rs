@@ -17,6 +17,16 @@ use std::cell::Cell;
 /// Body force per mass as a function of position and time \[m/s²\].
 pub type Force<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
+/// The body force of one material.
+pub struct MaterialForce<const D: usize> {
+    /// The kind of its body.
+    pub body: Region,
+    /// Its number, see [`crate::space::FsiSpace::material`].
+    pub material: u16,
+    /// The force per mass \[m/s²\].
+    pub force: Force<D>,
+}
+
 /// A right-hand side `[v, u, p]` added to the residual: called with (t⁻, t, θ).
 pub type Source = Box<dyn FnMut(f64, f64, f64, &mut [f64]) + Send>;
 
@@ -80,7 +90,7 @@ pub struct Stepper<const D: usize> {
     /// Where the kept Jacobian was taken.
     pub(super) point: Option<JacobianPoint>,
     pub(super) before: Before,
-    pub(super) force: [Option<Force<D>>; 2],
+    pub(super) forces: Vec<MaterialForce<D>>,
     /// Data set last that are not finite.
     pub(super) fault: Option<DataFault>,
     /// Iterations of the present step that failed.
@@ -90,7 +100,7 @@ pub struct Stepper<const D: usize> {
 }
 
 impl<const D: usize> Stepper<D> {
-    /// Start from `initial` at `time`; forces of (fluid, solid).
+    /// Start from `initial` at `time` under `forces`.
     pub fn new(
         assembler: Assembler<D>,
         newton: Newton,
@@ -98,7 +108,7 @@ impl<const D: usize> Stepper<D> {
         settings: StepperSettings,
         time: f64,
         initial: State,
-        force: [Option<Force<D>>; 2],
+        forces: Vec<MaterialForce<D>>,
     ) -> Stepper<D> {
         let n = assembler.n_unknowns();
         let mut stepper = Stepper {
@@ -120,7 +130,7 @@ impl<const D: usize> Stepper<D> {
             point: None,
             before: Before::default(),
             explicit: vec![0.0; n],
-            force,
+            forces,
             fault: None,
             attempts: vec![],
             source: None,
@@ -151,21 +161,19 @@ impl<const D: usize> Stepper<D> {
             let kind = DataKind::Condition { boundary };
             self.fault = Some(DataFault { kind, at: at.to_vec(), time: t, value: value.to_vec() });
         }
-        for (force, region) in self.force.iter().zip([Region::Fluid, Region::Solid]) {
-            if let Some(force) = force {
-                let wrong = Cell::new(None);
-                let at = |x: &[f64; D]| {
-                    let f = force(x, t);
-                    if !f.iter().all(|f| f.is_finite()) {
-                        wrong.set(wrong.get().or(Some((*x, f))));
-                    }
-                    f.map(|f| f * load)
-                };
-                self.assembler.set_force(region, end, Some(&at));
-                if let Some((x, f)) = wrong.get() {
-                    let kind = DataKind::Force(region);
-                    self.fault = Some(DataFault { kind, at: x.to_vec(), time: t, value: f.to_vec() });
+        for MaterialForce { body, material, force } in &self.forces {
+            let wrong = Cell::new(None);
+            let at = |x: &[f64; D]| {
+                let f = force(x, t);
+                if !f.iter().all(|f| f.is_finite()) {
+                    wrong.set(wrong.get().or(Some((*x, f))));
                 }
+                f.map(|f| f * load)
+            };
+            self.assembler.set_force_of((*body, *material), end, Some(&at));
+            if let Some((x, f)) = wrong.get() {
+                let kind = DataKind::Force { body: *body, material: *material };
+                self.fault = Some(DataFault { kind, at: x.to_vec(), time: t, value: f.to_vec() });
             }
         }
     }

@@ -151,7 +151,7 @@ impl Manufactured {
             true => State::zero(space.n_v(), space.n_u(), space.n_p()),
             false => self.interpolate(time),
         };
-        let mut stepper = Stepper::new(assembler, newton, linear, settings, time, initial, [None, None]);
+        let mut stepper = Stepper::new(assembler, newton, linear, settings, time, initial, vec![]);
         stepper.source = Some(self.source());
         stepper
     }

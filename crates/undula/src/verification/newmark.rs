@@ -9,7 +9,7 @@
 //! scheme, M (v − v⁻)/k + A(u⁻) = F.
 
 use super::equal_steps;
-use crate::case::{Case, Condition};
+use crate::case::{Case, Condition, SolidSpec};
 use crate::error::Error;
 use crate::time::{Scheme, Stepper};
 
@@ -33,16 +33,16 @@ fn compare(a: &[f64], b: &[f64]) -> [f64; 2] {
 /// # Errors
 /// [`Error::Case`] for a case with a fluid or without time, and if Newton's method fails.
 pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
-    let Some(time) = case.time.as_ref().filter(|_| case.fluid.is_none() && case.solid.is_some()) else {
+    let Some(time) = case.time.as_ref().filter(|_| case.fluids.is_empty() && !case.solids.is_empty()) else {
         let message =
             "Newmark's method is that of an elastic body alone in time: expected a case such as `csm3`";
         return Err(case.refuse("fluid", message.into()));
     };
     let k = equal_steps(case)?.unwrap_or(1.0);
-    let force = case.solid.iter().flat_map(|solid| &solid.body_force);
-    if force.into_iter().any(|force| force.depends_on_time()) {
+    let changes = |solid: &&SolidSpec| solid.body_force.iter().any(|force| force.depends_on_time());
+    if let Some(solid) = case.solids.iter().find(changes) {
         let message = "Newmark's method is compared under a force that does not depend on t";
-        return Err(case.refuse("solid.body-force", message.into()));
+        return Err(case.refuse(&format!("{}.body-force", solid.table()), message.into()));
     }
     let changes =
         |condition: &Condition| matches!(condition, Condition::Velocity(_)) || condition.depends_on_time();

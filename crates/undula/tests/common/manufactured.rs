@@ -27,9 +27,9 @@ pub const EXTENSIONS: [Extension; 6] = [
 ];
 pub const SOLID: Solid = Solid { rho: 2.1, material: Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 } };
 
-pub const FSI: Physics = Physics { fluid: Some(AUXETIC), solid: Some(SOLID) };
-pub const FLOW: Physics = Physics { fluid: Some(FLUID), solid: None };
-pub const BODY: Physics = Physics { fluid: None, solid: Some(SOLID) };
+pub const FSI: Physics = Physics::new(Some(AUXETIC), Some(SOLID));
+pub const FLOW: Physics = Physics::new(Some(FLUID), None);
+pub const BODY: Physics = Physics::new(None, Some(SOLID));
 
 /// How the cells of the unit square are bent.
 #[derive(Copy, Clone, Debug, PartialEq)]

@@ -123,9 +123,10 @@ fn products_have_all_terms() {
     let options = Options { quadrature: pair.quadrature(), ..options() };
     let mut assembler = problem.assembler(&options);
     assembler.stabilize(&how, &options).unwrap();
-    assembler.follow(CurrentForce::new(Box::new(|x, _| {
-        ([x[0] * x[1], x[1].sin()], [[x[1], x[0]], [0.0, x[1].cos()]])
-    })));
+    assembler.follow(
+        0,
+        CurrentForce::new(Box::new(|x, _| ([x[0] * x[1], x[1].sin()], [[x[1], x[0]], [0.0, x[1].cos()]]))),
+    );
     for rule in RULES {
         check(&problem, &mut assembler, rule);
     }
@@ -159,7 +160,7 @@ fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
     let problem = coupled(quadrilaterals(2, Pdc(1)), AUXETIC);
     let (space, conditions, n) = (&problem.space, &problem.conditions, problem.quadrature);
     let (outflow, backflow) =
-        (correction(space, AUXETIC, conditions, n), directional(space, AUXETIC, conditions, n));
+        (correction(space, (0, AUXETIC), conditions, n), directional(space, (0, AUXETIC), conditions, n));
     assert!(!outflow.is_empty() && !backflow.is_empty());
     let mut terms: [Box<dyn Operator<2>>; 2] = [Box::new(outflow), Box::new(backflow)];
     let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));

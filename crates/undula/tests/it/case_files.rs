@@ -38,7 +38,7 @@ fn builtin_cases_fit_their_mesh() {
 #[test]
 fn fsi3_is_the_published_problem() {
     let case = builtin("fsi3", &[]);
-    let (fluid, solid) = (case.fluid.clone().unwrap(), case.solid.clone().unwrap());
+    let (fluid, solid) = (case.fluids[0].clone(), case.solids[0].clone());
     assert_eq!((fluid.density, fluid.kinematic_viscosity), (1000.0, 1e-3));
     assert_eq!((solid.density, solid.mu, solid.lambda), (1000.0, 2e6, 8e6));
     let Some(Condition::Velocity([vx, vy])) = case.boundary.get("inflow") else { panic!() };
@@ -79,7 +79,7 @@ fn defaults() {
     );
     assert_eq!(case.space.pressure, PressureElement::Pdc(1));
     assert_eq!(case.space.quadrature, 3);
-    assert!(case.output.deformed && case.time.is_none() && case.solid.is_none());
+    assert!(case.output.deformed && case.time.is_none() && case.solids.is_empty());
 }
 
 #[test]
@@ -106,7 +106,7 @@ fn overrides_reach_every_key() {
     let time = case.time.unwrap();
     assert_eq!((time.step, time.scheme), (Expression::constant(0.02), Scheme::CrankNicolson));
     assert_eq!(case.mesh.refine, 2);
-    assert_eq!(case.fluid.unwrap().kinematic_viscosity, 0.01);
+    assert_eq!(case.fluids[0].kinematic_viscosity, 0.01);
     assert!(matches!(case.functional[0].1, FunctionalSpec::Force { component: 1, .. }));
     assert_eq!(case.functional[4].1, FunctionalSpec::Energy(Integral::Elastic));
     assert_eq!((case.motion.model, case.motion.poisson), (MotionModel::Harmonic, 0.3));
@@ -137,7 +137,7 @@ fn stationary_and_back() {
 #[test]
 fn a_body_left_out_takes_its_boundaries_and_functionals_along() {
     let case = builtin("fsi1", &["solid=none"]);
-    assert!(case.solid.is_none());
+    assert!(case.solids.is_empty());
     assert_eq!(case.functional.len(), 2);
     assert_eq!(case.notes()[0], "functional.ux_A is left out: there is no [solid]");
     assert_eq!(case.check_mesh(&turek_hron()), Ok(()));
@@ -151,7 +151,7 @@ fn a_body_left_out_takes_its_boundaries_and_functionals_along() {
 #[test]
 fn young_and_poisson_are_moduli_too() {
     let text = "[mesh]\ngenerator = \"turek-hron\"\n[solid]\ndensity = 1000\nyoung = 1.4e6\npoisson = 0.4\n";
-    let solid = Case::from_toml(text, "own.toml", &[]).unwrap().solid.unwrap();
+    let solid = Case::from_toml(text, "own.toml", &[]).unwrap().solids.remove(0);
     assert!((solid.mu - 0.5e6).abs() < 1e-6 && (solid.lambda - 2e6).abs() < 1e-5);
 }
 
@@ -195,7 +195,7 @@ coefficient = [0.2, 0.1]
     let case = Case::from_toml(text, "folder/own case.toml", &[]).unwrap();
     assert_eq!(case.name, "own_case");
     assert_eq!(Case::from_toml(&case.to_toml(), "case.toml", &[]).as_ref(), Ok(&case), "{}", case.to_toml());
-    assert_eq!(case.fluid.unwrap().body_force[1].source(), "2*pi");
+    assert_eq!(case.fluids[0].body_force[1].source(), "2*pi");
 }
 
 #[test]

@@ -62,7 +62,7 @@ impl Setting {
     /// On `n` × `n` cells.
     fn problem(&self, n: usize, exact: Exact) -> Manufactured {
         let mesh = square(n, Cells::Square, Body::Block);
-        let physics = Physics { fluid: Some(self.fluid), solid: Some(self.solid) };
+        let physics = Physics::new(Some(self.fluid), Some(self.solid));
         let space = space(&mesh, &physics, self.degree, self.pressure);
         problem_in(space, physics, exact, InTime::Derivative, QUADRATURE)
     }
@@ -304,7 +304,7 @@ fn a_force_at_the_current_position_keeps_second_order() {
     let problem = PLAIN.problem(4, untouched());
     let with_force = |stepper: &mut Stepper<2>| {
         stepper.source = Some(without_force(&problem));
-        stepper.assembler.follow(CurrentForce::new(Box::new(field)));
+        stepper.assembler.follow(0, CurrentForce::new(Box::new(field)));
     };
     for (name, scheme) in SCHEMES.into_iter().filter(|(_, scheme)| *scheme != Scheme::Galerkin) {
         let [coarse, fine] = [32, 64].map(|steps| errors(&problem, scheme, steps, with_force));

@@ -228,7 +228,7 @@ fn stress_of_a_homogeneous_strain_is_that_of_the_law() {
                 let quantity = Quantity::Stress(component);
                 // On the corner of four cells, within one, and at the interface.
                 let mut found: Vec<f64> = [[0.5, 0.5], [0.43, 0.52], [0.3, 0.31]]
-                    .map(|at| AtPoint::new(&space, at, Some(Region::Solid), quantity).unwrap())
+                    .map(|at| AtPoint::new(&space, at, Some(Region::Solid.into()), quantity).unwrap())
                     .iter()
                     .map(|at| value(at, &space, &physics, &state))
                     .collect();
@@ -561,8 +561,8 @@ fn pressure_at_the_interface_is_that_of_the_region() {
         let value = if space.regions[cell] == Region::Fluid { 2.0 } else { 5.0 };
         space.pressure.cell(cell).iter().for_each(|&dof| state.p[dof as usize] = value);
     }
-    let at = |region, x| {
-        let pressure = undula::functional::point::Pressure::new(&space, x, region).unwrap();
+    let at = |region: Option<Region>, x| {
+        let pressure = undula::functional::point::Pressure::new(&space, x, region.map(Into::into)).unwrap();
         value(&pressure, &space, &physics, &state)
     };
     for x in [[0.25, 0.5], [0.25, 0.56], [0.25, 0.25]] {

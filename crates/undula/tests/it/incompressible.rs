@@ -19,11 +19,11 @@ fn rubber(lambda: f64) -> Solid {
 }
 
 fn body(lambda: f64) -> Physics {
-    Physics { fluid: None, solid: Some(rubber(lambda)) }
+    Physics::new(None, Some(rubber(lambda)))
 }
 
 fn coupled(lambda: f64) -> Physics {
-    Physics { fluid: Some(AUXETIC), solid: Some(rubber(lambda)) }
+    Physics::new(Some(AUXETIC), Some(rubber(lambda)))
 }
 
 /// Not polynomial; the right-hand side of the constraint is J − 1 of these fields. Where `jump` is not 0 the
@@ -169,7 +169,7 @@ fn block(material: Material, cells: Cells, B: Tensor<f64, 2>, P: Tensor<f64, 2>,
     let mut mesh: Mesh<2> = undula::mesh::generate::rectangle([0.0; 2], [1.0; 2], [4, 4], 0).unwrap();
     mesh.assign_region("solid", |_| 1.0).unwrap();
     bend(&mut mesh, 4, cells);
-    let physics = Physics { fluid: None, solid: Some(Solid { rho: 1.7, material }) };
+    let physics = Physics::new(None, Some(Solid { rho: 1.7, material }));
     let space = space(&mesh, &physics, 2, P1DC);
     let conditions = vec![BoundaryCondition::Free; space.mesh.boundaries.len()];
     let nothing = number(0.0);

@@ -49,6 +49,7 @@ mod references;
 mod reproducible;
 mod resume;
 mod rotor;
+mod several_bodies;
 mod slip;
 mod solid_cases;
 mod stability;

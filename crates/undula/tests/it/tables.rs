@@ -384,7 +384,7 @@ fn values_with_units_are_those_in_si_units() {
         "time.end=0.1 min",
     ])
     .unwrap();
-    let fluid = case.fluid.clone().unwrap();
+    let fluid = case.fluids[0].clone();
     assert_eq!((fluid.kinematic_viscosity, fluid.body_force[0].constant_value()), (1e-6, Some(9.81)));
     assert_eq!(fluid.body_force[1].source(), "-0.01 + 2*x");
     let Some(Condition::Traction([x, y])) = case.boundary.get("outflow") else { panic!() };

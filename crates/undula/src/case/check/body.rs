@@ -94,9 +94,9 @@ fn refuse_source(s: &Section<'_, '_>) {
 }
 
 /// What names of regions and boundaries must be: those of a Gmsh file may have spaces and dots.
-const NAME: &str = "expected a name that is not empty, in one line";
+pub(super) const NAME: &str = "expected a name that is not empty, in one line";
 
-fn names_something(name: &str) -> bool {
+pub(super) fn names_something(name: &str) -> bool {
     !name.trim().is_empty() && !name.chars().any(char::is_control)
 }
 
@@ -148,20 +148,11 @@ pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
     }
 }
 
-fn region(s: &mut Section<'_, '_>, default: &str) -> String {
-    let region = s.string("region").unwrap_or_else(|| default.into());
-    if !names_something(&region) {
-        s.wrong("region", NAME);
-    }
-    region
-}
-
-pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
-    if !s.is_present() {
-        return None;
-    }
+/// A fluid in `regions`.
+pub(super) fn fluid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<String>) -> FluidSpec {
     let spec = FluidSpec {
-        region: region(&mut s, "fluid"),
+        name,
+        regions,
         density: s.required_number("density", POSITIVE, "the density [kg/m³]"),
         kinematic_viscosity: s.required_number(
             "kinematic-viscosity",
@@ -173,11 +164,12 @@ pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
     };
     explain_viscosity(&mut s);
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
-        let note = "fluid.body-force-at has no effect: fluid.body-force is the same everywhere";
-        s.checker.notes.borrow_mut().push(note.into());
+        let table = &s.path;
+        let note = format!("{table}.body-force-at has no effect: {table}.body-force is the same everywhere");
+        s.checker.notes.borrow_mut().push(note);
     }
     s.finish();
-    Some(spec)
+    spec
 }
 
 /// ν = μ/ρ for those who know μ.
@@ -202,17 +194,14 @@ fn explain_viscosity(s: &mut Section<'_, '_>) {
     }
 }
 
-pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
-    if !s.is_present() {
-        return None;
-    }
-    let region = region(&mut s, "solid");
+/// A solid in `regions`.
+pub(super) fn solid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<String>) -> SolidSpec {
     let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
     let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
-    Some(SolidSpec { region, law, own: None, density, mu, lambda, c2, bulk, body_force })
+    SolidSpec { name, regions, law, own: None, density, mu, lambda, c2, bulk, body_force }
 }
 
 /// The pressure of a solid has no stabilisation.
@@ -270,8 +259,10 @@ fn check_split(s: &Section<'_, '_>, &Moduli { mu, lambda, c2, .. }: &Moduli) {
     if s.has("c1") && !s.has("c2") {
         s.missing("c2", "`c1` and `c2` [Pa] belong together; or give `mu` = 2 (c1 + c2) and `c2`");
     } else if !s.has("c2") {
-        let note = "solid.law: without solid.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))";
-        s.checker.notes.borrow_mut().push(note.into());
+        let table = &s.path;
+        let note =
+            format!("{table}.law: without {table}.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))");
+        s.checker.notes.borrow_mut().push(note);
     } else if c2 >= 0.5 * mu {
         s.wrong(
             "c2",
@@ -301,8 +292,9 @@ fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
     }
     if lambda.is_some() || poisson.is_some_and(|poisson| poisson < 0.5) {
         let key = if lambda.is_some() { "lambda" } else { "poisson" };
+        let table = &s.path;
         let note = format!(
-            "solid.{key} says nothing of the volume: the law is incompressible, but for solid.bulk [Pa]"
+            "{table}.{key} says nothing of the volume: the law is incompressible, but for {table}.bulk [Pa]"
         );
         s.checker.notes.borrow_mut().push(note);
     }

@@ -114,8 +114,8 @@ fn takes(condition: &Condition, name: &str) -> bool {
 /// The functionals that have a meaning for the bodies that are there, and the names of all.
 pub(super) fn functional(
     mut all: Section<'_, '_>,
-    fluid: Option<&FluidSpec>,
-    solid: Option<&SolidSpec>,
+    fluids: &[FluidSpec],
+    solids: &[SolidSpec],
 ) -> (Vec<(String, FunctionalSpec)>, Vec<String>) {
     let mut functionals = Vec::new();
     let names = all.keys();
@@ -133,10 +133,11 @@ pub(super) fn functional(
         s.require_choice("kind", &FUNCTIONALS);
         let Some(spec) = s.choice("kind", &FUNCTIONALS, &[]) else { continue };
         let spec = spec.read(&mut s);
-        refuse_region(&s, &spec, fluid, solid);
+        refuse_region(&s, &spec, fluids, solids);
         s.finish();
-        let needs_fluid = spec.needs_fluid(solid.map(|s| s.law));
-        if needs_fluid.is_none_or(|fluids| if fluids { fluid.is_some() } else { solid.is_some() }) {
+        let needs_fluid = spec.needs_fluid(solids.iter().any(|s| s.law.is_incompressible()));
+        let is_there = |fluid: bool| if fluid { !fluids.is_empty() } else { !solids.is_empty() };
+        if needs_fluid.is_none_or(is_there) {
             functionals.push((name.clone(), spec));
         } else {
             let body = if needs_fluid == Some(true) { "fluid" } else { "solid" };
@@ -149,19 +150,13 @@ pub(super) fn functional(
 
 /// A region that no body fills, or one without a pressure that is asked for. Without one of the bodies its region is
 /// not known; [`crate::setup::fit`] compares it with the mesh.
-fn refuse_region(
-    s: &Section<'_, '_>,
-    spec: &FunctionalSpec,
-    fluid: Option<&FluidSpec>,
-    solid: Option<&SolidSpec>,
-) {
+fn refuse_region(s: &Section<'_, '_>, spec: &FunctionalSpec, fluids: &[FluidSpec], solids: &[SolidSpec]) {
     let Some(region) = spec.region().filter(|region| !region.is_empty()) else { return };
-    let in_solid = solid.filter(|solid| solid.region == region);
-    let bodies = [fluid.map(|f| f.region.as_str()), solid.map(|s| s.region.as_str())];
-    if let [Some(one), Some(two)] = bodies
-        && ![one, two].contains(&region)
-    {
-        s.wrong("region", format!("no body fills this region{}", suggestion(region, [one, two].into_iter())));
+    let in_solid = solids.iter().find(|solid| solid.regions.iter().any(|other| other == region));
+    let filled = fluids.iter().flat_map(|f| &f.regions).chain(solids.iter().flat_map(|s| &s.regions));
+    let filled = filled.map(String::as_str);
+    if !fluids.is_empty() && !solids.is_empty() && filled.clone().all(|other| other != region) {
+        s.wrong("region", format!("no body fills this region{}", suggestion(region, filled)));
     }
     if matches!(spec, FunctionalSpec::Pressure(_)) && in_solid.is_some_and(|s| !s.law.is_incompressible()) {
         let message = "a compressible solid has no pressure; `stress` has its components";

@@ -76,6 +76,7 @@ impl<const D: usize, const L: usize> Scratch<D, L> {
 pub struct Kernel<F, const D: usize, const L: usize> {
     pub(super) form: F,
     pub(super) region: Region,
+    pub(super) material: u16,
     /// Whether a state is admissible only where J is positive in this region.
     pub(super) guards: bool,
     pub(super) body_force: BodyForce<D, L>,
@@ -116,14 +117,14 @@ impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
-    /// Prepare the loops of `region` for `threads` threads.
+    /// Prepare the loops of a region and its material for `threads` threads.
     ///
     /// # Errors
     /// If there are too many unknowns to be numbered.
     pub fn new(
         form: F,
         space: &FsiSpace<D>,
-        region: Region,
+        (region, material): (Region, u16),
         guards: bool,
         batches: Batches<D, L>,
         threads: usize,
@@ -152,6 +153,7 @@ where
             pieces: pieces(&form.couplings(), D, space.deforms),
             form,
             region,
+            material,
             guards,
             body_force: BodyForce::none(),
             batches,

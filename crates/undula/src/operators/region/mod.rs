@@ -81,26 +81,22 @@ fn in_lanes<const D: usize, const L: usize>(
 where
     Lanes<L>: Width,
 {
-    let batches = |region| {
-        let list: Vec<usize> = (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == region).collect();
+    let batches = |(region, material)| {
+        let here = |&c: &usize| space.regions[c] == region && space.material[c] == material;
+        let list: Vec<usize> = (0..space.mesh.n_cells()).filter(here).collect();
         let with_pressure = list.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
         Batches::<D, L>::new(space, &list, with_pressure, options.quadrature, stiffness)
     };
     let (threads, mut list): (usize, Regions<D>) = (options.threads, vec![]);
-    if let Some(form) = physics.fluid {
-        list.push(Box::new(Kernel::new(form, space, Region::Fluid, true, batches(Region::Fluid), threads)?));
+    for (material, form) in physics.fluids() {
+        let body = (Region::Fluid, material);
+        list.push(Box::new(Kernel::new(form, space, body, true, batches(body), threads)?));
     }
-    if let Some(form) = physics.solid {
+    for (material, form) in physics.solids() {
         // While it iterates a solid may fold where its law does not mind; not at the end of a step.
         let guards = physics.fluid.is_none() || form.material.needs_positive_volume();
-        list.push(Box::new(Kernel::new(
-            form,
-            space,
-            Region::Solid,
-            guards,
-            batches(Region::Solid),
-            threads,
-        )?));
+        let body = (Region::Solid, material);
+        list.push(Box::new(Kernel::new(form, space, body, guards, batches(body), threads)?));
     }
     Ok(list)
 }
@@ -132,6 +128,10 @@ where
 {
     fn body(&self) -> Region {
         self.region
+    }
+
+    fn material(&self) -> Option<u16> {
+        Some(self.material)
     }
 
     fn set_data(&mut self, at: &DataTime) -> Result<(), NotFinite<D>> {
