@@ -6,6 +6,7 @@
 mod body;
 mod condition;
 mod functional;
+mod initial;
 mod solver;
 mod stabilization;
 
@@ -93,7 +94,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let motion = root.section("motion");
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
-    let initial = solver::initial(root.section("initial"), time.is_some());
+    let initial = initial::initial(root.section("initial"), time.is_some());
     if fluid.as_ref().is_some_and(|fluid| fluid.force_at_current) {
         refuse_current(&root.section("fluid"), time.as_ref(), &how);
     }

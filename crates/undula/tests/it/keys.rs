@@ -170,6 +170,9 @@ fn defaults_of_the_table_are_those_of_reading() {
         "boundary.NAME.at",
         "solid.c2",
         "time.rannacher-interval",
+        "initial.velocity",
+        "initial.displacement",
+        "initial.static",
     ];
     for key in KEYS.iter() {
         let told = literal(key).is_none() || seen.contains(key.key) || silent.contains(&key.key);
