@@ -7,6 +7,8 @@ use std::fmt;
 use std::path::PathBuf;
 
 /// What a case in time begins with, if not at rest.
+// A case has one.
+#[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Initial {
     /// The last checkpoint of the run in this output directory.
