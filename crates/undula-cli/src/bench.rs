@@ -36,8 +36,10 @@ fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
         kernels: !args.no_kernels,
     };
     // The state is that of the run in `from`.
-    let case = if args.from.is_some() { Case { initial: None, ..case } } else { case };
-    let mut simulation = Simulation::new(case, threads(args.threads))?;
+    let mut simulation = match args.from {
+        Some(_) => Simulation::at_rest(case, threads(args.threads))?,
+        None => Simulation::new(case, threads(args.threads))?,
+    };
     if let Some(from) = &args.from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);
     }

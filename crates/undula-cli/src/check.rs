@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use undula::case::error::LoadError;
-use undula::case::{Case, Condition, FluidSpec, GENERATORS, MeshSource, SolidSpec};
+use undula::case::{Case, Condition, FluidSpec, GENERATORS, Initial, MeshSource, SolidSpec};
 use undula::choice::row_of;
 use undula::error::Error;
 use undula::output::{OutputError, RunDirectory};
@@ -195,7 +195,15 @@ fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
     }
     writeln!(out, ", theta {theta}")?;
     match &case.initial {
-        Some(from) => writeln!(out, "          from the last state of the run in {}", from.display()),
+        Some(initial @ (Initial::From(_) | Initial::Static)) => writeln!(out, "          from the {initial}"),
+        Some(Initial::Fields { velocity, displacement }) => {
+            for (name, unit, pair) in [("u", "m", displacement), ("v", "m/s", velocity)] {
+                if let Some([x, y]) = pair {
+                    writeln!(out, "          from {name} = ({x}, {y}) {unit}")?;
+                }
+            }
+            Ok(())
+        }
         None => Ok(()),
     }
 }

@@ -31,8 +31,10 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
 fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
     // The state is that of the run in `from`.
-    let case = if from.is_some() { Case { initial: None, ..case } } else { case };
-    let mut simulation = Simulation::new(case, 1)?;
+    let mut simulation = match from {
+        Some(_) => Simulation::at_rest(case, 1)?,
+        None => Simulation::new(case, 1)?,
+    };
     if let Some(from) = from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);
     }

@@ -26,8 +26,10 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 
 fn report(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error> {
     // The state is that of the run in `from`.
-    let case = if args.from.is_some() { Case { initial: None, ..case } } else { case };
-    let mut simulation = Simulation::new(case, 1)?;
+    let mut simulation = match args.from {
+        Some(_) => Simulation::at_rest(case, 1)?,
+        None => Simulation::new(case, 1)?,
+    };
     let at = match &args.from {
         Some(from) => {
             say_notes(&restore_latest(&mut simulation, from)?);

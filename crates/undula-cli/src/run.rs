@@ -222,6 +222,10 @@ fn no_room(kind: ErrorKind) -> bool {
 /// An error: 2 where the input is to blame, else 1.
 pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
     match &error {
+        Error::Breakdown(failure) => {
+            say(format_args!("breakdown: there is no equilibrium to start with: {failure}"));
+            Ok(ExitCode::from(BREAKDOWN))
+        }
         Error::Directory(OutputError::Io { source, .. }) if no_room(source.kind()) => Err(error.into()),
         Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
             bad_input(error)

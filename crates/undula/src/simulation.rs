@@ -72,14 +72,13 @@ fn names_of(functionals: &Functionals) -> Arc<[String]> {
 }
 
 impl Simulation {
-    /// Set up `case` on `threads` threads.
+    /// [`Simulation::new`] at rest, whatever the case begins with: its state comes from elsewhere.
     ///
     /// # Errors
-    /// If the case does not fit its mesh, if the run from which it starts is not there or on another geometry, or if
-    /// the linear solver cannot be prepared.
-    pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
+    /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
+    #[doc(hidden)]
+    pub fn at_rest(mut case: Case, threads: usize) -> Result<Simulation, Error> {
         let threads = threads.max(1);
-        let former = initial::former(&mut case)?;
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
@@ -97,7 +96,7 @@ impl Simulation {
         let (assembler, state) = (&stepper.assembler, &stepper.new);
         let density = assembler.physics.fluids().map(|(_, fluid)| fluid.rho).reduce(f64::min);
         let balance = density.map(|rho| Balance::new(&assembler.space, rho, state, stepper.time));
-        let mut simulation = Simulation {
+        Ok(Simulation {
             case,
             adaptive,
             balance,
@@ -111,11 +110,7 @@ impl Simulation {
             needs_residual: !nodes.is_empty(),
             threads,
             pool,
-        };
-        if let Some(former) = former {
-            initial::begin(&mut simulation, &former)?;
-        }
-        Ok(simulation)
+        })
     }
 
     /// Names of the functionals.
@@ -128,7 +123,7 @@ impl Simulation {
         self.stepper.time
     }
 
-    /// The solution after the last step; at first that of `initial.from`, or rest, with the boundary values of the
+    /// The solution after the last step; at first that of `[initial]`, or rest, with the boundary values of the
     /// start.
     pub fn fields(&self) -> Fields<'_> {
         Fields::new(&self.stepper.assembler.space, &self.stepper.new)

@@ -1,4 +1,4 @@
-//! `initial.from`: a run that starts from the last state of another one.
+//! How runs start: from the last state of another one, and in equilibrium.
 
 use super::{Place, SMALL};
 use std::fs;
@@ -129,4 +129,24 @@ fn starts_that_are_not_there_are_refused() {
     }
     let words = ["initial.from", "not a sound checkpoint"];
     refused("fsi3", &[&late[..], &["initial.from=first"]].concat(), &words);
+}
+
+/// It is found once: a run that is resumed goes on from its own state.
+#[test]
+fn a_run_begins_in_equilibrium() {
+    let here = Place::new("initial-static");
+    let still = ["initial.static=true", "boundary.inflow.velocity=[0,0]", "solid.body-force=[0,-2]"];
+    let early = [&SMALL[..], &still].concat();
+    let late = [&early[..], &["time.end=0.1"]].concat();
+    here.run("check fsi3", &early).expect(0, &["from the stationary solution"]);
+    here.run("run fsi3 -o whole --threads 1", &late).expect(0, &["starts with the stationary solution"]);
+    here.run("run fsi3 -o parts --quiet --threads 2", &early).expect(0, &[]);
+    here.run("run fsi3 -o parts --quiet --resume --threads 1", &late).expect(0, &[]);
+    assert_eq!(rows(&here, "parts"), rows(&here, "whole"));
+    let u = column(&here, "whole", "uy_A");
+    assert!(u.iter().all(|y| y.abs() > 1e-3 && (y / u[0] - 1.0).abs() < 1e-9), "{u:?}");
+    assert!(here.read("parts/summary.json").contains("\"start\": \"stationary solution"));
+    let hard = [&early[..], &["newton.max-steps=1"]].concat();
+    here.run("run fsi3 -o none", &hard).expect(3, &["no equilibrium"]);
+    assert!(!here.file("none").exists());
 }

@@ -7,6 +7,7 @@ mod bodies;
 mod body;
 mod condition;
 mod functional;
+mod initial;
 mod solver;
 mod stabilization;
 
@@ -95,7 +96,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let motion = root.section("motion");
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
-    let initial = solver::initial(root.section("initial"), time.is_some());
+    let initial = initial::initial(root.section("initial"), time.is_some());
     for fluid in fluids.iter().filter(|fluid| fluid.force_at_current) {
         refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }

@@ -3,6 +3,7 @@
 use super::Case;
 use super::conditions::Condition;
 use super::expression::{Expression, Table};
+use super::initial::Initial;
 use super::key;
 
 impl Case {
@@ -21,6 +22,8 @@ impl Case {
                 found.extend(data.into_iter().map(|data| (key.clone(), data)));
             }
         }
+        let fields = self.initial.iter().flat_map(Initial::fields);
+        found.extend(fields.flat_map(|(key, pair)| pair.iter().map(|e| (key.to_string(), e))));
         found.extend(self.time.as_ref().map(|time| ("time.step".to_string(), &time.step)));
         found
     }
@@ -33,6 +36,7 @@ impl Case {
         for (_, datum) in self.boundary.values_mut().flat_map(Condition::data_mut) {
             found.extend(datum.expressions());
         }
+        found.extend(self.initial.iter_mut().flat_map(Initial::expressions_mut));
         found.extend(self.time.iter_mut().map(|time| &mut time.step));
         found
     }

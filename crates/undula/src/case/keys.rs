@@ -8,6 +8,7 @@ use super::conditions::{CONDITIONS, DATA};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
+use super::initial::INITIAL;
 pub use super::key::Key;
 use super::key::NAME;
 use super::schema::{GENERATORS, KRYLOV};
@@ -44,12 +45,16 @@ const fn word(
 
 /// All keys, table by table.
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
-    let data = |key: &Key| if key.key == "boundary.NAME.condition" { &DATA[..] } else { &[] };
+    let data = |key: &Key| match key.key {
+        "boundary.NAME.condition" => &DATA[..],
+        "time.adaptive.safety" => &INITIAL[..],
+        _ => &[],
+    };
     let keys = KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key)));
     key::with_named(keys.collect())
 });
 
-/// All but those of the data of boundary conditions.
+/// All but those of the data of boundary conditions and of the start.
 static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
@@ -163,11 +168,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("time.adaptive.min-step", "s", "step/1000", "smallest step"),
     number("time.adaptive.max-step", "s", "10 steps", "largest step"),
     number("time.adaptive.safety", "", "0.9", "factor of every new step"),
-    text(
-        "initial.from",
-        "none",
-        "other run from whose last checkpoint this one starts, relative to the case file",
-    ),
     word(
         "newton.linearization",
         &LINEARIZATIONS,

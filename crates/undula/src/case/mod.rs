@@ -18,6 +18,7 @@ pub mod error;
 pub mod expression;
 mod expressions;
 pub mod functionals;
+pub mod initial;
 pub(crate) mod key;
 pub mod keys;
 pub(crate) mod literal;
@@ -33,6 +34,7 @@ pub use check::name_of_file;
 pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};
 pub use functionals::{FUNCTIONALS, FunctionalSpec, Site};
+pub use initial::Initial;
 pub use schema::{
     AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, GMRES, Integral, KRYLOV, LinearSolverKind,
     LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec, OutputSpec,

@@ -10,6 +10,7 @@ pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
 pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
+use super::initial::Initial;
 pub use crate::algebra::{LinearSolverKind, Precision};
 use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
@@ -54,8 +55,8 @@ pub struct Case {
     pub time: Option<TimeSpec>,
     /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).
     pub at_time: f64,
-    /// Output directory of the run from whose last checkpoint the case starts; `None`: it starts at rest.
-    pub initial: Option<PathBuf>,
+    /// What the case begins with; `None`: it starts at rest.
+    pub initial: Option<Initial>,
     /// The nonlinear solver.
     pub newton: NewtonSpec,
     /// The linear solver.

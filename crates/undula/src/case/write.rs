@@ -5,6 +5,7 @@ mod functional;
 use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
+use super::initial::Initial;
 use super::literal::{number, pair, string};
 use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
@@ -110,10 +111,7 @@ impl Case {
             }
         }
         self.write_time(&mut out);
-        if let Some(from) = &self.initial {
-            out.table("initial");
-            out.key("from", string(&from.to_string_lossy()));
-        }
+        self.write_initial(&mut out);
         self.write_solvers(&mut out);
         for (name, functional) in &self.functional {
             out.table(&key::join("functional", name));
@@ -292,6 +290,20 @@ impl Case {
             out.key("min-step", number(adaptive.min_step));
             out.key("max-step", number(adaptive.max_step));
             out.key("safety", number(adaptive.safety));
+        }
+    }
+
+    fn write_initial(&self, out: &mut Lines) {
+        let Some(initial) = &self.initial else { return };
+        out.table("initial");
+        match initial {
+            Initial::From(directory) => out.key("from", string(&directory.to_string_lossy())),
+            Initial::Fields { velocity, displacement } => {
+                for (key, pair) in [("velocity", velocity), ("displacement", displacement)] {
+                    pair.iter().for_each(|pair| out.key(key, expressions(pair)));
+                }
+            }
+            Initial::Static => out.key("static", "true"),
         }
     }
 

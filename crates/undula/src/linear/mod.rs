@@ -10,6 +10,7 @@ mod full;
 mod krylov;
 mod lift;
 mod price;
+mod projection;
 mod relation;
 mod scales;
 
@@ -241,6 +242,30 @@ impl<const D: usize> Linear<D> {
     /// What a new Jacobian costs, in iterations, or with GMRES its factors in those.
     pub fn price(&self) -> f64 {
         self.made[self.slot()].as_ref().map_or(price::TYPICAL, |made| made.work().price())
+    }
+
+    /// Make u in the fluid of `state`, where it is 0, the extension of u in the solid and of given displacements.
+    ///
+    /// # Errors
+    /// If the matrix of the extension cannot be factorised.
+    pub fn extend(&mut self, assembler: &mut Assembler<D>, state: &mut State) -> Result<(), SolverError> {
+        self.lift.extend(assembler, &self.make, state)
+    }
+
+    /// Make v in the fluid of `state` the nearest velocity in L² that is discretely free of divergence, given values kept;
+    /// `closed` are pressures that are determined up to a constant, one of each part of the fluid, and `k` \[s\] is the
+    /// step. Returns whether the given velocities let as much into these parts as out of them; else nothing is changed.
+    ///
+    /// # Errors
+    /// If the system cannot be solved.
+    pub fn project(
+        &mut self,
+        assembler: &mut Assembler<D>,
+        k: f64,
+        closed: &[u32],
+        state: &mut State,
+    ) -> Result<bool, SolverError> {
+        projection::project(assembler, &self.make, k, closed, state)
     }
 
     /// Make `new` satisfy the velocity-deformation relation at the nodes, where the condensed system takes

@@ -17,6 +17,9 @@ pub struct Summary {
     pub status: Status,
     /// Name of the case.
     pub case: String,
+    /// What the run began with; `None`: at rest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub start: Option<String>,
     /// Number of cells.
     pub cells: usize,
     /// Number of unknowns by field.

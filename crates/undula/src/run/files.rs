@@ -212,6 +212,7 @@ impl Run {
         Summary {
             status,
             case: simulation.case.name.clone(),
+            start: simulation.case.initial.as_ref().map(ToString::to_string),
             cells: simulation.stepper.assembler.space.mesh.n_cells(),
             unknowns: simulation.unknowns(),
             steps: simulation.steps,

@@ -1,7 +1,7 @@
 //! What a run is, for a checkpoint: all that must not change when it goes on.
 
 use crate::case::expression::Table;
-use crate::case::{Case, MeshSource, OutputSpec};
+use crate::case::{Case, Initial, MeshSource, OutputSpec};
 use crate::functional::nodal::DEFAULT_FIELDS;
 use crate::output::hash;
 use std::collections::BTreeMap;
@@ -42,7 +42,9 @@ fn other_contents(former: &Case, now: &Case) -> Vec<String> {
 fn without_choices(case: &Case) -> Case {
     let mut case = case.clone();
     (case.name, case.title, case.reference) = ("run".into(), String::new(), None);
-    case.initial = None;
+    if matches!(case.initial, Some(Initial::From(_))) {
+        case.initial = None;
+    }
     if let Some(time) = &mut case.time {
         time.end = time.start + time.step.eval(&[0.0; 3], time.start);
     }

@@ -5,7 +5,7 @@ use super::files::Run;
 use super::identity::changes;
 use super::rows::{columns, read_row};
 use super::{Observer, RunOptions};
-use crate::case::Case;
+use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::output::{Collection, HistoryWriter, RunDirectory};
 use crate::results::computed::case_of;
@@ -59,16 +59,13 @@ impl Run {
 /// The simulation of a run that is resumed. Its state comes from its own checkpoints, and its start, if another run
 /// gave it, from its own case.
 pub(super) fn again(mut case: Case, options: &RunOptions) -> Result<Simulation, Error> {
-    let initial = case.initial.take();
     let given = case.record.places.contains_key("time.start");
-    if let (Some(_), false, Some(time)) = (&initial, given, &mut case.time)
+    if let (Some(Initial::From(_)), false, Some(time)) = (&case.initial, given, &mut case.time)
         && let Some(former) = case_of(&options.directory).and_then(|former| former.time)
     {
         time.start = former.start;
     }
-    let mut simulation = Simulation::new(case, options.threads)?;
-    simulation.case.initial = initial;
-    Ok(simulation)
+    Simulation::at_rest(case, options.threads)
 }
 
 /// Whether `case` ends later than that of the run in `path`.

@@ -131,7 +131,7 @@ impl Case {
         Ok((self.stepper_on(space, threads)?, notes))
     }
 
-    fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
+    pub(super) fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = system::Options::serial(self.space.quadrature);
@@ -391,6 +391,7 @@ impl Case {
         let space = self.space_of(&marked)?;
         let Marked { mesh, mut notes, .. } = marked;
         self.check_data(&space)?;
+        self.check_equilibrium()?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));

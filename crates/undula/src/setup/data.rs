@@ -2,7 +2,7 @@
 
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, Load, TimeSpec};
+use crate::case::{Case, Condition, Initial, Load, TimeSpec};
 use crate::error::Error;
 use crate::math::{rounded, shortest};
 use crate::space::FsiSpace;
@@ -12,7 +12,7 @@ use crate::time::{DataFault, DataKind};
 const TIMES: usize = 50;
 
 /// Displacement at the start relative to the extent of its boundary that is rounding.
-const STARTS: f64 = 1e-9;
+pub(super) const STARTS: f64 = 1e-9;
 
 /// Places at which body forces are looked at, at times other than the first one.
 const PLACES: usize = 2000;
@@ -42,12 +42,18 @@ impl Case {
             let fault = find(force, &places(space, here), &self.times(force, self.takes_old_forces()));
             errors.extend(fault.map(|f| self.not_finite(space, &key, force, f)));
         }
+        errors.extend(self.check_fields(space));
         if errors.is_empty() { Ok(()) } else { Err(Error::Case(CaseErrors(errors))) }
     }
 
     /// The mistake that a displacement is not 0 at the beginning, where u is.
     fn starts_elsewhere(&self, key: &str, data: &[Expression], places: &[[f64; 2]]) -> Option<CaseError> {
-        let time = self.time.as_ref().filter(|_| self.initial.is_none())?;
+        let rests = match &self.initial {
+            None | Some(Initial::Fields { displacement: None, .. }) => true,
+            // A displacement that is given is compared with `initial.displacement`.
+            Some(Initial::Fields { .. } | Initial::From(_) | Initial::Static) => false,
+        };
+        let time = self.time.as_ref().filter(|_| rests)?;
         let extent = |d: usize| {
             let along = places.iter().map(|x| x[d]);
             along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
@@ -58,7 +64,8 @@ impl Case {
         let value: Vec<String> =
             values(data, at, time.start).iter().map(|&u| shortest(rounded(u, u, 4))).collect();
         let message = format!(
-            "expected a displacement that is 0 at the start t = {} s, where all is at rest; it is {} m at ({}, {})",
+            "expected a displacement that is 0 at the start t = {} s, where all is at rest, or initial.static = true, or \
+             initial.displacement with the same values; it is {} m at ({}, {})",
             shortest(time.start),
             value.join(", "),
             shortest(rounded(at[0], at[0], 6)),
@@ -195,7 +202,7 @@ fn find(data: &[Expression], places: &[[f64; 2]], times: &[f64]) -> Option<Found
     })
 }
 
-fn values(data: &[Expression], at: &[f64; 2], time: f64) -> Vec<f64> {
+pub(super) fn values(data: &[Expression], at: &[f64; 2], time: f64) -> Vec<f64> {
     data.iter().map(|e| e.eval(&[at[0], at[1], 0.0], time)).collect()
 }
 

@@ -13,6 +13,7 @@ mod enclosed;
 mod ends;
 mod fit;
 mod functionals;
+mod initial;
 mod lengths;
 pub mod memory;
 mod mesh;

@@ -1,7 +1,7 @@
-//! A start from the last state of another run, `initial.from`.
+//! How a simulation begins: with the last state of another run, with given fields, or in equilibrium.
 
 use super::{Memory, Simulation};
-use crate::case::Case;
+use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
@@ -12,8 +12,16 @@ use std::path::PathBuf;
 /// What a directory must be.
 const EXPECTED: &str = "expected the output directory of a run in time";
 
+/// What a simulation begins with.
+enum Start {
+    Rest,
+    Former(Box<Former>),
+    Fields,
+    Static,
+}
+
 /// The newest checkpoint of another run.
-pub(super) struct Former {
+struct Former {
     directory: PathBuf,
     case: Case,
     checkpoint: Checkpoint,
@@ -22,21 +30,90 @@ pub(super) struct Former {
     clock: [f64; 2],
 }
 
+impl Simulation {
+    /// Set up `case` on `threads` threads.
+    ///
+    /// # Errors
+    /// If the case does not fit its mesh, if there is no state as it begins with, or if the linear solver cannot be
+    /// prepared.
+    pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
+        let start = Start::of(&mut case)?;
+        let mut simulation = Simulation::at_rest(case, threads)?;
+        start.begin(&mut simulation)?;
+        Ok(simulation)
+    }
+}
+
 /// `case` with the first time that it has: that of the checkpoint from which it starts, unless it gives one.
 ///
 /// # Errors
 /// [`Error::Case`] if there is no such checkpoint, or if the case ends before it.
 pub fn with_start(mut case: Case) -> Result<Case, Error> {
-    former(&mut case)?;
+    Start::of(&mut case)?;
     Ok(case)
 }
 
-/// The run from which `case` starts, if it names one; sets the first time of the case.
+impl Start {
+    /// That of `case`; sets the first time of the case if another run gives it.
+    ///
+    /// # Errors
+    /// As [`with_start`].
+    fn of(case: &mut Case) -> Result<Start, Error> {
+        Ok(match case.initial.clone() {
+            None => Start::Rest,
+            Some(Initial::From(directory)) => Start::Former(Box::new(former(case, directory)?)),
+            Some(Initial::Fields { .. }) => Start::Fields,
+            Some(Initial::Static) => Start::Static,
+        })
+    }
+
+    /// Takes `simulation`, which is at rest, to its start.
+    ///
+    /// # Errors
+    /// [`Error::Case`] if there is no such state, [`Error::Breakdown`] if there is no equilibrium.
+    fn begin(self, simulation: &mut Simulation) -> Result<(), Error> {
+        let (space, threads) = (simulation.stepper.assembler.space.clone(), simulation.threads);
+        match self {
+            Start::Rest => Ok(()),
+            Start::Former(former) => begin(simulation, &former),
+            Start::Fields => {
+                let state =
+                    simulation.install(|simulation| simulation.case.initial_fields(&space, threads))?;
+                let keys = simulation.case.initial.iter().flat_map(Initial::fields).map(|(key, _)| key);
+                let note = format!(
+                    "{}: the run starts with the fields of the case",
+                    keys.collect::<Vec<_>>().join(", ")
+                );
+                at(simulation, state, note)
+            }
+            Start::Static => {
+                let found = simulation.install(|simulation| simulation.case.initial_equilibrium(threads));
+                let (state, parts) = found?;
+                let load =
+                    if parts == 1 { String::new() } else { format!(", found in {parts} parts of the load") };
+                let note = format!("initial.static: the run starts with the stationary solution{load}");
+                at(simulation, state, note)
+            }
+        }
+    }
+}
+
+/// The simulation with `new` as its first state, with the boundary values of its first time.
+fn at(simulation: &mut Simulation, mut new: State, note: String) -> Result<(), Error> {
+    let assembler = &simulation.stepper.assembler;
+    let time = simulation.stepper.time;
+    assembler.constraints.apply(&assembler.space, time, &mut new.v, &mut new.u);
+    simulation.case.record.notes.push(note);
+    let clock = Clock { time, last_step: 0.0, damping: Damping::default() };
+    let stepper = time::Memory::of(clock, new.clone(), new);
+    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })
+}
+
+/// The run from which `case` starts; sets the first time of the case.
 ///
 /// # Errors
 /// As [`with_start`].
-pub(super) fn former(case: &mut Case) -> Result<Option<Former>, Error> {
-    let Some(directory) = case.initial.clone() else { return Ok(None) };
+fn former(case: &mut Case, directory: PathBuf) -> Result<Former, Error> {
     let former = match Former::read(directory) {
         Ok(former) => former,
         Err(message) => return Err(case.refuse("initial.from", message)),
@@ -55,7 +132,7 @@ pub(super) fn former(case: &mut Case) -> Result<Option<Former>, Error> {
         let message = format!("{end} s is not after {now} s, the time of the last checkpoint in {shown}");
         return Err(case.refuse("time.end", message));
     }
-    Ok(Some(former))
+    Ok(former)
 }
 
 impl Former {
@@ -138,7 +215,7 @@ fn same(a: &FsiSpace<2>, b: &FsiSpace<2>) -> bool {
 ///
 /// # Errors
 /// [`Error::Case`] if the run is on another geometry, or its files do not belong together.
-pub(super) fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
+fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
     let assembler = &simulation.stepper.assembler;
     let (mut new, old, last_step) = match former.solution(&assembler.space) {
         Ok(solution) => solution,

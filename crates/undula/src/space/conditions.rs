@@ -22,6 +22,8 @@ pub struct Constraints<const D: usize> {
     pub directions: Vec<Directions<D>>,
     /// Factor of the data, for loads that are raised in parts.
     pub load: f64,
+    /// Whether boundaries with a given displacement are at rest: v is 0 there, as in an equilibrium.
+    pub still: bool,
     /// Whether velocity data depend on the deformation: they are taken at x + u, and nodes with data slide.
     pub follows: bool,
 }
@@ -67,7 +69,8 @@ impl<const D: usize> Constraints<D> {
         let n = space.nodes.len();
         let (v, u) = (vec![[false; D]; n], vec![[false; D]; n]);
         let (data, motion, directions) = (vec![], vec![], vec![]);
-        let mut c = Constraints { v, u, p: vec![], data, motion, directions, load: 1.0, follows: false };
+        let (load, still, follows) = (1.0, false, false);
+        let mut c = Constraints { v, u, p: vec![], data, motion, directions, load, still, follows };
         let mut seen = seen(space, conditions);
         for (node, seen) in seen.iter().enumerate() {
             let free = !seen.motion.is_empty() && !seen.fixed;
@@ -152,6 +155,13 @@ impl<const D: usize> Constraints<D> {
         self.v[node] == [true; D]
     }
 
+    /// The places in `u` whose values follow given displacements, with what stands there; none if nothing deforms.
+    pub fn displacements(&self, u: &[f64]) -> Vec<(usize, f64)> {
+        let nodes = self.motion.iter().filter(|_| !u.is_empty());
+        let places = nodes.flat_map(|(node, _)| (0..D).map(move |i| *node as usize * D + i));
+        places.map(|at| (at, u[at])).collect()
+    }
+
     /// Write the data of time `t` into `v` and `u`, and zero into the other given entries.
     pub fn apply(&self, space: &FsiSpace<D>, t: f64, v: &mut [f64], u: &mut [f64]) {
         let zero = |x: &mut [f64], given: &[[bool; D]]| {
@@ -174,7 +184,7 @@ impl<const D: usize> Constraints<D> {
             let node = *node as usize;
             let given = motion(&space.nodes.points[node], t);
             for (i, [displacement, rate]) in (0..D).filter_map(|i| Some((i, given[i]?))) {
-                v[node * D + i] = self.load * rate;
+                v[node * D + i] = if self.still { 0.0 } else { self.load * rate };
                 if let Some(u) = u.get_mut(node * D + i) {
                     *u = self.load * displacement;
                 }

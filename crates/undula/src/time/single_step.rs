@@ -44,12 +44,7 @@ impl Start<'_> {
 /// Set the boundary data, and take along what follows from them; the extension if asked to.
 fn complete<const D: usize>(system: &mut StepSystem<'_, D>, follow: bool) {
     let assembler = &mut *system.assembler;
-    let given = |u: &[f64]| -> Vec<(usize, f64)> {
-        let nodes = assembler.constraints.motion.iter().filter(|_| !u.is_empty());
-        let places = nodes.flat_map(|(node, _)| (0..D).map(move |i| *node as usize * D + i));
-        places.map(|at| (at, u[at])).collect()
-    };
-    let mut moved = given(&system.new.u);
+    let mut moved = assembler.constraints.displacements(&system.new.u);
     assembler.constraints.apply(&assembler.space, system.time, &mut system.new.v, &mut system.new.u);
     moved.iter_mut().for_each(|(at, before)| *before -= system.new.u[*at]);
     system.linear.start(assembler, system.rule, system.new, system.old, (&moved, follow));

@@ -108,7 +108,16 @@ impl<const D: usize> Stepper<D> {
         if let Some(source) = &mut self.source {
             source(t, t, 1.0, &mut self.explicit);
         }
+        self.assembler.constraints.still = true;
         self.apply_boundary(t, load);
+        self.assembler.constraints.still = false;
+    }
+
+    /// Take the domain along with boundaries whose displacement the load has changed, `given` before.
+    fn follow_boundary(&mut self, given: Vec<(usize, f64)>, before: &State) {
+        let moved: Vec<_> = given.into_iter().map(|(at, u)| (at, u - self.new.u[at])).collect();
+        let Stepper { linear, assembler, new, .. } = self;
+        linear.start(assembler, StepRule::STATIONARY, new, before, (&moved, true));
     }
 
     /// The solution with the part `load` of the load, from those with `before` and `earlier`.
@@ -129,12 +138,16 @@ impl<const D: usize> Stepper<D> {
             self.new.extrapolate(&earlier_state, &before_state, ratio);
         }
         self.fault = None;
+        let given = self.assembler.constraints.displacements(&self.new.u);
         self.set_load(t, load);
         self.newton.forget();
         let active = self.linear.active;
         // At rest u does not follow from v.
         if self.assembler.space.deforms && active == Linearization::Condensed {
             self.linear.active = Linearization::Newton;
+        }
+        if !given.is_empty() && self.fault.is_none() {
+            self.follow_boundary(given, &before_state);
         }
         let solved = self.solve_load(least, &before_state);
         self.linear.active = active;

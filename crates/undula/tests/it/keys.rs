@@ -165,7 +165,14 @@ fn defaults_of_the_table_are_those_of_reading() {
         }
     }
     let of_conditions = ["at", "backflow", "stiffness", "damping", "direction", "initial"];
-    let silent = ["mesh.leave-out", "solid.c2", "time.rannacher-interval"];
+    let silent = [
+        "mesh.leave-out",
+        "solid.c2",
+        "initial.velocity",
+        "initial.displacement",
+        "initial.static",
+        "time.rannacher-interval",
+    ];
     for key in KEYS.iter() {
         let of_condition =
             key.key.strip_prefix("boundary.NAME.").is_some_and(|last| of_conditions.contains(&last));

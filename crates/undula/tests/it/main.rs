@@ -29,6 +29,7 @@ mod extension;
 mod functionals;
 mod hierarchy;
 mod incompressible;
+mod initial;
 mod keys;
 mod krylov;
 mod layering;

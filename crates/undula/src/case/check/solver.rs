@@ -15,7 +15,6 @@ use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS}
 use crate::time::NewtonSettings;
 use crate::time::schedule::RESOLUTION;
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
-use std::path::PathBuf;
 
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
@@ -79,20 +78,6 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let (step, end_or_start) = (step.unwrap_or_default(), end.unwrap_or(start));
     let domain_motion = domain_motion.unwrap_or_default();
     (Some(TimeSpec { scheme, step, start, end: end_or_start, max_halvings, domain_motion, adaptive }), end)
-}
-
-/// The run from which this one starts.
-pub(super) fn initial(mut s: Section<'_, '_>, in_time: bool) -> Option<PathBuf> {
-    let from = s.string("from");
-    if s.is_present() && !s.has("from") {
-        s.missing("from", "the output directory of the run whose last state is the first of this one");
-    }
-    if from.is_some() && !in_time {
-        s.wrong("from", "only for a case in time, with [time]: a stationary case has no start");
-    }
-    let directory = from.map(|from| super::resolve(&s, "from", &from));
-    s.finish();
-    directory
 }
 
 /// Keys that belong to another scheme.

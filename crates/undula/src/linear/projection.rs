@@ -1,0 +1,115 @@
+//! Velocities of the fluid that are discretely free of divergence.
+
+use super::factors::{MakeSolver, Purpose};
+use crate::algebra::{Csr, Pattern, SolverError};
+use crate::physics::StepRule;
+use crate::space::{PsiOwner, Region, State};
+use crate::system::{Assembler, StepView};
+use crate::tangent::{Linearization, Tangent};
+use std::sync::Arc;
+
+/// Marks an unknown that stays.
+const STAYS: u32 = u32::MAX;
+
+/// Part of the flow into a closed part of the fluid that is rounding.
+const BALANCED: f64 = 1e-9;
+
+/// Make v in the fluid the nearest velocity in L² that is discretely free of divergence: with p as multiplier
+///
+/// (ρ J (v − v₀), φ)/k − (p J F⁻ᵀ, ∇φ) = 0, (J F⁻¹ : ∇vᵀ, ξ) = 0,
+///
+/// J and F those of u. v₀, given velocities and v in the solid, that of the interface included, are those of `state`
+/// [m/s] and stay, and so do u and p. The `closed` pressures are zero: one of each part of the fluid whose whole boundary
+/// has a given velocity, but for those that the equations know already. `k` \[s\] has no effect without stabilisation.
+///
+/// Returns whether as much flows into each closed part as out of it; `state` is as before if not.
+///
+/// # Errors
+/// If the system cannot be solved.
+pub(super) fn project<const D: usize>(
+    assembler: &mut Assembler<D>,
+    make: &MakeSolver,
+    k: f64,
+    closed: &[u32],
+    state: &mut State,
+) -> Result<bool, SolverError> {
+    // With θ = 0 nothing is left of the momentum but mass and pressure.
+    let rule = StepRule { per_k: 1.0 / k, theta: 0.0, ..StepRule::STATIONARY };
+    let old = State { p: vec![0.0; state.p.len()], ..state.clone() };
+    let view = StepView { rule, new: &old, old: &old };
+    let mut r = vec![0.0; assembler.n_unknowns()];
+    assembler.residual(&view, &mut r);
+    let mut whole = Csr::zeros(&assembler.try_pattern()?);
+    assembler.matrix(&view, Linearization::Newton, Tangent::Automatic, &mut whole);
+    let (numbers, places) = numbers(assembler, closed);
+    let matrix = part(&whole, &numbers, &places);
+    let all = assembler.unknowns();
+    let unknowns: Vec<_> = places.iter().map(|&place| all[place as usize]).collect();
+    let mut solver = make(Purpose::Exact);
+    solver.analyse(&matrix.pattern, &unknowns)?;
+    solver.factor(&matrix)?;
+    let b: Vec<f64> = places.iter().map(|&place| r[place as usize]).collect();
+    let mut x = vec![0.0; places.len()];
+    solver.solve(&matrix, &b, &mut x)?;
+    let mut v = old.v.clone();
+    for (&place, x) in places.iter().zip(&x) {
+        if let Some(v) = v.get_mut(place as usize) {
+            *v -= x;
+        }
+    }
+    let keeps = balanced(&whole, assembler.space.n_v() + assembler.space.n_u(), closed, &v);
+    if keeps {
+        state.v = v;
+    }
+    Ok(keeps)
+}
+
+/// The number in the system of each unknown `[v, u, p]`, and the place of each unknown of the system.
+fn numbers<const D: usize>(assembler: &Assembler<D>, closed: &[u32]) -> (Vec<u32>, Vec<u32>) {
+    let space = &assembler.space;
+    let given = assembler.is_given();
+    let mut numbers = vec![STAYS; given.len()];
+    let free = (0..space.n_v()).filter(|place| space.owner[place / D] == PsiOwner::Extension);
+    let first = space.n_v() + space.n_u();
+    let cells = (0..space.mesh.n_cells()).filter(|&cell| space.regions[cell] == Region::Fluid);
+    let mut places: Vec<u32> = free.map(|place| place as u32).collect();
+    for cell in cells {
+        let dofs = space.pressure.cell(cell).iter().filter(|dof| !closed.contains(dof));
+        places.extend(dofs.map(|dof| first as u32 + dof));
+    }
+    places.sort_unstable();
+    places.dedup();
+    places.retain(|&place| !given[place as usize]);
+    for (number, &place) in places.iter().enumerate() {
+        numbers[place as usize] = number as u32;
+    }
+    (numbers, places)
+}
+
+/// Rows and columns of `whole` that have a number.
+fn part(whole: &Csr, numbers: &[u32], places: &[u32]) -> Csr {
+    let stored = |place: &u32| {
+        let entries = whole.pattern.row(*place as usize);
+        entries.map(|at| (numbers[whole.pattern.col[at] as usize], whole.values[at]))
+    };
+    let kept = |place: &u32| stored(place).filter(|(column, _)| *column != STAYS);
+    let rows: Vec<Vec<u32>> =
+        places.iter().map(|place| kept(place).map(|(column, _)| column).collect()).collect();
+    let values = places.iter().flat_map(|place| kept(place).map(|(_, value)| value)).collect();
+    Csr { pattern: Arc::new(Pattern::from_rows(&rows)), values }
+}
+
+/// Whether the rows of the `closed` pressures, which are no part of the system, hold.
+fn balanced(whole: &Csr, first: usize, closed: &[u32], v: &[f64]) -> bool {
+    closed.iter().all(|&dof| {
+        let (mut sum, mut size) = (0.0, 0.0f64);
+        for at in whole.pattern.row(first + dof as usize) {
+            let column = whole.pattern.col[at] as usize;
+            if let Some(v) = v.get(column) {
+                sum += whole.values[at] * v;
+                size += (whole.values[at] * v).abs();
+            }
+        }
+        sum.abs() <= BALANCED * size
+    })
+}

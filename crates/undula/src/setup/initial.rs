@@ -1,0 +1,184 @@
+//! What a case in time begins with: fields, or the stationary solution for the loads of the start.
+
+use super::data::{STARTS, values};
+use crate::case::error::{CaseError, CaseErrors};
+use crate::case::{Case, Condition, Initial};
+use crate::error::Error;
+use crate::math::{rounded, shortest};
+use crate::nonlinear::NewtonError;
+use crate::space::{Constraints, FsiSpace, PsiOwner, State, enclosed};
+use crate::time::Stepper;
+use std::sync::Arc;
+
+#[doc(hidden)]
+impl Case {
+    /// The stationary case with the loads of the start.
+    pub(crate) fn at_start(&self) -> Case {
+        let mut case = self.clone();
+        case.at_time = self.time.as_ref().map_or(self.at_time, |time| time.start);
+        (case.time, case.initial) = (None, None);
+        // What a step takes from its beginning is at rest that of the solution itself.
+        case.motion.lagged = false;
+        case
+    }
+
+    /// Whether the case begins with its stationary solution.
+    pub(crate) fn starts_static(&self) -> bool {
+        self.initial == Some(Initial::Static)
+    }
+
+    /// The mistakes of initial fields that are not finite, or that boundaries do not let be.
+    pub(super) fn check_fields(&self, space: &FsiSpace<2>) -> Vec<CaseError> {
+        let (Some(initial), Some(time)) = (&self.initial, &self.time) else { return vec![] };
+        let mut errors = vec![];
+        for (key, data) in initial.fields() {
+            let wrong = |x: &&[f64; 2]| values(data, x, time.start).iter().any(|value| !value.is_finite());
+            let at = space.nodes.points[..space.nodes.n_lagrange].iter().find(wrong);
+            errors.extend(at.map(|at| {
+                let message =
+                    format!("expected finite values; they are {}", shown(&values(data, at, time.start), at));
+                self.mistake(key, message)
+            }));
+            if errors.is_empty() && key == "initial.displacement" {
+                errors.extend(self.held_elsewhere(space, time.start));
+            }
+        }
+        errors
+    }
+
+    fn mistake(&self, key: &str, message: String) -> CaseError {
+        CaseError { place: self.place_of(key), key: key.into(), value: None, message }
+    }
+
+    /// The mistake that boundaries hold nodes of the solid, or walls that move, elsewhere than the initial displacement.
+    fn held_elsewhere(&self, space: &FsiSpace<2>, t: f64) -> Option<CaseError> {
+        let key = "initial.displacement";
+        let constraints = Constraints::new(space, &self.conditions(&space.mesh));
+        let mut state = self.given_fields(space, &constraints, t);
+        if state.u.is_empty() {
+            let message = "there is no solid and no boundary that moves; remove it";
+            return Some(self.mistake(key, message.into()));
+        }
+        let given = state.u.clone();
+        constraints.apply(space, t, &mut state.v, &mut state.u);
+        let extent =
+            space.mesh.nodes.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
+                [low.min(x[0]).min(x[1]), high.max(x[0]).max(x[1])]
+            });
+        let tolerance = STARTS * (extent[1] - extent[0]);
+        let differs =
+            |node: &usize| (0..2).any(|i| (given[2 * node + i] - state.u[2 * node + i]).abs() > tolerance);
+        let node = (0..space.nodes.n_lagrange).find(differs)?;
+        let at = &space.nodes.points[node];
+        let holds = |(name, condition): &(&String, &Condition)| {
+            condition.is_given() && space.boundary_nodes(name).contains(&(node as u32))
+        };
+        let name = self.boundary.iter().find(holds).map_or("its boundary", |(name, _)| name.as_str());
+        let message = format!(
+            "it is {}, where `{name}` gives {} m: expected the displacement that the boundary has at the start t = {} s",
+            shown(&given[2 * node..2 * node + 2], at),
+            pair(&state.u[2 * node..2 * node + 2]),
+            shortest(t)
+        );
+        Some(self.mistake(key, message))
+    }
+
+    /// The initial fields at the nodes: v everywhere, u in the solid and on boundaries whose displacement is given.
+    fn given_fields(&self, space: &FsiSpace<2>, constraints: &Constraints<2>, t: f64) -> State {
+        let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
+        let mut moves: Vec<bool> = space.owner.iter().map(|owner| *owner == PsiOwner::Relation).collect();
+        constraints.motion.iter().for_each(|(node, _)| moves[*node as usize] = true);
+        for (key, data) in self.initial.iter().flat_map(Initial::fields) {
+            for (node, x) in space.nodes.points[..space.nodes.n_lagrange].iter().enumerate() {
+                let place = 2 * node..2 * node + 2;
+                let value = || values(data, x, t);
+                if key == "initial.velocity" {
+                    state.v[place].copy_from_slice(&value());
+                } else if moves[node] && !state.u.is_empty() {
+                    state.u[place].copy_from_slice(&value());
+                }
+            }
+        }
+        state
+    }
+
+    /// The state of the initial fields: u extended into the fluid, v there made discretely free of divergence, both with
+    /// the boundary values of the start. p is 0: the first step finds its own.
+    ///
+    /// # Errors
+    /// [`Error::Case`] if a closed part of the fluid would change its volume or a cell is folded, [`Error::Solver`].
+    pub(crate) fn initial_fields(&self, space: &Arc<FsiSpace<2>>, threads: usize) -> Result<State, Error> {
+        let Stepper { mut assembler, mut linear, time, .. } = self.stepper_on(space.clone(), threads)?;
+        let mut state = self.given_fields(space, &assembler.constraints, time);
+        state.s = assembler.zero().s;
+        assembler.constraints.apply(space, time, &mut state.v, &mut state.u);
+        if space.deforms {
+            linear.extend(&mut assembler, &mut state)?;
+            let min_j = assembler.nodal_min_j(&state);
+            if min_j.is_nan() || min_j <= 0.0 {
+                let message =
+                    format!("cells fold: the smallest J is {min_j:.3}; expected a smaller displacement");
+                return Err(self.refuse("initial.displacement", message));
+            }
+        }
+        if !self.fluids.is_empty() {
+            let parts = enclosed(space, &self.conditions(&space.mesh));
+            let closed: Vec<u32> = parts
+                .iter()
+                .filter(|part| part.touches_solid)
+                .map(|part| part.pressure(space).fixed)
+                .collect();
+            let k = self.time.as_ref().map_or(1.0, |t| t.step.eval(&[0.0; 3], time));
+            if !linear.project(&mut assembler, k, &closed, &mut state)? {
+                let message = "the velocity of the solid changes the volume of a fluid that is closed in on all sides; \
+                               expected one that keeps it";
+                return Err(self.refuse("initial.velocity", message.into()));
+            }
+        }
+        Ok(state)
+    }
+
+    /// The stationary solution for the loads of the start, with the parts of the load that it took.
+    ///
+    /// # Errors
+    /// [`Error::Breakdown`] if there is none, [`Error::Case`] if the stationary case is not well posed.
+    pub(crate) fn initial_equilibrium(&self, threads: usize) -> Result<(State, usize), Error> {
+        let mut stepper = self.at_start().build_with_notes(threads)?.0;
+        let report = stepper.stationary().map_err(|failure| match &failure.reason {
+            NewtonError::Linear(error) if failure.is_too_large() => Error::Solver(error.clone()),
+            _ => Error::Breakdown(failure),
+        })?;
+        let first = stepper.new.clone();
+        // What the tolerance has left would set the run in motion.
+        let second = stepper.stationary().is_ok_and(|report| report.parts == 1);
+        Ok((if second { stepper.new } else { first }, report.parts))
+    }
+
+    /// What a stationary start asks for besides.
+    ///
+    /// # Errors
+    /// As [`Case::build_space`] of the stationary case.
+    pub(super) fn check_equilibrium(&self) -> Result<(), Error> {
+        if !self.starts_static() {
+            return Ok(());
+        }
+        self.at_start().build_space().map(|_| ()).map_err(|error| match error {
+            Error::Case(CaseErrors(mut all)) => {
+                let about =
+                    |e: &mut CaseError| e.message = format!("for initial.static = true: {}", e.message);
+                all.iter_mut().for_each(about);
+                Error::Case(CaseErrors(all))
+            }
+            other => other,
+        })
+    }
+}
+
+fn pair(value: &[f64]) -> String {
+    let value: Vec<String> = value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
+    format!("({})", value.join(", "))
+}
+
+fn shown(value: &[f64], at: &[f64; 2]) -> String {
+    format!("{} at {}", pair(value), pair(at))
+}
