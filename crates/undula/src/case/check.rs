@@ -6,6 +6,7 @@
 mod body;
 mod condition;
 mod functional;
+mod material;
 mod solver;
 mod stabilization;
 
@@ -105,6 +106,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     if time.is_none() {
         note_steps(checker, &output);
+        material::note_still(&root.section("solid"));
     }
     let case = Case {
         name,

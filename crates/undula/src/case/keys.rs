@@ -9,6 +9,7 @@ use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
 pub use super::key::Key;
+use super::material_keys::OF_SOLID;
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -43,11 +44,15 @@ const fn word(
 
 /// All keys, table by table.
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
-    let data = |key: &Key| if key.key == "boundary.NAME.condition" { &DATA[..] } else { &[] };
+    let data = |key: &Key| match key.key {
+        "boundary.NAME.condition" => &DATA[..],
+        "solid.poisson" => &OF_SOLID[..],
+        _ => &[],
+    };
     KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key))).collect()
 });
 
-/// All but those of the data of boundary conditions.
+/// All but those of the data of boundary conditions and of materials.
 static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
@@ -104,9 +109,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     text("solid.region", "solid", "region of the mesh that the solid fills"),
     word("solid.law", &LAWS, "st-venant-kirchhoff", "constitutive law"),
     number("solid.density", "kg/m³", "required", "density"),
-    number("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
-    number("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
-    number("solid.bulk", "Pa", "none", "nearly incompressible laws: bulk modulus, lambda + 2/3 mu"),
     number("solid.mu", "Pa", "required", "shear modulus; `young` and `poisson` instead of `mu` and `lambda`"),
     number("solid.lambda", "Pa", "required", "first Lamé parameter; not with incompressible laws"),
     number("solid.young", "Pa", "from mu, lambda", "Young's modulus; incompressible: 3 mu"),

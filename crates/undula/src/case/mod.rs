@@ -20,6 +20,7 @@ pub mod functionals;
 pub(crate) mod key;
 pub mod keys;
 pub(crate) mod literal;
+mod material_keys;
 mod raw;
 mod read;
 pub mod schema;

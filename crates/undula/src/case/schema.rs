@@ -15,7 +15,7 @@ use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{Material, OwnLaw, Stabilization};
+use crate::physics::{Damping, Material, OwnLaw, Solid, Stabilization};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
@@ -209,6 +209,12 @@ pub struct SolidSpec {
     pub c2: f64,
     /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
     pub bulk: Option<f64>,
+    /// Viscosity η \[Pa s\] of the stress η Ė.
+    pub viscosity: f64,
+    /// Rayleigh damping α \[1/s\] by the mass.
+    pub damping_mass: f64,
+    /// Rayleigh damping β \[s\] by the stiffness at rest.
+    pub damping_stiffness: f64,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
 }
@@ -220,6 +226,16 @@ impl SolidSpec {
             Some(own) => Material::Own(own),
             None => self.law.material(self.mu, self.lambda, self.c2),
         }
+    }
+
+    /// The equations of the body.
+    pub fn physics(&self) -> Solid {
+        let (material, beta) = (self.material(), self.damping_stiffness);
+        // The volume of an incompressible body has a pressure, not a stress of its own.
+        let volume = if material.compliance().is_some() { 0.0 } else { beta * self.lambda };
+        let shear = self.viscosity + 2.0 * beta * self.mu;
+        let damping = Damping { mass: self.damping_mass, shear, volume };
+        Solid { rho: self.density, material, damping }
     }
 }
 

@@ -234,6 +234,14 @@ impl Case {
             } else if let Some(bulk) = solid.bulk {
                 out.key("bulk", number(bulk));
             }
+            let damping = [
+                ("viscosity", solid.viscosity),
+                ("damping-mass", solid.damping_mass),
+                ("damping-stiffness", solid.damping_stiffness),
+            ];
+            for (key, value) in damping.into_iter().filter(|(_, value)| *value != 0.0) {
+                out.key(key, number(value));
+            }
             out.key("body-force", expressions(&solid.body_force));
         }
         out.table("motion");

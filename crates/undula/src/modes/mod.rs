@@ -167,8 +167,7 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
                        boundaries parallel to axes";
         return Err(case.refuse("boundary", message.into()));
     }
-    let setting =
-        setting(case, &space, &constraints, Solid { rho: solid.density, material: solid.material() });
+    let setting = setting(case, &space, &constraints, Solid::elastic(solid.density, solid.material()));
     if let Some((lower, upper)) = setting.unheld() {
         let message = format!(
             "nothing holds the part of the solid in {lower:?} to {upper:?} m, so that it has rigid motions and K is \

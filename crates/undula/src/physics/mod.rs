@@ -4,6 +4,7 @@
 //! It knows no mesh, no index, no time step: [`step`] composes a form into the residual of one step.
 #![allow(non_snake_case)]
 
+pub mod damping;
 pub mod extension;
 pub mod fields;
 pub mod fluid;
@@ -20,6 +21,7 @@ pub mod stored_energy;
 pub mod stress;
 pub mod theorem_5_2;
 
+pub use damping::Damping;
 pub use extension::{Extension, MotionModel};
 pub use fields::{Dots, Fields, Place, Tested};
 pub use fluid::Fluid;

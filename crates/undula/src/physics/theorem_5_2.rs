@@ -138,7 +138,7 @@ fn divergence<S: Scalar<Value = S>, const D: usize>(
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
 }
 
-/// (5.14) in the solid, Lemma 5.5, with pressure and volume of an incompressible one.
+/// (5.14) in the solid, Lemma 5.5, with damping, and with pressure and volume of an incompressible one.
 #[inline(always)]
 pub fn solid<S: Scalar<Value = S>, const D: usize>(
     form: &Solid,
@@ -155,6 +155,11 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     for (weight, tau) in rule.transport_points() {
         let at = old.lerp(new, tau);
         r.grad_phi += weight * form.material.derivative(&at.grad_u, &(tau * W.grad_u));
+        r.phi += weight * form.rho * form.damping.mass * tau * W.v;
+        if form.damping.has_stress() {
+            let (fields, directions) = ((&at.grad_v, &at.grad_u), (&(tau * W.grad_v), &(tau * W.grad_u)));
+            r.grad_phi += weight * form.damping.derivative(form.is_linear(), fields, directions);
+        }
     }
     let Some(compliance) = form.material.compliance() else { return r };
     pressures(rule, new, old, W, &mut r);

@@ -4,7 +4,7 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, Precision, PressureElement, VelocityElement};
+use crate::case::{Case, Condition, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
@@ -13,7 +13,7 @@ use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
 use crate::operators::pressure::pressure;
 use crate::operators::traction::Traction;
-use crate::physics::{Fluid, Projection, Solid};
+use crate::physics::{Fluid, Projection};
 use crate::space::{
     BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
@@ -100,8 +100,7 @@ impl Case {
         let extension = self.motion.model.extension(&self.motion.numbers());
         let fluid =
             self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
-        let solid = self.solid.as_ref().map(|s| Solid { rho: s.density, material: s.material() });
-        Physics { fluid, solid }
+        Physics { fluid, solid: self.solid.as_ref().map(SolidSpec::physics) }
     }
 
     /// Everything that computes: assembly, Newton, linear solver and the initial state at rest.

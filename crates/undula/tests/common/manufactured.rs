@@ -25,7 +25,7 @@ pub const EXTENSIONS: [Extension; 6] = [
     Extension::Biharmonic { hinged: false },
     Extension::Biharmonic { hinged: true },
 ];
-pub const SOLID: Solid = Solid { rho: 2.1, material: Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 } };
+pub const SOLID: Solid = Solid::elastic(2.1, Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 });
 
 pub const FSI: Physics = Physics { fluid: Some(AUXETIC), solid: Some(SOLID) };
 pub const FLOW: Physics = Physics { fluid: Some(FLUID), solid: None };

@@ -5,8 +5,8 @@ use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
 use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
-    Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Pressure, Solid, StepRule,
-    Tested, WeakForm,
+    Backflow, Damping, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Pressure, Solid,
+    StepRule, Tested, WeakForm,
 };
 use undula::tangent::{ByHand, Difference, Stencil, Tangent, automatic, automatic_facet, facet, fixed_point};
 
@@ -92,7 +92,11 @@ const FLUID_LAGGED: Fluid =
     Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: true }, ..FLUID_HARMONIC };
 const FLUID_STIFFENED: Fluid =
     Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: false }, ..FLUID_HARMONIC };
-const SOLID: Solid = Solid { rho: 1e3, material: Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 } };
+const SOLID: Solid = Solid::elastic(1e3, Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 });
+
+fn damped(material: Material) -> Solid {
+    Solid { damping: Damping { mass: 30.0, shear: 2e5, volume: 3e5 }, ..Solid::elastic(1e3, material) }
+}
 
 fn materials() -> [Material; 7] {
     let (mu, lambda) = (2e6, 8e6);
@@ -187,9 +191,10 @@ fn fluid_jacobian_is_theorem_5_2() {
 #[test]
 fn solid_jacobian_is_lemma_5_5() {
     for material in materials() {
-        let solid = Solid { rho: 1e3, material };
-        check::<_, 2>(&solid);
-        check::<_, 3>(&solid);
+        for solid in [Solid::elastic(1e3, material), damped(material)] {
+            check::<_, 2>(&solid);
+            check::<_, 3>(&solid);
+        }
     }
 }
 
@@ -439,8 +444,9 @@ fn couplings_are_those_of_the_derivative() {
     run::<_, 3>(&FLUID);
     run::<_, 2>(&FLUID_STIFFENED);
     for material in materials() {
-        run::<_, 2>(&Solid { rho: 1e3, material });
-        run::<_, 3>(&Solid { rho: 1e3, material });
+        run::<_, 2>(&Solid::elastic(1e3, material));
+        run::<_, 2>(&damped(material));
+        run::<_, 3>(&Solid::elastic(1e3, material));
     }
 }
 

@@ -21,6 +21,7 @@ mod convergence_elements;
 mod convergence_space;
 mod convergence_stabilized;
 mod convergence_time;
+mod damping;
 mod derivatives;
 mod displacement;
 mod elements;
