@@ -89,6 +89,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         body::refuse_pair(&root.section("space"), &space);
     }
     let how = stabilization::stabilization(root.section("stabilization"), &space, fluid.is_some());
+    material::refuse_residuals(&root.section("stabilization"), fluid.as_ref(), &how);
     let solid = body::solid(root.section("solid"));
     refuse_bodies(&mut root, fluid.as_ref(), solid.as_ref(), &space);
     let motion = root.section("motion");

@@ -9,7 +9,7 @@ use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
 pub use super::key::Key;
-use super::material_keys::OF_SOLID;
+use super::material_keys::{OF_FLUID, OF_SOLID};
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -46,13 +46,14 @@ const fn word(
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
     let data = |key: &Key| match key.key {
         "boundary.NAME.condition" => &DATA[..],
+        "fluid.density" => &OF_FLUID[..],
         "solid.poisson" => &OF_SOLID[..],
         _ => &[],
     };
     KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key))).collect()
 });
 
-/// All but those of the data of boundary conditions and of materials.
+/// All but those of boundary data and materials.
 static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
@@ -77,12 +78,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     ),
     text("fluid.region", "fluid", "region of the mesh that the fluid fills"),
     number("fluid.density", "kg/m³", "required", "density"),
-    number(
-        "fluid.kinematic-viscosity",
-        "m²/s",
-        "required",
-        "kinematic viscosity: dynamic viscosity divided by density",
-    ),
     number("fluid.body-force", "m/s²", "[0, 0]", "body force per mass, two expressions of x, y, t"),
     word("fluid.body-force-at", &BODY_FORCE_AT, "reference", "position at which the body force is taken"),
     word(

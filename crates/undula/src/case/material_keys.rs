@@ -1,6 +1,39 @@
 //! Keys of the materials.
 
 use super::key::Key;
+use crate::physics::viscosity::FLUID_LAWS;
+
+/// Those of the viscosity of the fluid.
+pub(super) static OF_FLUID: [Key; 7] = [
+    Key {
+        key: "fluid.law",
+        unit: "",
+        default: "newtonian",
+        about: "how the viscosity depends on the rate of shear",
+        choices: Some(&FLUID_LAWS),
+    },
+    Key::data(
+        "fluid.kinematic-viscosity",
+        "m²/s",
+        "newtonian: required",
+        "kinematic viscosity: dynamic viscosity divided by density",
+    ),
+    Key::data("fluid.viscosity-zero", "Pa s", "carreau-yasuda: required", "dynamic viscosity μ₀ at rest"),
+    Key::data(
+        "fluid.viscosity-infinity",
+        "Pa s",
+        "carreau-yasuda: required",
+        "dynamic viscosity μ_∞ at high rates of shear",
+    ),
+    Key::data(
+        "fluid.time-constant",
+        "s",
+        "carreau-yasuda: required",
+        "λ, 1 over the rate at which the viscosity changes",
+    ),
+    Key::data("fluid.power-index", "", "carreau-yasuda: required", "n, below 1 if shear-thinning"),
+    Key::data("fluid.yasuda-exponent", "", "2", "a, how sharp the transition is; 2 is the law of Carreau"),
+];
 
 /// Those of the solid besides mu and lambda.
 pub(super) static OF_SOLID: [Key; 6] = [

@@ -15,7 +15,7 @@ use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{Damping, Material, OwnLaw, Solid, Stabilization};
+use crate::physics::{CarreauYasuda, Damping, Extension, Fluid, Material, OwnLaw, Solid, Stabilization};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
@@ -183,10 +183,40 @@ pub struct FluidSpec {
     pub density: f64,
     /// ν_f \[m²/s\].
     pub kinematic_viscosity: f64,
+    /// How it depends on the rate of shear, with `kinematic_viscosity` at rest; `None`: it is constant.
+    pub thinning: Option<ThinningSpec>,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
     /// Take the body force at the current position x + u instead of the reference position x.
     pub force_at_current: bool,
+}
+
+/// The law of Carreau and Yasuda.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct ThinningSpec {
+    /// μ₀ \[Pa s\], at rest.
+    pub zero: f64,
+    /// μ_∞ \[Pa s\], at high rates of shear.
+    pub infinity: f64,
+    /// λ \[s\].
+    pub time: f64,
+    /// n.
+    pub index: f64,
+    /// a.
+    pub transition: f64,
+}
+
+impl FluidSpec {
+    /// The equations of the flow, with the extension of the displacement.
+    pub fn physics(&self, extension: Extension) -> Fluid {
+        let law = |law: ThinningSpec| CarreauYasuda {
+            ratio: law.infinity / law.zero,
+            time: law.time,
+            index: law.index,
+            transition: law.transition,
+        };
+        Fluid { rho: self.density, nu: self.kinematic_viscosity, thinning: self.thinning.map(law), extension }
+    }
 }
 
 /// The elastic body.

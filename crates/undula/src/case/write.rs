@@ -6,13 +6,16 @@ use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS}
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::literal::{number, pair, string};
-use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
+use super::schema::{
+    Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent, ThinningSpec,
+};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::nodal::FIELDS;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
+use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
@@ -212,7 +215,12 @@ impl Case {
             out.table("fluid");
             out.word("region", &fluid.region);
             out.key("density", number(fluid.density));
-            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity));
+            let law = if fluid.thinning.is_some() { FluidLaw::CarreauYasuda } else { FluidLaw::Newtonian };
+            out.choice("law", &FLUID_LAWS, &law);
+            match fluid.thinning {
+                None => out.key("kinematic-viscosity", number(fluid.kinematic_viscosity)),
+                Some(law) => write_thinning(&law, out),
+            }
             out.key("body-force", expressions(&fluid.body_force));
             out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
         }
@@ -357,4 +365,13 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
 /// An array of strings.
 fn names(list: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     format!("[{}]", list.into_iter().map(|name| string(name.as_ref())).collect::<Vec<_>>().join(", "))
+}
+
+/// The law of Carreau and Yasuda.
+fn write_thinning(law: &ThinningSpec, out: &mut Lines) {
+    out.key("viscosity-zero", number(law.zero));
+    out.key("viscosity-infinity", number(law.infinity));
+    out.key("time-constant", number(law.time));
+    out.key("power-index", number(law.index));
+    out.key("yasuda-exponent", number(law.transition));
 }

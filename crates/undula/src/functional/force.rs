@@ -281,9 +281,9 @@ fn traction<const D: usize>(
     p: f64,
     normal: Vector<f64, D>,
 ) -> Vector<f64, D> {
-    let viscosity = at.physics.fluid.map_or(0.0, |f| f.rho * f.nu);
     let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
     let grad_v = fields.grad_v * F_inv;
-    let sigma = viscosity * (grad_v + grad_v.t()) - p * Tensor::identity();
+    let friction = at.physics.fluid.map_or(Tensor::zero(), |fluid| fluid.friction(grad_v, grad_v));
+    let sigma = friction - p * Tensor::identity();
     sigma * (cofactor(&fields.grad_u) * normal)
 }

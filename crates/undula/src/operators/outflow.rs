@@ -27,6 +27,6 @@ pub fn correction<const D: usize>(
     let here = |boundary: u16| {
         matches!(conditions[boundary as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
     };
-    let form = Outflow { viscosity: fluid.rho * fluid.nu };
+    let form = Outflow { viscosity: fluid.rho * fluid.nu, thinning: fluid.thinning };
     FacetOperator::new(space, Region::Fluid, |facet| here(facet.boundary), n, |_| Correction(form))
 }

@@ -20,6 +20,7 @@ pub mod step;
 pub mod stored_energy;
 pub mod stress;
 pub mod theorem_5_2;
+pub mod viscosity;
 
 pub use damping::Damping;
 pub use extension::{Extension, MotionModel};
@@ -34,3 +35,4 @@ pub use rule::StepRule;
 pub use solid::Solid;
 pub use stabilization::{Mapping, PressureTerm, Projection, Stabilization, TransportTerm};
 pub use stored_energy::{Deformation, OwnLaw, StoredEnergy};
+pub use viscosity::{CarreauYasuda, FluidLaw};

@@ -11,7 +11,7 @@ impl Fluid {
     pub fn cauchy<const D: usize>(&self, at: &Fields<f64, D>) -> Tensor<f64, 3> {
         let Kinematics { F_inv, .. } = Kinematics::of(&in_space(&at.grad_u));
         let grad_v = in_space(&at.grad_v) * F_inv;
-        self.rho * self.nu * (grad_v + grad_v.t()) - Tensor::identity() * at.p
+        self.friction(grad_v, grad_v) - Tensor::identity() * at.p
     }
 }
 

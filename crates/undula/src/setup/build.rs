@@ -13,7 +13,7 @@ use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
 use crate::operators::pressure::pressure;
 use crate::operators::traction::Traction;
-use crate::physics::{Fluid, Projection};
+use crate::physics::Projection;
 use crate::space::{
     BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
@@ -98,8 +98,7 @@ impl Case {
     /// Parameters of the equations.
     pub fn physics(&self) -> Physics {
         let extension = self.motion.model.extension(&self.motion.numbers());
-        let fluid =
-            self.fluid.as_ref().map(|f| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension });
+        let fluid = self.fluid.as_ref().map(|fluid| fluid.physics(extension));
         Physics { fluid, solid: self.solid.as_ref().map(SolidSpec::physics) }
     }
 

@@ -14,8 +14,9 @@ pub use undula::verification::unit_square::{bubble, smooth, velocity};
 /// Gauss points per direction in the solver.
 pub const QUADRATURE: usize = 3;
 
-pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::Harmonic };
-pub const AUXETIC: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::PseudoElastic { poisson: -0.2 } };
+pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, thinning: None, extension: Extension::Harmonic };
+pub const AUXETIC: Fluid =
+    Fluid { rho: 1.3, nu: 0.4, thinning: None, extension: Extension::PseudoElastic { poisson: -0.2 } };
 /// One of each kind.
 pub const EXTENSIONS: [Extension; 6] = [
     Extension::Harmonic,

@@ -57,3 +57,4 @@ mod studies;
 mod tables;
 mod traction;
 mod transfer;
+mod viscosity;

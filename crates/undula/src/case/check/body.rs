@@ -145,18 +145,20 @@ pub(super) fn fluid(mut s: Section<'_, '_>) -> Option<FluidSpec> {
     if !s.is_present() {
         return None;
     }
+    let region = region(&mut s, "fluid");
+    let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
+    let (kinematic_viscosity, thinning) = material::viscosity(&mut s, density);
     let spec = FluidSpec {
-        region: region(&mut s, "fluid"),
-        density: s.required_number("density", POSITIVE, "the density [kg/m³]"),
-        kinematic_viscosity: s.required_number(
-            "kinematic-viscosity",
-            POSITIVE,
-            "the kinematic viscosity [m²/s]",
-        ),
+        region,
+        density,
+        kinematic_viscosity,
+        thinning,
         body_force: s.expressions("body-force").unwrap_or_default(),
         force_at_current: s.choice("body-force-at", &BODY_FORCE_AT, &[]).unwrap_or(false),
     };
-    explain_viscosity(&mut s);
+    if spec.thinning.is_none() {
+        explain_viscosity(&mut s);
+    }
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
         let note = "fluid.body-force-at has no effect: fluid.body-force is the same everywhere";
         s.checker.notes.borrow_mut().push(note.into());

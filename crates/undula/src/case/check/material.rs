@@ -1,7 +1,9 @@
 //! Constants of materials.
 
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
-use crate::case::schema::SolidLaw;
+use crate::case::schema::{FluidSpec, SolidLaw, ThinningSpec};
+use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
+use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 
 pub(super) const POISSON: Range =
     Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
@@ -159,5 +161,63 @@ pub(super) fn note_still(s: &Section<'_, '_>) {
     for key in ["viscosity", "damping-mass", "damping-stiffness"].into_iter().filter(|key| s.has(key)) {
         let note = format!("solid.{key} has no effect: the case is stationary");
         s.checker.notes.borrow_mut().push(note);
+    }
+}
+
+const BELOW_ZERO: &str = "expected a number from 0 to viscosity-zero";
+
+/// ν \[m²/s\] at rest, and how it depends on the rate of shear.
+pub(super) fn viscosity(s: &mut Section<'_, '_>, density: f64) -> (f64, Option<ThinningSpec>) {
+    let law = s.choice("law", &FLUID_LAWS, &[]).unwrap_or(FluidLaw::Newtonian);
+    if law == FluidLaw::Newtonian {
+        for key in ["viscosity-zero", "viscosity-infinity", "time-constant", "power-index", "yasuda-exponent"]
+        {
+            if s.optional_number(key, ANY).is_some() {
+                s.wrong(key, "only for law = \"carreau-yasuda\"");
+            }
+        }
+        let meaning = "the kinematic viscosity [m²/s]";
+        return (s.required_number("kinematic-viscosity", POSITIVE, meaning), None);
+    }
+    if s.optional_number("kinematic-viscosity", POSITIVE).is_some() {
+        s.wrong("kinematic-viscosity", "only for law = \"newtonian\"; expected `viscosity-zero` [Pa s]");
+    }
+    let law = ThinningSpec {
+        zero: s.required_number("viscosity-zero", POSITIVE, "the dynamic viscosity at rest [Pa s]"),
+        infinity: s.required_number(
+            "viscosity-infinity",
+            NOT_NEGATIVE,
+            "the dynamic viscosity at high rates of shear [Pa s]",
+        ),
+        time: s.required_number(
+            "time-constant",
+            POSITIVE,
+            "λ [s], 1 over the rate of shear at which the viscosity changes",
+        ),
+        index: s.required_number(
+            "power-index",
+            POSITIVE,
+            "the index n of the power law, below 1 if shear-thinning",
+        ),
+        transition: s.number("yasuda-exponent", 2.0, POSITIVE),
+    };
+    if law.infinity > law.zero && s.has("viscosity-zero") {
+        s.wrong("viscosity-infinity", BELOW_ZERO);
+    }
+    (law.zero / density, Some(law))
+}
+
+/// Residuals in which the viscosity is constant.
+pub(super) fn refuse_residuals(s: &Section<'_, '_>, fluid: Option<&FluidSpec>, how: &Stabilization) {
+    if fluid.is_none_or(|fluid| fluid.thinning.is_none()) {
+        return;
+    }
+    let message =
+        "its residual is that of a constant viscosity; with fluid.law = \"carreau-yasuda\" expected `lps`";
+    if how.pressure == PressureTerm::Pspg {
+        s.wrong("pressure", message);
+    }
+    if how.transport == TransportTerm::Supg {
+        s.wrong("transport", message);
     }
 }
