@@ -36,9 +36,16 @@ pub(super) static OF_FLUID: [Key; 7] = [
 ];
 
 /// Those of the solid besides mu and lambda.
-pub(super) static OF_SOLID: [Key; 6] = [
+pub(super) static OF_SOLID: [Key; 8] = [
     Key::data("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
     Key::data("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
+    Key::data("solid.ogden-mu", "Pa", "ogden: required", "Ogden: μ_p, one to three numbers, as [6e5, 1e3]"),
+    Key::data(
+        "solid.ogden-alpha",
+        "",
+        "ogden: required",
+        "Ogden: α_p, as many, as [1.3, 5]; mu is half of Σ μ_p α_p",
+    ),
     Key::data("solid.bulk", "Pa", "none", "nearly incompressible laws: bulk modulus, lambda + 2/3 mu"),
     Key::data(
         "solid.viscosity",

@@ -237,6 +237,8 @@ pub struct SolidSpec {
     pub lambda: f64,
     /// c₂ of Mooney-Rivlin \[Pa\], c₁ = ½ μ_s − c₂; else 0.
     pub c2: f64,
+    /// μ_p \[Pa\] and α_p of Ogden, at most three terms; else none.
+    pub ogden: Vec<[f64; 2]>,
     /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
     pub bulk: Option<f64>,
     /// Viscosity η \[Pa s\] of the stress η Ė.
@@ -254,6 +256,9 @@ impl SolidSpec {
     pub fn material(&self) -> Material {
         match self.own {
             Some(own) => Material::Own(own),
+            None if self.law.is_ogden() => {
+                Material::ogden(&self.ogden, self.lambda, self.law.is_incompressible())
+            }
             None => self.law.material(self.mu, self.lambda, self.c2),
         }
     }

@@ -1,21 +1,19 @@
 //! A case as TOML with all defaults resolved.
 
 mod functional;
+mod material;
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BACKFLOW, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::literal::{number, pair, string};
-use super::schema::{
-    Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent, ThinningSpec,
-};
+use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::nodal::FIELDS;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
-use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
 use crate::physics::{PressureTerm, TransportTerm};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
@@ -212,45 +210,10 @@ impl Case {
 
     fn write_bodies(&self, out: &mut Lines) {
         if let Some(fluid) = &self.fluid {
-            out.table("fluid");
-            out.word("region", &fluid.region);
-            out.key("density", number(fluid.density));
-            let law = if fluid.thinning.is_some() { FluidLaw::CarreauYasuda } else { FluidLaw::Newtonian };
-            out.choice("law", &FLUID_LAWS, &law);
-            match fluid.thinning {
-                None => out.key("kinematic-viscosity", number(fluid.kinematic_viscosity)),
-                Some(law) => write_thinning(&law, out),
-            }
-            out.key("body-force", expressions(&fluid.body_force));
-            out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
+            fluid.write(out);
         }
         if let Some(solid) = &self.solid {
-            out.table("solid");
-            out.word("region", &solid.region);
-            match solid.own {
-                // The stored energy of a program: give it one to read this.
-                Some(_) => out.key("law", string(OWN)),
-                None => out.word("law", solid.law.name()),
-            }
-            out.key("density", number(solid.density));
-            out.key("mu", number(solid.mu));
-            if solid.law.is_mooney_rivlin() {
-                out.key("c2", number(solid.c2));
-            }
-            if !solid.law.is_incompressible() {
-                out.key("lambda", number(solid.lambda));
-            } else if let Some(bulk) = solid.bulk {
-                out.key("bulk", number(bulk));
-            }
-            let damping = [
-                ("viscosity", solid.viscosity),
-                ("damping-mass", solid.damping_mass),
-                ("damping-stiffness", solid.damping_stiffness),
-            ];
-            for (key, value) in damping.into_iter().filter(|(_, value)| *value != 0.0) {
-                out.key(key, number(value));
-            }
-            out.key("body-force", expressions(&solid.body_force));
+            solid.write(out);
         }
         out.table("motion");
         out.choice("model", &MOTIONS, &self.motion.model);
@@ -365,13 +328,4 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
 /// An array of strings.
 fn names(list: impl IntoIterator<Item = impl AsRef<str>>) -> String {
     format!("[{}]", list.into_iter().map(|name| string(name.as_ref())).collect::<Vec<_>>().join(", "))
-}
-
-/// The law of Carreau and Yasuda.
-fn write_thinning(law: &ThinningSpec, out: &mut Lines) {
-    out.key("viscosity-zero", number(law.zero));
-    out.key("viscosity-infinity", number(law.infinity));
-    out.key("time-constant", number(law.time));
-    out.key("power-index", number(law.index));
-    out.key("yasuda-exponent", number(law.transition));
 }

@@ -5,6 +5,8 @@
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
 use super::kinematics::{Kinematics, volume_change};
+use super::law;
+use super::ogden::Ogden;
 use super::stored_energy::{Deformation, OwnLaw, StoredEnergy};
 use crate::choice::{Choice, choice, name_of};
 use crate::math::{Scalar, Tensor};
@@ -62,6 +64,8 @@ pub enum Material {
         /// 1/κ' \[1/Pa\]; 0 for J = 1.
         compliance: f64,
     },
+    /// W = Σ_p [μ_p/α_p (λ₁^α_p + λ₂^α_p + λ₃^α_p − 3) − μ_p ln J] + ½ λ (J − 1)², or with J = 1.
+    Ogden(Ogden),
     /// A stored energy of another program, see [`Material::own`].
     Own(OwnLaw),
 }
@@ -81,10 +85,14 @@ pub enum SolidLaw {
     IncompressibleNeoHookean,
     /// Mooney-Rivlin with J = 1.
     IncompressibleMooneyRivlin,
+    /// W = Σ_p [μ_p/α_p (λ₁^α_p + λ₂^α_p + λ₃^α_p − 3) − μ_p ln J] + ½ λ (J − 1)².
+    Ogden,
+    /// Ogden with J = 1.
+    IncompressibleOgden,
 }
 
 /// Their names in a case.
-pub static LAWS: [Choice<SolidLaw>; 6] = [
+pub static LAWS: [Choice<SolidLaw>; 8] = [
     choice(
         "st-venant-kirchhoff",
         SolidLaw::StVenantKirchhoff,
@@ -103,6 +111,16 @@ pub static LAWS: [Choice<SolidLaw>; 6] = [
         SolidLaw::IncompressibleMooneyRivlin,
         "Mooney-Rivlin with J = 1 and a pressure in the solid",
     ),
+    choice(
+        "ogden",
+        SolidLaw::Ogden,
+        "W = Σ μ_p/α_p (λ₁^α_p + λ₂^α_p + λ₃^α_p − 3): powers of the principal stretches",
+    ),
+    choice(
+        "incompressible-ogden",
+        SolidLaw::IncompressibleOgden,
+        "Ogden with J = 1 and a pressure in the solid",
+    ),
 ];
 
 impl SolidLaw {
@@ -113,7 +131,12 @@ impl SolidLaw {
 
     /// Whether the solid has a pressure of its own.
     pub fn is_incompressible(self) -> bool {
-        matches!(self, SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin)
+        matches!(
+            self,
+            SolidLaw::IncompressibleNeoHookean
+                | SolidLaw::IncompressibleMooneyRivlin
+                | SolidLaw::IncompressibleOgden
+        )
     }
 
     /// Whether the law has the constants c₁ and c₂.
@@ -121,7 +144,13 @@ impl SolidLaw {
         matches!(self, SolidLaw::MooneyRivlin | SolidLaw::IncompressibleMooneyRivlin)
     }
 
+    /// Whether the law is of principal stretches, by μ_p and α_p.
+    pub fn is_ogden(self) -> bool {
+        matches!(self, SolidLaw::Ogden | SolidLaw::IncompressibleOgden)
+    }
+
     /// The law with the shear modulus `mu`, the first Lamé parameter `lambda` and `c2` \[Pa\]; c₁ = ½ μ − c₂.
+    /// That of Ogden has the term μ, α = 2 alone; see [`Material::ogden`].
     pub fn material(self, mu: f64, lambda: f64, c2: f64) -> Material {
         let c1 = 0.5 * mu - c2;
         match self {
@@ -132,6 +161,8 @@ impl SolidLaw {
             SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
                 Material::incompressible(c1, c2, lambda)
             }
+            SolidLaw::Ogden => Material::ogden(&[[mu, 2.0]], lambda, false),
+            SolidLaw::IncompressibleOgden => Material::ogden(&[[mu, 2.0]], lambda, true),
         }
     }
 }
@@ -177,6 +208,15 @@ impl Material {
         Material::Incompressible { c1, c2, compliance: 1.0 / (lambda - 4.0 * c2) }
     }
 
+    /// The law of Ogden with the `terms` μ_p \[Pa\], α_p, at most three, and the first Lamé parameter `lambda` \[Pa\] at
+    /// rest; with a pressure of its own if `incompressible`, exactly so if `lambda` is infinite.
+    pub fn ogden(terms: &[[f64; 2]], lambda: f64, incompressible: bool) -> Material {
+        let mut all = [[0.0, 1.0]; 3];
+        all[..terms.len()].copy_from_slice(terms);
+        let (lambda, compliance) = if incompressible { (0.0, Some(1.0 / lambda)) } else { (lambda, None) };
+        Material::Ogden(Ogden { terms: all, lambda, compliance })
+    }
+
     /// The law with the stored energy `energy`, see [`StoredEnergy`]. It is kept until the program ends.
     pub fn own(energy: impl StoredEnergy + 'static) -> Material {
         Material::Own(OwnLaw::new(energy))
@@ -208,6 +248,7 @@ impl Material {
     pub fn compliance(&self) -> Option<f64> {
         match *self {
             Material::Incompressible { compliance, .. } => Some(compliance),
+            Material::Ogden(Ogden { compliance, .. }) => compliance,
             _ => None,
         }
     }
@@ -220,7 +261,10 @@ impl Material {
     #[inline(always)]
     fn rubber<T: Scalar>(&self, J: T) -> Option<Rubber<T>> {
         let (c1, c2, lambda) = match *self {
-            Material::Linear { .. } | Material::StVenantKirchhoff { .. } | Material::Own(_) => return None,
+            Material::Linear { .. }
+            | Material::StVenantKirchhoff { .. }
+            | Material::Ogden(_)
+            | Material::Own(_) => return None,
             Material::NeoHookean { mu, lambda } => (0.5 * mu, 0.0, lambda),
             Material::MooneyRivlin { c1, c2, lambda } => (c1, c2, lambda),
             Material::Incompressible { c1, c2, .. } => (c1, c2, 4.0 * c2),
@@ -256,7 +300,7 @@ impl Material {
         }
         let Kinematics { F, F_inv, J } = Kinematics::of(lag);
         let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else {
-            return self.own_piola(grad_u);
+            return self.piola_by_number(grad_u);
         };
         let change = volume * volume_change(grad_u, lag);
         let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
@@ -266,22 +310,28 @@ impl Material {
         P
     }
 
-    /// The stress of a law of another program; a fixed-point iteration takes its whole derivative.
+    /// The stress of a law that is evaluated number by number; a fixed-point iteration takes its whole derivative.
     #[inline(always)]
-    fn own_piola<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
-        let Material::Own(law) = self else { return Tensor::zero() };
-        law.stress(grad_u)
+    fn piola_by_number<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+        match self {
+            Material::Own(law) => law.stress(grad_u),
+            Material::Ogden(law) => law::stress(law, grad_u),
+            _ => Tensor::zero(),
+        }
     }
 
     /// Its derivative.
     #[inline(always)]
-    fn own_derivative<T: Scalar, const D: usize>(
+    fn derivative_by_number<T: Scalar, const D: usize>(
         &self,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        let Material::Own(law) = self else { return Tensor::zero() };
-        law.derivative(grad_u, grad_w)
+        match self {
+            Material::Own(law) => law.derivative(grad_u, grad_w),
+            Material::Ogden(law) => law::derivative(law, grad_u, grad_w),
+            _ => Tensor::zero(),
+        }
     }
 
     /// Derivative of [`Material::piola`] at ∇u in the direction ∇w by hand, Lemma 5.5.
@@ -301,7 +351,7 @@ impl Material {
             return *grad_w * hooke(E, mu, lambda) + F * hooke(dE, mu, lambda);
         }
         let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else {
-            return self.own_derivative(grad_u, grad_w);
+            return self.derivative_by_number(grad_u, grad_w);
         };
         let F_inv_t = F_inv.t();
         let turned = F_inv_t * grad_w.t() * F_inv_t;
@@ -333,6 +383,7 @@ impl Material {
                 let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
                 compressible(c1, c2, bulk + 4.0 * c2)
             }
+            Material::Ogden(law) => law::energy(&law, grad_u),
             Material::Own(law) => law.energy(grad_u),
         }
     }

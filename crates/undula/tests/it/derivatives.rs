@@ -101,7 +101,7 @@ fn damped(material: Material) -> Solid {
     Solid { damping: Damping { mass: 30.0, shear: 2e5, volume: 3e5 }, ..Solid::elastic(1e3, material) }
 }
 
-fn materials() -> [Material; 7] {
+fn materials() -> [Material; 9] {
     let (mu, lambda) = (2e6, 8e6);
     [
         SOLID.material,
@@ -111,6 +111,8 @@ fn materials() -> [Material; 7] {
         Material::incompressible(1e6, 0.0, f64::INFINITY),
         Material::incompressible(0.7e6, 0.3e6, f64::INFINITY),
         Material::incompressible(0.7e6, 0.3e6, lambda),
+        Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], lambda, false),
+        Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], f64::INFINITY, true),
     ]
 }
 

@@ -191,7 +191,7 @@ pub fn stretched(material: Material, a: f64, b: f64) -> [f64; 3] {
             })
         }
         Material::Incompressible { c1, .. } => squares.map(|c| 2.0 * c1 / J * (c - 1.0) - 7.0),
-        Material::Own(_) => unreachable!("of other programs"),
+        _ => unreachable!("of other constants"),
     }
 }
 

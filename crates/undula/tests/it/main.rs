@@ -10,6 +10,7 @@ mod manufactured;
 
 mod apply;
 mod assembly;
+mod bars;
 mod bench;
 mod borders;
 mod case_errors;

@@ -2,8 +2,8 @@
 #![allow(non_snake_case)]
 
 use undula::math::{Dual, Scalar, Tensor};
-use undula::physics::Material;
 use undula::physics::kinematics::{cofactor, volume_change};
+use undula::physics::{Deformation, Material, StoredEnergy};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -41,8 +41,21 @@ fn incompressible(c2: f64) -> Material {
     Material::incompressible(C1, c2, f64::INFINITY)
 }
 
-fn all() -> [Material; 7] {
+/// Those with a stress by hand.
+fn by_hand() -> [Material; 7] {
     [LINEAR, VENANT, NEO, MOONEY, nearly(), incompressible(C2), incompressible(0.0)]
+}
+
+const TERMS: [[f64; 2]; 3] = [[1.2, 1.3], [0.3, 5.0], [-0.4, -2.0]];
+
+/// Compressible, nearly and fully incompressible.
+fn ogdens() -> [Material; 3] {
+    let own = |lambda| Material::ogden(&TERMS, lambda, true);
+    [Material::ogden(&TERMS, LAMBDA, false), own(LAMBDA), own(f64::INFINITY)]
+}
+
+fn all() -> Vec<Material> {
+    [&by_hand()[..], &ogdens()].concat()
 }
 
 /// P with the pressure that a nearly incompressible law has by itself, p = −κ' (J − 1).
@@ -73,7 +86,7 @@ fn assert_near<const D: usize>(a: Tensor<f64, D>, b: Tensor<f64, D>, what: &str)
 fn stress_is_the_derivative_of_the_energy() {
     fn run<const D: usize>() {
         let mut random = Random(11);
-        for material in all() {
+        for material in by_hand() {
             for _ in 0..100 {
                 let grad_u = random.tensor::<D>(0.6);
                 let mut slope = Tensor::<f64, D>::zero();
@@ -97,7 +110,7 @@ fn stress_is_the_derivative_of_the_energy() {
 fn laws_by_their_energy_are_those_by_hand() {
     fn run<const D: usize>() {
         let mut random = Random(17);
-        for material in all() {
+        for material in by_hand() {
             let own = Material::own(material);
             for _ in 0..100 {
                 let (grad_u, grad_w) = (random.tensor::<D>(0.6), random.tensor::<D>(1.0));
@@ -141,6 +154,7 @@ fn at_rest_every_law_is_that_of_hooke() {
                 Material::MooneyRivlin { c1, c2, .. } | Material::Incompressible { c1, c2, .. } => {
                     2.0 * (c1 + c2)
                 }
+                Material::Ogden(law) => law.shear_modulus(),
                 Material::Own(_) => unreachable!("of other programs"),
             };
             let rest = Tensor::<f64, D>::zero();
@@ -304,7 +318,7 @@ fn mooney_rivlin_contains_neo_hookean() {
 #[test]
 fn the_lagged_stress_is_linear_in_the_new_deformation() {
     let mut random = Random(41);
-    for material in all() {
+    for material in by_hand() {
         for _ in 0..20 {
             let (lag, a, b) = (random.tensor::<3>(0.5), random.tensor::<3>(1.0), random.tensor::<3>(1.0));
             let of = |at: Tensor<f64, 3>| material.piola(&at, &lag);
@@ -339,4 +353,97 @@ fn only_rubber_resists_collapse() {
         assert!(material.needs_positive_volume());
     }
     assert!(pressed(1e-3, &VENANT) > pressed(0.5, &VENANT));
+}
+
+/// The energy of Ogden in the plane, its principal stretches as roots: without derivative where they are equal.
+struct Roots {
+    lambda: f64,
+}
+
+impl StoredEnergy for Roots {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        let (J, half) = (at.J(), (at.I1_minus_3() + T::constant(2.0)) * 0.5);
+        let root = (half * half - J * J).sqrt();
+        let mut W = at.J_minus_1() * at.J_minus_1() * (0.5 * self.lambda);
+        for [mu, alpha] in TERMS {
+            let sum = (half + root).powf(0.5 * alpha) + (half - root).powf(0.5 * alpha) - T::constant(2.0);
+            W += sum * (mu / alpha) - J.ln() * mu;
+        }
+        W
+    }
+}
+
+/// Energy, stress and tangent of Ogden's law are those of the principal stretches as roots, differentiated.
+#[test]
+fn ogden_is_the_derivative_of_its_energy() {
+    let mut random = Random(51);
+    for (lambda, law) in [LAMBDA, 0.0].into_iter().zip([0, 2].map(|n| ogdens()[n])) {
+        let roots = Material::own(Roots { lambda });
+        for _ in 0..200 {
+            let (grad_u, grad_w) = (random.tensor::<2>(0.6), random.tensor::<2>(1.0));
+            let (P, dP) = (roots.stress(&grad_u), roots.tangent(&grad_u, &grad_w));
+            let near = |a: Tensor<f64, 2>, b: Tensor<f64, 2>| largest(a - b) < 1e-9 * (1.0 + largest(b));
+            assert!(near(law.stress(&grad_u), P), "{:?} {P:?}", law.stress(&grad_u));
+            assert!(near(law.tangent(&grad_u, &grad_w), dP), "{:?} {dP:?}", law.tangent(&grad_u, &grad_w));
+            let dual = law.piola(&seeded(&grad_u, &grad_w), &seeded(&grad_u, &grad_w));
+            assert!(near(dual.map(|x| x.eps), dP));
+            assert!((law.energy(&grad_u) - roots.energy(&grad_u)).abs() < 1e-12);
+            let slope = law.energy(&seeded(&grad_u, &grad_w)).eps;
+            assert!((slope - P.ddot(grad_w)).abs() < 1e-9);
+        }
+    }
+}
+
+/// One term with α = 2 is neo-Hookean, in space and in the plane, at equal stretches and between them.
+#[test]
+fn ogden_contains_neo_hookean() {
+    fn run<const D: usize>() {
+        let (ogden, mut random) = (Material::ogden(&[[MU, 2.0]], LAMBDA, false), Random(61));
+        let mut at: Vec<Tensor<f64, D>> = (0..50).map(|_| random.tensor(0.6)).collect();
+        // Stretches that are equal, and nearly so.
+        at.extend([0.0, 1e-15, 1e-9, 1e-5].map(|gap| {
+            let mut grad_u = 0.3 * Tensor::identity();
+            grad_u.0[0][0] += gap;
+            grad_u.0[0][D - 1] += 0.5 * gap;
+            grad_u
+        }));
+        at.push(Tensor::zero());
+        for grad_u in at {
+            let grad_w = random.tensor::<D>(1.0);
+            assert_near(ogden.stress(&grad_u), NEO.stress(&grad_u), "stress");
+            assert_near(ogden.tangent(&grad_u, &grad_w), NEO.tangent(&grad_u, &grad_w), "tangent");
+            assert!((ogden.energy(&grad_u) - NEO.energy(&grad_u)).abs() < 1e-12);
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// Closed forms: P₁₁ of F = diag(a, b, b), and tension and equibiaxial stretch with J = 1,
+/// σ₁ − σ₂ = Σ μ_p (λ₁^α_p − λ₂^α_p). Small strains lose no digits.
+#[test]
+fn ogden_in_principal_stretches() {
+    let [compressible, _, incompressible] = ogdens();
+    let sum =
+        |x: f64, y: f64| TERMS.iter().map(|[mu, alpha]| mu * (x.powf(*alpha) - y.powf(*alpha))).sum::<f64>();
+    for (a, b) in [(1.7, 0.8), (0.6, 1.1), (1.01, 1.0)] {
+        let P = piola(&compressible, &(diagonal(a, b, b) - Tensor::identity()));
+        let expected = sum(a, 1.0) / a + LAMBDA * (a * b * b - 1.0) * b * b;
+        assert!((P.0[0][0] - expected).abs() < 1e-12 * (1.0 + expected.abs()));
+    }
+    for a in [0.5, 0.9, 1.3, 2.5] {
+        let b = 1.0 / f64::sqrt(a);
+        let one = cauchy(&incompressible, diagonal(a, b, b));
+        assert!((one.0[0][0] - one.0[1][1] - sum(a, b)).abs() < 1e-12 * (1.0 + sum(a, b).abs()));
+        let two = cauchy(&incompressible, diagonal(a, a, 1.0 / (a * a)));
+        assert!(
+            (two.0[0][0] - two.0[2][2] - sum(a, 1.0 / (a * a))).abs()
+                < 1e-12 * (1.0 + sum(a, 1.0 / (a * a)).abs())
+        );
+    }
+    let w = Tensor([[1.0, 0.5], [-0.25, 0.75]]);
+    let mu = TERMS.iter().map(|[mu, alpha]| 0.5 * mu * alpha).sum();
+    let hooke = Material::Linear { mu, lambda: LAMBDA }.stress(&w);
+    assert!(largest(1e12 * compressible.stress(&(1e-12 * w)) - hooke) < 1e-10);
+    assert!(compressible.energy(&Tensor([[-1.5, 0.0], [0.0, 0.0]])).is_nan(), "no meaning at J < 0");
 }

@@ -196,7 +196,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
     let region = region(&mut s, "solid");
     let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
-    let Moduli { mu, lambda, c2, bulk } = material::law_constants(&mut s, law);
+    let Moduli { mu, lambda, c2, bulk, ogden } = material::law_constants(&mut s, law);
     let [viscosity, damping_mass, damping_stiffness] = material::damping(&mut s);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
@@ -208,6 +208,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
         mu,
         lambda,
         c2,
+        ogden,
         bulk,
         viscosity,
         damping_mass,

@@ -20,6 +20,8 @@ const FINITE: Range = Range {
     ..ANY
 };
 
+const NOT_ZERO: Range = Range { holds: |x| x != 0.0 && x.is_finite(), text: "numbers other than 0" };
+
 const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
 
 /// Constants of a law \[Pa\].
@@ -28,6 +30,8 @@ pub(super) struct Moduli {
     /// Infinite if the law is incompressible and there is no `bulk`.
     pub lambda: f64,
     pub c2: f64,
+    /// μ_p and α_p.
+    pub ogden: Vec<[f64; 2]>,
     pub bulk: Option<f64>,
 }
 
@@ -39,12 +43,14 @@ pub(super) fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
     for key in ["c1", "c2"].into_iter().filter(|key| s.has(key) && !law.is_mooney_rivlin()) {
         s.wrong(key, "only for the laws `mooney-rivlin` and `incompressible-mooney-rivlin`");
     }
+    let ogden = ogden_terms(s, law);
     let (mu, lambda) = match law.is_incompressible() {
+        _ if law.is_ogden() => beside_ogden(s, law, &ogden),
         true => (shear_modulus(s), f64::INFINITY),
         false => moduli(s),
     };
     let mu = mu.or_else(|| Some(2.0 * (c1? + c2?))).unwrap_or(1.0);
-    let mut moduli = Moduli { mu, lambda, c2: 0.0, bulk: bulk.filter(|_| law.is_incompressible()) };
+    let mut moduli = Moduli { mu, lambda, c2: 0.0, ogden, bulk: bulk.filter(|_| law.is_incompressible()) };
     if s.has("bulk") && !law.is_incompressible() {
         s.wrong("bulk", "only for incompressible laws; the others take `lambda` or `poisson`");
     } else if let Some(bulk) = bulk {
@@ -59,6 +65,63 @@ pub(super) fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
         check_split(s, &moduli);
     }
     moduli
+}
+
+/// μ_p and α_p of Ogden, whose products are above 0, or rest would not be stable.
+fn ogden_terms(s: &mut Section<'_, '_>, law: SolidLaw) -> Vec<[f64; 2]> {
+    let keys = ["ogden-mu", "ogden-alpha"];
+    let [mu, alpha] = keys.map(|key| s.numbers(key, NOT_ZERO));
+    for key in keys {
+        if s.has(key) && !law.is_ogden() {
+            s.wrong(key, "only for the laws `ogden` and `incompressible-ogden`");
+        } else if !s.has(key) && law.is_ogden() {
+            s.missing(key, "`ogden-mu` [Pa] and `ogden-alpha`, as [6.3e5, 1.2e3, -1e4] and [1.3, 5, -2]");
+        }
+    }
+    let (Some(mu), Some(alpha)) = (mu, alpha) else { return vec![] };
+    if mu.is_empty() || mu.len() > 3 {
+        s.wrong("ogden-mu", "expected one to three numbers");
+    } else if alpha.len() != mu.len() {
+        s.wrong("ogden-alpha", format!("expected {} numbers, as many as `ogden-mu`", mu.len()));
+    } else if mu.iter().zip(&alpha).any(|(mu, alpha)| mu * alpha < 0.0) {
+        s.wrong(
+            "ogden-alpha",
+            "expected numbers with the signs of those of `ogden-mu`, or rest would not be stable",
+        );
+    }
+    mu.into_iter().zip(alpha).map(|(mu, alpha)| [mu, alpha]).collect()
+}
+
+/// μ = ½ Σ μ_p α_p and λ \[Pa\] of Ogden, λ given as such or by the Poisson ratio.
+fn beside_ogden(s: &mut Section<'_, '_>, law: SolidLaw, terms: &[[f64; 2]]) -> (Option<f64>, f64) {
+    let mu: f64 = terms.iter().map(|[mu, alpha]| 0.5 * mu * alpha).sum();
+    let (lambda, poisson) = (s.optional_number("lambda", ANY), s.optional_number("poisson", POISSON));
+    for key in ["mu", "young"] {
+        if s.optional_number(key, POSITIVE).is_some() {
+            s.wrong(
+                key,
+                "not for the laws of Ogden, whose mu is half of the sum of ogden-mu times ogden-alpha",
+            );
+        }
+    }
+    if law.is_incompressible() {
+        for key in ["lambda", "poisson"].into_iter().filter(|key| s.has(key)) {
+            s.wrong(key, "the law is incompressible; expected `bulk` [Pa] or nothing");
+        }
+        return (Some(mu), f64::INFINITY);
+    }
+    match (lambda, poisson) {
+        (Some(_), Some(_)) => s.wrong("poisson", "give either `lambda` or `poisson`"),
+        (Some(lambda), None) if 3.0 * lambda + 2.0 * mu <= 0.0 => {
+            s.wrong("lambda", format!("expected a number above -2/3 mu = {} Pa", -2.0 / 3.0 * mu));
+        }
+        (None, None) if !s.has("lambda") && !s.has("poisson") => {
+            s.missing("lambda", "`lambda` [Pa] or `poisson`");
+        }
+        _ => {}
+    }
+    let of_poisson = |poisson: f64| 2.0 * mu * poisson / (1.0 - 2.0 * poisson);
+    (Some(mu), lambda.or(poisson.map(of_poisson)).unwrap_or(1.0))
 }
 
 /// Whether Mooney-Rivlin is polyconvex.
