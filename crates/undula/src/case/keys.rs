@@ -18,7 +18,7 @@ use crate::functional::energy::ENERGIES;
 use crate::functional::nodal::FIELDS;
 use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::material::LAWS;
+use crate::physics::solid_law::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};

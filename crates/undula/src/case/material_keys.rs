@@ -36,7 +36,7 @@ pub(super) static OF_FLUID: [Key; 7] = [
 ];
 
 /// Those of the solid besides mu and lambda.
-pub(super) static OF_SOLID: [Key; 8] = [
+pub(super) static OF_SOLID: [Key; 17] = [
     Key::data("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
     Key::data("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
     Key::data("solid.ogden-mu", "Pa", "ogden: required", "Ogden: μ_p, one to three numbers, as [6e5, 1e3]"),
@@ -46,6 +46,20 @@ pub(super) static OF_SOLID: [Key; 8] = [
         "ogden: required",
         "Ogden: α_p, as many, as [1.3, 5]; mu is half of Σ μ_p α_p",
     ),
+    Key::data(
+        "solid.fibre-direction",
+        "rad",
+        "0",
+        "laws with fibres: angle to the x axis of the fibres, or of the middle",
+    ),
+    Key::data("solid.fibre-angle", "rad", "fibres: required", "angle of each of two families to the middle"),
+    Key::data("solid.k1", "Pa", "fibres: required", "Holzapfel-Gasser-Ogden: stiffness of the fibres"),
+    Key::data("solid.k2", "", "fibres: required", "Holzapfel-Gasser-Ogden: exponent of the fibres"),
+    Key::data("solid.dispersion", "", "0", "Holzapfel-Gasser-Ogden: κ, 0: aligned, 1/3: in all directions"),
+    Key::data("solid.guccione-c", "Pa", "guccione: required", "Guccione: C of W = C/2 (exp Q − 1)"),
+    Key::data("solid.b-f", "", "guccione: required", "Guccione: exponent along the fibres"),
+    Key::data("solid.b-t", "", "guccione: required", "Guccione: exponent across the fibres"),
+    Key::data("solid.b-fs", "", "guccione: required", "Guccione: exponent of shear along the fibres"),
     Key::data("solid.bulk", "Pa", "none", "nearly incompressible laws: bulk modulus, lambda + 2/3 mu"),
     Key::data(
         "solid.viscosity",

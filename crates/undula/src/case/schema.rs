@@ -15,7 +15,9 @@ use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{CarreauYasuda, Damping, Extension, Fluid, Material, OwnLaw, Solid, Stabilization};
+use crate::physics::{
+    Artery, CarreauYasuda, Damping, Extension, Fluid, Material, Muscle, OwnLaw, Solid, Stabilization,
+};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
@@ -239,6 +241,8 @@ pub struct SolidSpec {
     pub c2: f64,
     /// μ_p \[Pa\] and α_p of Ogden, at most three terms; else none.
     pub ogden: Vec<[f64; 2]>,
+    /// Fibres of the laws that have them.
+    pub fibres: Option<FibreSpec>,
     /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
     pub bulk: Option<f64>,
     /// Viscosity η \[Pa s\] of the stress η Ė.
@@ -256,11 +260,27 @@ impl SolidSpec {
     pub fn material(&self) -> Material {
         match self.own {
             Some(own) => Material::Own(own),
+            None if self.law.is_of_arteries() => Material::Artery(self.artery()),
+            None if self.law == SolidLaw::Guccione => Material::Muscle(self.muscle()),
             None if self.law.is_ogden() => {
                 Material::ogden(&self.ogden, self.lambda, self.law.is_incompressible())
             }
             None => self.law.material(self.mu, self.lambda, self.c2),
         }
+    }
+
+    fn artery(&self) -> Artery {
+        let FibreSpec { direction, angle, k1, k2, dispersion, .. } = self.fibres.unwrap_or_default();
+        let own = self.law.is_incompressible();
+        let (lambda, compliance) = if own { (0.0, Some(1.0 / self.lambda)) } else { (self.lambda, None) };
+        let angles = [direction + angle, direction - angle];
+        Artery { k1, k2, dispersion, angles, ..Artery::matrix(self.mu, lambda, compliance) }
+    }
+
+    fn muscle(&self) -> Muscle {
+        let FibreSpec { direction, stiffness, exponents, .. } = self.fibres.unwrap_or_default();
+        let compliance = self.bulk.map_or(0.0, |bulk| 1.0 / bulk);
+        Muscle { stiffness, exponents, compliance, angle: direction }
     }
 
     /// The equations of the body.
@@ -272,6 +292,25 @@ impl SolidSpec {
         let damping = Damping { mass: self.damping_mass, shear, volume };
         Solid { rho: self.density, material, damping }
     }
+}
+
+/// Constants of the laws with fibres; of each law those that it has.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct FibreSpec {
+    /// Angle of the fibres, or of the middle between two families, to the x axis \[rad\].
+    pub direction: f64,
+    /// Angle of each of two families to the middle \[rad\].
+    pub angle: f64,
+    /// k₁ \[Pa\] of Holzapfel, Gasser and Ogden.
+    pub k1: f64,
+    /// k₂.
+    pub k2: f64,
+    /// Dispersion κ.
+    pub dispersion: f64,
+    /// C \[Pa\] of Guccione.
+    pub stiffness: f64,
+    /// b_f, b_t and b_fs of Guccione.
+    pub exponents: [f64; 3],
 }
 
 /// Extension of the deformation into the fluid.

@@ -6,6 +6,7 @@
 
 pub mod damping;
 pub mod extension;
+pub mod fibres;
 pub mod fields;
 pub mod fluid;
 pub mod form;
@@ -17,6 +18,7 @@ pub mod outflow;
 pub mod pressure;
 pub mod rule;
 pub mod solid;
+pub mod solid_law;
 pub mod stabilization;
 pub mod step;
 pub mod stored_energy;
@@ -26,16 +28,18 @@ pub mod viscosity;
 
 pub use damping::Damping;
 pub use extension::{Extension, MotionModel};
+pub use fibres::{Artery, Muscle};
 pub use fields::{Dots, Fields, Place, Tested};
 pub use fluid::Fluid;
 pub use form::{Couplings, FacetForm, Inertia, WeakForm};
 pub use kinematics::Kinematics;
-pub use material::{Material, SolidLaw};
+pub use material::Material;
 pub use ogden::Ogden;
 pub use outflow::{Backflow, Outflow};
 pub use pressure::Pressure;
 pub use rule::StepRule;
 pub use solid::Solid;
+pub use solid_law::SolidLaw;
 pub use stabilization::{Mapping, PressureTerm, Projection, Stabilization, TransportTerm};
 pub use stored_energy::{Deformation, OwnLaw, StoredEnergy};
 pub use viscosity::{CarreauYasuda, FluidLaw};

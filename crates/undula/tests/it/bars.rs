@@ -79,3 +79,69 @@ fn constants_of_ogden_are_checked() {
         assert!(message.contains(expected), "{message}");
     }
 }
+
+/// k₁ E exp(k₂ E²) of both families, E = κ (a² + b² − 2) + (1 − 3 κ)(a² cos² + b² sin² − 1), times ∂E/∂a and ∂E/∂b.
+fn fibres([k1, k2, kappa, angle]: [f64; 4], a: f64, b: f64) -> [f64; 2] {
+    let (c, s) = (angle.cos().powi(2), angle.sin().powi(2));
+    let strain = kappa * (a * a + b * b - 2.0) + (1.0 - 3.0 * kappa) * (a * a * c + b * b * s - 1.0);
+    let tension = 2.0 * k1 * strain.max(0.0) * (k2 * strain * strain).exp();
+    [2.0 * a * (kappa + (1.0 - 3.0 * kappa) * c), 2.0 * b * (kappa + (1.0 - 3.0 * kappa) * s)]
+        .map(|x| x * tension)
+}
+
+#[test]
+fn bars_with_fibres_are_drawn() {
+    for (kappa, degrees) in [(0.0, 30.0f64), (0.1, 50.0), (1.0 / 3.0, 0.0)] {
+        let numbers = [0.8, 0.5, kappa, degrees.to_radians()];
+        let keys =
+            format!("mu = 1.5\nk1 = 0.8\nk2 = 0.5\ndispersion = {kappa}\nfibre-angle = \"{degrees} deg\"\n");
+        draw(&format!("law = \"holzapfel-gasser-ogden\"\n{keys}lambda = 4"), 1.2, false, |a, b| {
+            let [x, y] = fibres(numbers, a, b);
+            let volume = 4.0 * (a * b - 1.0);
+            [1.5 * (a - 1.0 / a) + volume * b + x, 1.5 * (b - 1.0 / b) + volume * a + y]
+        });
+        draw(&format!("law = \"incompressible-holzapfel-gasser-ogden\"\n{keys}"), 1.2, true, |a, b| {
+            let [x, y] = fibres(numbers, a, b);
+            [1.5 * (a - 1.0 / a) + x, 1.5 * (b - 1.0 / b) + y]
+        });
+    }
+}
+
+#[test]
+fn bars_of_muscle_are_drawn() {
+    let stress = |[along, across]: [f64; 2]| {
+        move |a: f64, b: f64| {
+            let (x, y) = (0.5 * (a * a - 1.0), 0.5 * (b * b - 1.0));
+            let factor = 2.0 * (along * x * x + across * y * y).exp();
+            [factor * along * x * a, factor * across * y * b]
+        }
+    };
+    let keys = "law = \"guccione\"\nguccione-c = 2\nb-f = 8\nb-t = 2\nb-fs = 4\n";
+    draw(keys, 1.15, true, stress([8.0, 2.0]));
+    draw(&format!("{keys}fibre-direction = \"90 deg\"\n"), 1.15, true, stress([2.0, 8.0]));
+}
+
+#[test]
+fn constants_of_fibres_are_checked() {
+    let keys = "law = \"holzapfel-gasser-ogden\"\nmu = 1\nlambda = 1\nk1 = 2\nk2 = 3\nfibre-angle = 0.5\n";
+    let case = bar(&format!("{keys}dispersion = 0.2\nfibre-direction = 0.1"), 0.0, &[]);
+    let again = Case::from_toml(&case.to_toml(), "case.toml", &[]).unwrap();
+    assert_eq!(again.solid, case.solid);
+    let muscle = "law = \"guccione\"\nguccione-c = 2\nb-f = 8\nb-t = 2\nb-fs = 4\nbulk = 100\n";
+    let case = bar(muscle, 0.0, &[]);
+    let again = Case::from_toml(&case.to_toml(), "case.toml", &[]).unwrap();
+    assert_eq!(again.solid, case.solid);
+    let text = |solid: &str| format!("[mesh]\ngenerator = \"turek-hron\"\n[solid]\ndensity = 1\n{solid}");
+    for (solid, more, expected) in [
+        (keys, "solid.dispersion=0.4", "from 0, aligned, to 1/3"),
+        (keys, "solid.k1=none", "solid.k1: missing: the stiffness of the fibres"),
+        (keys, "solid.law=neo-hookean", "only for the laws `holzapfel-gasser-ogden`"),
+        (keys, "solid.b-f=1", "only for the law `guccione`"),
+        (muscle, "solid.b-fs=none", "solid.b-fs: missing"),
+        (muscle, "solid.mu=1", "not for the law of Guccione"),
+        (muscle, "solid.b-t=-1", "expected a number above 0"),
+    ] {
+        let message = wrong(&text(solid), &[more]);
+        assert!(message.contains(expected), "{message}");
+    }
+}

@@ -5,8 +5,8 @@ use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
 use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
-    Backflow, CarreauYasuda, Damping, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place,
-    Pressure, Solid, StepRule, Tested, WeakForm,
+    Artery, Backflow, CarreauYasuda, Damping, Extension, FacetForm, Fields, Fluid, Material, Muscle, Outflow,
+    Place, Pressure, Solid, StepRule, Tested, WeakForm,
 };
 use undula::tangent::{ByHand, Difference, Stencil, Tangent, automatic, automatic_facet, facet, fixed_point};
 
@@ -101,8 +101,9 @@ fn damped(material: Material) -> Solid {
     Solid { damping: Damping { mass: 30.0, shear: 2e5, volume: 3e5 }, ..Solid::elastic(1e3, material) }
 }
 
-fn materials() -> [Material; 9] {
+fn materials() -> [Material; 11] {
     let (mu, lambda) = (2e6, 8e6);
+    let matrix = Artery::matrix(mu, lambda, None);
     [
         SOLID.material,
         Material::Linear { mu, lambda },
@@ -113,6 +114,8 @@ fn materials() -> [Material; 9] {
         Material::incompressible(0.7e6, 0.3e6, lambda),
         Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], lambda, false),
         Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], f64::INFINITY, true),
+        Material::Artery(Artery { k1: 1e6, k2: 0.5, dispersion: 0.1, angles: [0.3, 1.2], ..matrix }),
+        Material::Muscle(Muscle { stiffness: 1e6, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 }),
     ]
 }
 

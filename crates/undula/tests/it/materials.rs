@@ -3,7 +3,7 @@
 
 use undula::math::{Dual, Scalar, Tensor};
 use undula::physics::kinematics::{cofactor, volume_change};
-use undula::physics::{Deformation, Material, StoredEnergy};
+use undula::physics::{Artery, Deformation, Material, Muscle, StoredEnergy};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -55,7 +55,24 @@ fn ogdens() -> [Material; 3] {
 }
 
 fn all() -> Vec<Material> {
-    [&by_hand()[..], &ogdens()].concat()
+    [&by_hand()[..], &ogdens(), &with_fibres()].concat()
+}
+
+const ARTERY: Artery = Artery {
+    mu: MU,
+    lambda: LAMBDA,
+    compliance: None,
+    k1: 2.0,
+    k2: 0.8,
+    dispersion: 0.1,
+    angles: [0.9, -0.3],
+};
+const MUSCLE: Muscle = Muscle { stiffness: 2.0, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 };
+
+fn with_fibres() -> [Material; 4] {
+    let own = Artery { lambda: 0.0, compliance: Some(1.0 / LAMBDA), ..ARTERY };
+    let nearly = Muscle { compliance: 0.1, ..MUSCLE };
+    [Material::Artery(ARTERY), Material::Artery(own), Material::Muscle(MUSCLE), Material::Muscle(nearly)]
 }
 
 /// P with the pressure that a nearly incompressible law has by itself, p = −κ' (J − 1).
@@ -146,7 +163,7 @@ fn seeded<const D: usize>(grad_u: &Tensor<f64, D>, grad_w: &Tensor<f64, D>) -> T
 fn at_rest_every_law_is_that_of_hooke() {
     fn run<const D: usize>() {
         let mut random = Random(5);
-        for material in all() {
+        for material in by_hand().into_iter().chain(ogdens()) {
             let mu = match material {
                 Material::Linear { mu, .. }
                 | Material::StVenantKirchhoff { mu, .. }
@@ -155,7 +172,7 @@ fn at_rest_every_law_is_that_of_hooke() {
                     2.0 * (c1 + c2)
                 }
                 Material::Ogden(law) => law.shear_modulus(),
-                Material::Own(_) => unreachable!("of other programs"),
+                _ => unreachable!("of other constants"),
             };
             let rest = Tensor::<f64, D>::zero();
             assert_eq!(largest(piola(&material, &rest)), 0.0, "{material:?}");
@@ -446,4 +463,76 @@ fn ogden_in_principal_stretches() {
     let hooke = Material::Linear { mu, lambda: LAMBDA }.stress(&w);
     assert!(largest(1e12 * compressible.stress(&(1e-12 * w)) - hooke) < 1e-10);
     assert!(compressible.energy(&Tensor([[-1.5, 0.0], [0.0, 0.0]])).is_nan(), "no meaning at J < 0");
+}
+
+/// ∂/∂F by central differences.
+fn differences<const D: usize>(at: &Tensor<f64, D>, f: impl Fn(&Tensor<f64, D>) -> f64) -> Tensor<f64, D> {
+    let (mut slope, h) = (Tensor::zero(), 1e-6);
+    for i in 0..D {
+        for j in 0..D {
+            let moved = |by: f64| {
+                let mut at = *at;
+                at.0[i][j] += by;
+                f(&at)
+            };
+            slope.0[i][j] = (moved(h) - moved(-h)) / (2.0 * h);
+        }
+    }
+    slope
+}
+
+/// Stress and tangent of fibres and of Ogden are differences of the energy and of the stress, in space, too.
+#[test]
+fn laws_by_number_are_derivatives_of_their_energy() {
+    fn run<const D: usize>() {
+        let mut random = Random(71);
+        for material in ogdens().into_iter().chain(with_fibres()) {
+            for _ in 0..50 {
+                let (grad_u, grad_w) = (random.tensor::<D>(0.5), random.tensor::<D>(1.0));
+                let P = piola(&material, &grad_u);
+                let slope = differences(&grad_u, |at| material.energy(at));
+                assert!(largest(slope - P) < 1e-7 * (1.0 + largest(P)), "{material:?}: {slope:?} {P:?}");
+                let dP = material.tangent(&grad_u, &grad_w);
+                let power = differences(&grad_u, |at| material.stress(at).ddot(grad_w));
+                // The tangent is symmetric: it is that of an energy.
+                assert!(largest(power - dP) < 1e-6 * (1.0 + largest(dP)), "{material:?}: {power:?} {dP:?}");
+            }
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// Fibres that turn with the reference domain: P_φ(F) = P₀(F R) Rᵀ. Fibres that are pressed bear nothing, and with κ = ⅓
+/// they have no direction.
+#[test]
+fn fibres_have_a_direction_and_bear_tension() {
+    let mut random = Random(81);
+    let (s, c) = 0.7f64.sin_cos();
+    let R = Tensor([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]);
+    let turned = [
+        Material::Artery(Artery { angles: ARTERY.angles.map(|x| x + 0.7), ..ARTERY }),
+        Material::Muscle(Muscle { angle: MUSCLE.angle + 0.7, ..MUSCLE }),
+    ];
+    let matrix = Material::Artery(Artery::matrix(MU, LAMBDA, None));
+    for _ in 0..50 {
+        let F = Tensor::identity() + random.tensor::<3>(0.5);
+        for (turned, plain) in turned.iter().zip([Material::Artery(ARTERY), Material::Muscle(MUSCLE)]) {
+            let expected = plain.stress(&(F * R - Tensor::identity())) * R.t();
+            assert_near(turned.stress(&(F - Tensor::identity())), expected, &format!("{plain:?}"));
+        }
+        let grad_u = random.tensor::<2>(0.5);
+        assert_near(matrix.stress(&grad_u), NEO.stress(&grad_u), "no fibres");
+        let spread = |angle: f64| Artery { dispersion: 1.0 / 3.0, angles: [angle; 2], ..ARTERY };
+        let of = |angle: f64| Material::Artery(spread(angle)).stress(&grad_u);
+        assert_near(of(0.2), of(1.4), "in all directions");
+    }
+    let along = Material::Artery(Artery { dispersion: 0.0, angles: [0.0; 2], ..ARTERY });
+    let pressed = Tensor([[-0.1, 0.0], [0.0, 0.2]]);
+    assert_near(along.stress(&pressed), NEO.stress(&pressed), "pressed");
+    let drawn = Tensor([[0.1, 0.0], [0.0, 0.0]]);
+    let extra = along.stress(&drawn) - NEO.stress(&drawn);
+    let E = 1.1f64 * 1.1 - 1.0;
+    // Two families: 2 k₁ E exp(k₂ E²) ∂E/∂a.
+    assert!((extra.0[0][0] - 4.0 * 2.0 * E * (0.8 * E * E).exp() * 1.1).abs() < 1e-12, "{extra:?}");
 }

@@ -17,7 +17,7 @@ use crate::choice;
 use crate::element::Shape;
 use crate::mesh::gmsh;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::material::LAWS;
+use crate::physics::solid_law::LAWS;
 use crate::space::WALLS;
 use std::collections::BTreeMap;
 
@@ -196,7 +196,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
     let region = region(&mut s, "solid");
     let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
-    let Moduli { mu, lambda, c2, bulk, ogden } = material::law_constants(&mut s, law);
+    let Moduli { mu, lambda, c2, bulk, ogden, fibres } = material::law_constants(&mut s, law);
     let [viscosity, damping_mass, damping_stiffness] = material::damping(&mut s);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
@@ -209,6 +209,7 @@ pub(super) fn solid(mut s: Section<'_, '_>) -> Option<SolidSpec> {
         lambda,
         c2,
         ogden,
+        fibres,
         bulk,
         viscosity,
         damping_mass,

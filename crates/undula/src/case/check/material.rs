@@ -1,7 +1,7 @@
 //! Constants of materials.
 
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
-use crate::case::schema::{FluidSpec, SolidLaw, ThinningSpec};
+use crate::case::schema::{FibreSpec, FluidSpec, SolidLaw, ThinningSpec};
 use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 
@@ -32,6 +32,7 @@ pub(super) struct Moduli {
     pub c2: f64,
     /// μ_p and α_p.
     pub ogden: Vec<[f64; 2]>,
+    pub fibres: Option<FibreSpec>,
     pub bulk: Option<f64>,
 }
 
@@ -43,14 +44,16 @@ pub(super) fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
     for key in ["c1", "c2"].into_iter().filter(|key| s.has(key) && !law.is_mooney_rivlin()) {
         s.wrong(key, "only for the laws `mooney-rivlin` and `incompressible-mooney-rivlin`");
     }
-    let ogden = ogden_terms(s, law);
+    let (ogden, fibres) = (ogden_terms(s, law), fibres(s, law));
     let (mu, lambda) = match law.is_incompressible() {
         _ if law.is_ogden() => beside_ogden(s, law, &ogden),
+        _ if law == SolidLaw::Guccione => (beside_guccione(s, fibres.as_ref()), f64::INFINITY),
         true => (shear_modulus(s), f64::INFINITY),
         false => moduli(s),
     };
     let mu = mu.or_else(|| Some(2.0 * (c1? + c2?))).unwrap_or(1.0);
-    let mut moduli = Moduli { mu, lambda, c2: 0.0, ogden, bulk: bulk.filter(|_| law.is_incompressible()) };
+    let mut moduli =
+        Moduli { mu, lambda, c2: 0.0, ogden, fibres, bulk: bulk.filter(|_| law.is_incompressible()) };
     if s.has("bulk") && !law.is_incompressible() {
         s.wrong("bulk", "only for incompressible laws; the others take `lambda` or `poisson`");
     } else if let Some(bulk) = bulk {
@@ -65,6 +68,71 @@ pub(super) fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
         check_split(s, &moduli);
     }
     moduli
+}
+
+const DISPERSION: Range = Range {
+    holds: |x| (0.0..=1.0 / 3.0).contains(&x),
+    text: "a number from 0, aligned, to 1/3, in all directions",
+};
+
+/// The constants of the fibres of laws that have them.
+fn fibres(s: &mut Section<'_, '_>, law: SolidLaw) -> Option<FibreSpec> {
+    let (artery, muscle) = (law.is_of_arteries(), law == SolidLaw::Guccione);
+    let direction = s.optional_number("fibre-direction", ANY);
+    let [angle, k1, k2] = [("fibre-angle", ANY), ("k1", NOT_NEGATIVE), ("k2", POSITIVE)]
+        .map(|(key, range)| s.optional_number(key, range));
+    let dispersion = s.optional_number("dispersion", DISPERSION);
+    let muscles = ["guccione-c", "b-f", "b-t", "b-fs"].map(|key| s.optional_number(key, POSITIVE));
+    let of = [
+        (
+            &["fibre-direction"][..],
+            artery || muscle,
+            "laws with fibres: `holzapfel-gasser-ogden`, `guccione`",
+        ),
+        (&["fibre-angle", "k1", "k2", "dispersion"], artery, "the laws `holzapfel-gasser-ogden`"),
+        (&["guccione-c", "b-f", "b-t", "b-fs"], muscle, "the law `guccione`"),
+    ];
+    for (key, laws) in
+        of.iter().filter(|row| !row.1).flat_map(|(keys, _, laws)| keys.iter().map(move |key| (key, laws)))
+    {
+        if s.has(key) {
+            s.wrong(key, format!("only for {laws}"));
+        }
+    }
+    let needed: &[(&str, &str)] = match () {
+        () if artery => &[
+            ("fibre-angle", "the angle of each family of fibres to `fibre-direction`, as \"40 deg\""),
+            ("k1", "the stiffness of the fibres [Pa]"),
+            ("k2", "the exponent of the fibres"),
+        ],
+        () if muscle => {
+            &[("guccione-c", "the stiffness C [Pa]"), ("b-f", "as 8"), ("b-t", "as 2"), ("b-fs", "as 4")]
+        }
+        () => return None,
+    };
+    for (key, meaning) in needed.iter().filter(|(key, _)| !s.has(key)) {
+        s.missing(key, meaning);
+    }
+    let [stiffness, b_f, b_t, b_fs] = muscles.map(|x| x.unwrap_or(1.0));
+    Some(FibreSpec {
+        direction: direction.unwrap_or(0.0),
+        angle: angle.unwrap_or(0.0),
+        k1: k1.unwrap_or(1.0),
+        k2: k2.unwrap_or(1.0),
+        dispersion: dispersion.unwrap_or(0.0),
+        stiffness,
+        exponents: [b_f, b_t, b_fs],
+    })
+}
+
+/// μ = ½ C b_fs \[Pa\] of Guccione, that of a shear along the fibres.
+fn beside_guccione(s: &mut Section<'_, '_>, fibres: Option<&FibreSpec>) -> Option<f64> {
+    for key in ["mu", "lambda", "young", "poisson"] {
+        if s.optional_number(key, ANY).is_some() {
+            s.wrong(key, "not for the law of Guccione; expected `guccione-c`, `b-f`, `b-t` and `b-fs`");
+        }
+    }
+    fibres.map(|fibres| 0.5 * fibres.stiffness * fibres.exponents[2])
 }
 
 /// μ_p and α_p of Ogden, whose products are above 0, or rest would not be stable.

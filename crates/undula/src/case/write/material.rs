@@ -3,7 +3,7 @@
 use super::{Lines, OWN, expressions};
 use crate::case::choices::BODY_FORCE_AT;
 use crate::case::literal::{number, string};
-use crate::case::schema::{FluidSpec, SolidSpec, ThinningSpec};
+use crate::case::schema::{FibreSpec, FluidSpec, SolidLaw, SolidSpec, ThinningSpec};
 use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
 
 impl FluidSpec {
@@ -32,11 +32,14 @@ impl SolidSpec {
             None => out.word("law", self.law.name()),
         }
         out.key("density", number(self.density));
+        if let Some(fibres) = &self.fibres {
+            write_fibres(self.law, fibres, out);
+        }
         if self.law.is_ogden() {
             let column = |n: usize| self.ogden.iter().map(|term| number(term[n])).collect::<Vec<_>>();
             out.key("ogden-mu", format!("[{}]", column(0).join(", ")));
             out.key("ogden-alpha", format!("[{}]", column(1).join(", ")));
-        } else {
+        } else if self.law != SolidLaw::Guccione {
             out.key("mu", number(self.mu));
         }
         if self.law.is_mooney_rivlin() {
@@ -56,6 +59,22 @@ impl SolidSpec {
             out.key(key, number(value));
         }
         out.key("body-force", expressions(&self.body_force));
+    }
+}
+
+/// Constants of the fibres of `law`.
+fn write_fibres(law: SolidLaw, fibres: &FibreSpec, out: &mut Lines) {
+    out.key("fibre-direction", number(fibres.direction));
+    let ([b_f, b_t, b_fs], artery) = (fibres.exponents, law.is_of_arteries());
+    let of_arteries = [
+        ("fibre-angle", fibres.angle),
+        ("k1", fibres.k1),
+        ("k2", fibres.k2),
+        ("dispersion", fibres.dispersion),
+    ];
+    let of_muscle = [("guccione-c", fibres.stiffness), ("b-f", b_f), ("b-t", b_t), ("b-fs", b_fs)];
+    for (key, value) in if artery { of_arteries } else { of_muscle } {
+        out.key(key, number(value));
     }
 }
 
