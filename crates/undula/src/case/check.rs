@@ -8,6 +8,7 @@ mod body;
 mod condition;
 mod functional;
 mod initial;
+mod material;
 mod solver;
 mod stabilization;
 
@@ -15,7 +16,7 @@ use super::builtin::{builtin_case, builtin_cases};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, OwnMesh, Record, Scheme, TimeSpec};
+use super::schema::{Case, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
 use std::path::{Path, PathBuf};
@@ -91,6 +92,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         body::refuse_pair(&root.section("space"), &space);
     }
     let how = stabilization::stabilization(root.section("stabilization"), &space, !fluids.is_empty());
+    material::refuse_residuals(&root.section("stabilization"), &fluids, &how);
     let solids = bodies::read(&mut root, "solid", body::solid);
     bodies::refuse(&mut root, &fluids, &solids, &space, &how);
     let motion = root.section("motion");
@@ -107,6 +109,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     if time.is_none() {
         note_steps(checker, &output);
+        note_damping(&mut root, &solids);
     }
     let case = Case {
         name,
@@ -165,6 +168,13 @@ fn note_steps(checker: &Checker<'_>, output: &super::schema::OutputSpec) {
             let note = format!("output.{key} has no effect: the case is stationary");
             checker.notes.borrow_mut().push(note);
         }
+    }
+}
+
+/// The damping of a stationary case has no effect.
+fn note_damping(root: &mut Section<'_, '_>, solids: &[SolidSpec]) {
+    for solid in solids {
+        material::note_still(&bodies::section(root, "solid", solid.name.as_deref()));
     }
 }
 

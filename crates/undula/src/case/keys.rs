@@ -11,6 +11,7 @@ use super::functionals::FUNCTIONALS;
 use super::initial::INITIAL;
 pub use super::key::Key;
 use super::key::NAME;
+use super::material_keys::{OF_FLUID, OF_SOLID};
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -19,7 +20,7 @@ use crate::functional::energy::ENERGIES;
 use crate::functional::nodal::FIELDS;
 use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::material::LAWS;
+use crate::physics::solid_law::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
@@ -48,13 +49,15 @@ pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
     let data = |key: &Key| match key.key {
         "boundary.NAME.condition" => &DATA[..],
         "time.adaptive.safety" => &INITIAL[..],
+        "fluid.density" => &OF_FLUID[..],
+        "solid.poisson" => &OF_SOLID[..],
         _ => &[],
     };
     let keys = KEYS_BUT_DATA.iter().flat_map(|key| std::iter::once(key).chain(data(key)));
     key::with_named(keys.collect())
 });
 
-/// All but those of the data of boundary conditions and of the start.
+/// All but those of the data of boundary conditions of the start and of materials.
 static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
@@ -79,12 +82,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     ),
     text("fluid.region", "fluid", "region of the mesh that the fluid fills, or several as [\"a\", \"b\"]"),
     number("fluid.density", "kg/m³", "required", "density"),
-    number(
-        "fluid.kinematic-viscosity",
-        "m²/s",
-        "required",
-        "kinematic viscosity: dynamic viscosity divided by density",
-    ),
     number("fluid.body-force", "m/s²", "[0, 0]", "body force per mass, two expressions of x, y, t"),
     word("fluid.body-force-at", &BODY_FORCE_AT, "reference", "position at which the body force is taken"),
     word(
@@ -111,9 +108,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     text("solid.region", "solid", "region of the mesh that the solid fills, or several as [\"a\", \"b\"]"),
     word("solid.law", &LAWS, "st-venant-kirchhoff", "constitutive law"),
     number("solid.density", "kg/m³", "required", "density"),
-    number("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
-    number("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
-    number("solid.bulk", "Pa", "none", "nearly incompressible laws: bulk modulus, lambda + 2/3 mu"),
     number("solid.mu", "Pa", "required", "shear modulus; `young` and `poisson` instead of `mu` and `lambda`"),
     number("solid.lambda", "Pa", "required", "first Lamé parameter; not with incompressible laws"),
     number("solid.young", "Pa", "from mu, lambda", "Young's modulus; incompressible: 3 mu"),

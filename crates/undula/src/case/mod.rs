@@ -22,6 +22,7 @@ pub mod initial;
 pub(crate) mod key;
 pub mod keys;
 pub(crate) mod literal;
+mod material_keys;
 mod raw;
 mod read;
 pub mod schema;

@@ -16,7 +16,9 @@ use crate::choice::{Choice, choice};
 pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
-use crate::physics::{Material, OwnLaw, Solid, Stabilization};
+use crate::physics::{
+    Artery, CarreauYasuda, Damping, Extension, Fluid, Material, Muscle, OwnLaw, Solid, Stabilization,
+};
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::Walls;
 pub use crate::tangent::{Linearization, Tangent};
@@ -192,10 +194,40 @@ pub struct FluidSpec {
     pub density: f64,
     /// ν_f \[m²/s\].
     pub kinematic_viscosity: f64,
+    /// How it depends on the rate of shear, with `kinematic_viscosity` at rest; `None`: it is constant.
+    pub thinning: Option<ThinningSpec>,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
     /// Take the body force at the current position x + u instead of the reference position x.
     pub force_at_current: bool,
+}
+
+/// The law of Carreau and Yasuda.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct ThinningSpec {
+    /// μ₀ \[Pa s\], at rest.
+    pub zero: f64,
+    /// μ_∞ \[Pa s\], at high rates of shear.
+    pub infinity: f64,
+    /// λ \[s\].
+    pub time: f64,
+    /// n.
+    pub index: f64,
+    /// a.
+    pub transition: f64,
+}
+
+impl FluidSpec {
+    /// The equations of the flow, with the extension of the displacement.
+    pub fn physics(&self, extension: Extension) -> Fluid {
+        let law = |law: ThinningSpec| CarreauYasuda {
+            ratio: law.infinity / law.zero,
+            time: law.time,
+            index: law.index,
+            transition: law.transition,
+        };
+        Fluid { rho: self.density, nu: self.kinematic_viscosity, thinning: self.thinning.map(law), extension }
+    }
 }
 
 /// An elastic body.
@@ -218,25 +250,78 @@ pub struct SolidSpec {
     pub lambda: f64,
     /// c₂ of Mooney-Rivlin \[Pa\], c₁ = ½ μ_s − c₂; else 0.
     pub c2: f64,
+    /// μ_p \[Pa\] and α_p of Ogden, at most three terms; else none.
+    pub ogden: Vec<[f64; 2]>,
+    /// Fibres of the laws that have them.
+    pub fibres: Option<FibreSpec>,
     /// Bulk modulus κ = λ_s + ⅔ μ_s \[Pa\] of a law that is only nearly incompressible.
     pub bulk: Option<f64>,
+    /// Viscosity η \[Pa s\] of the stress η Ė.
+    pub viscosity: f64,
+    /// Rayleigh damping α \[1/s\] by the mass.
+    pub damping_mass: f64,
+    /// Rayleigh damping β \[s\] by the stiffness at rest.
+    pub damping_stiffness: f64,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
 }
 
 impl SolidSpec {
-    /// The equations.
-    pub(crate) fn solid(&self) -> Solid {
-        Solid { rho: self.density, material: self.material() }
-    }
-
     /// The law with its constants.
     pub fn material(&self) -> Material {
         match self.own {
             Some(own) => Material::Own(own),
+            None if self.law.is_of_arteries() => Material::Artery(self.artery()),
+            None if self.law == SolidLaw::Guccione => Material::Muscle(self.muscle()),
+            None if self.law.is_ogden() => {
+                Material::ogden(&self.ogden, self.lambda, self.law.is_incompressible())
+            }
             None => self.law.material(self.mu, self.lambda, self.c2),
         }
     }
+
+    fn artery(&self) -> Artery {
+        let FibreSpec { direction, angle, k1, k2, dispersion, .. } = self.fibres.unwrap_or_default();
+        let own = self.law.is_incompressible();
+        let (lambda, compliance) = if own { (0.0, Some(1.0 / self.lambda)) } else { (self.lambda, None) };
+        let angles = [direction + angle, direction - angle];
+        Artery { k1, k2, dispersion, angles, ..Artery::matrix(self.mu, lambda, compliance) }
+    }
+
+    fn muscle(&self) -> Muscle {
+        let FibreSpec { direction, stiffness, exponents, .. } = self.fibres.unwrap_or_default();
+        let compliance = self.bulk.map_or(0.0, |bulk| 1.0 / bulk);
+        Muscle { stiffness, exponents, compliance, angle: direction }
+    }
+
+    /// The equations of the body.
+    pub fn physics(&self) -> Solid {
+        let (material, beta) = (self.material(), self.damping_stiffness);
+        // The volume of an incompressible body has a pressure, not a stress of its own.
+        let volume = if material.compliance().is_some() { 0.0 } else { beta * self.lambda };
+        let shear = self.viscosity + 2.0 * beta * self.mu;
+        let damping = Damping { mass: self.damping_mass, shear, volume };
+        Solid { rho: self.density, material, damping }
+    }
+}
+
+/// Constants of the laws with fibres; of each law those that it has.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct FibreSpec {
+    /// Angle of the fibres, or of the middle between two families, to the x axis \[rad\].
+    pub direction: f64,
+    /// Angle of each of two families to the middle \[rad\].
+    pub angle: f64,
+    /// k₁ \[Pa\] of Holzapfel, Gasser and Ogden.
+    pub k1: f64,
+    /// k₂.
+    pub k2: f64,
+    /// Dispersion κ.
+    pub dispersion: f64,
+    /// C \[Pa\] of Guccione.
+    pub stiffness: f64,
+    /// b_f, b_t and b_fs of Guccione.
+    pub exponents: [f64; 3],
 }
 
 /// Extension of the deformation into the fluid.

@@ -1,8 +1,9 @@
 //! A case as TOML with all defaults resolved.
 
 mod functional;
+mod material;
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BACKFLOW, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::initial::Initial;
@@ -214,34 +215,8 @@ impl Case {
     }
 
     fn write_bodies(&self, out: &mut Lines) {
-        for fluid in &self.fluids {
-            out.table(&fluid.table());
-            out.regions(&fluid.regions);
-            out.key("density", number(fluid.density));
-            out.key("kinematic-viscosity", number(fluid.kinematic_viscosity));
-            out.key("body-force", expressions(&fluid.body_force));
-            out.choice("body-force-at", &BODY_FORCE_AT, &fluid.force_at_current);
-        }
-        for solid in &self.solids {
-            out.table(&solid.table());
-            out.regions(&solid.regions);
-            match solid.own {
-                // The stored energy of a program: give it one to read this.
-                Some(_) => out.key("law", string(OWN)),
-                None => out.word("law", solid.law.name()),
-            }
-            out.key("density", number(solid.density));
-            out.key("mu", number(solid.mu));
-            if solid.law.is_mooney_rivlin() {
-                out.key("c2", number(solid.c2));
-            }
-            if !solid.law.is_incompressible() {
-                out.key("lambda", number(solid.lambda));
-            } else if let Some(bulk) = solid.bulk {
-                out.key("bulk", number(bulk));
-            }
-            out.key("body-force", expressions(&solid.body_force));
-        }
+        self.fluids.iter().for_each(|fluid| fluid.write(out));
+        self.solids.iter().for_each(|solid| solid.write(out));
         out.table("motion");
         out.choice("model", &MOTIONS, &self.motion.model);
         out.key("poisson", number(self.motion.poisson));

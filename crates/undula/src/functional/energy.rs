@@ -80,7 +80,8 @@ impl Energy {
                 let Kinematics { F_inv, J, .. } = Kinematics::of(&f.grad_u);
                 let grad_v = f.grad_v * F_inv;
                 let strain = 0.5 * (grad_v + grad_v.t());
-                Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain))
+                let factor = fluid.thinning.map_or(1.0, |law| law.factor(&(2.0 * strain)));
+                Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor)
             }
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
             (Integral::Elastic, Region::Solid) => Some(physics.solid?.material.energy(&f.grad_u)),

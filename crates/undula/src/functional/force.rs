@@ -5,7 +5,7 @@ use super::{Functional, Snapshot};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Facet, Side};
 use crate::physics::kinematics::cofactor;
-use crate::physics::{Fields, Kinematics};
+use crate::physics::{Fields, Fluid, Kinematics};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
 use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
 use std::collections::BTreeMap;
@@ -252,14 +252,14 @@ impl<const D: usize> Tractions<D> {
     /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
     fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
         let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
-        let viscosity = at.physics.of(at.space.material[self.cell]).fluid.map_or(0.0, |f| f.rho * f.nu);
+        let fluid = at.physics.of(at.space.material[self.cell]).fluid;
         let theta = at.rule.theta;
         let mut sum = Vector::zero();
         for (weight, point, basis) in &self.points {
             let p: f64 = dofs.iter().zip(basis).map(|(&dof, b)| b * at.new.p[dof as usize]).sum();
             let fields = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
             let mut add = |part: f64, fields: &Fields<f64, D>| {
-                sum += weight * part * traction(viscosity, fields, p, point.normal);
+                sum += weight * part * traction(fluid, fields, p, point.normal);
             };
             if at.rule.quadrature.is_empty() {
                 add(theta, &fields(at.new));
@@ -275,15 +275,16 @@ impl<const D: usize> Tractions<D> {
     }
 }
 
-/// J σ F⁻ᵀ n at a point, with ρ ν and the pressure `p`.
+/// J σ F⁻ᵀ n of `fluid` at a point, with the pressure `p`.
 fn traction<const D: usize>(
-    viscosity: f64,
+    fluid: Option<Fluid>,
     fields: &Fields<f64, D>,
     p: f64,
     normal: Vector<f64, D>,
 ) -> Vector<f64, D> {
     let Kinematics { F_inv, .. } = Kinematics::of(&fields.grad_u);
     let grad_v = fields.grad_v * F_inv;
-    let sigma = viscosity * (grad_v + grad_v.t()) - p * Tensor::identity();
+    let friction = fluid.map_or(Tensor::zero(), |fluid| fluid.friction(grad_v, grad_v));
+    let sigma = friction - p * Tensor::identity();
     sigma * (cofactor(&fields.grad_u) * normal)
 }

@@ -192,8 +192,8 @@ pub fn wall_shear<const D: usize>(
     fields: &Fields<f64, D>,
     n: Vector<f64, D>,
 ) -> Vector<f64, D> {
-    let viscosity = physics.fluid.map_or(0.0, |f| f.rho * f.nu);
     let grad_v = fields.grad_v * Kinematics::of(&fields.grad_u).F_inv;
-    let traction = viscosity * ((grad_v + grad_v.t()) * n);
+    let friction = physics.fluid.map_or(Tensor::zero(), |fluid| fluid.friction(grad_v, grad_v));
+    let traction = friction * n;
     n * traction.dot(n) - traction
 }

@@ -216,7 +216,7 @@ fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, constraints: &Constraints<2>
     let open = |name: &String| case.boundary.get(name).is_some_and(Condition::is_natural);
     Setting {
         space,
-        solids: case.solids.iter().map(SolidSpec::solid).collect(),
+        solids: case.solids.iter().map(SolidSpec::physics).collect(),
         fluid_density: case.fluids.first().map(|fluid| fluid.density),
         held,
         open: space.mesh.boundaries.iter().map(open).collect(),

@@ -30,6 +30,6 @@ pub fn correction<const D: usize>(
         space.material[facet.cell as usize] == material
             && matches!(condition, BoundaryCondition::Outflow { do_nothing: true, .. })
     };
-    let form = Outflow { viscosity: fluid.rho * fluid.nu };
+    let form = Outflow { viscosity: fluid.rho * fluid.nu, thinning: fluid.thinning };
     FacetOperator::new(space, Region::Fluid, |facet| here(facet), n, |_| Correction(form))
 }

@@ -2,7 +2,9 @@
 
 use super::form::Block;
 use super::kinematics::cofactor;
-use super::{Couplings, Dots, Extension, Fields, Inertia, Kinematics, Place, Tested, WeakForm};
+use super::{
+    CarreauYasuda, Couplings, Dots, Extension, Fields, Inertia, Kinematics, Place, Tested, WeakForm,
+};
 use crate::math::{Scalar, Tensor};
 
 /// Momentum (5.15), divergence (5.16) and extension (5.18) in the fluid region.
@@ -10,10 +12,42 @@ use crate::math::{Scalar, Tensor};
 pub struct Fluid {
     /// Density ρ_f \[kg/m³\].
     pub rho: f64,
-    /// Kinematic viscosity ν_f \[m²/s\].
+    /// Kinematic viscosity ν_f \[m²/s\]; that at rest if it depends on the rate of shear.
     pub nu: f64,
+    /// How it depends on the rate of shear; `None`: it is constant.
+    pub thinning: Option<CarreauYasuda>,
     /// How the deformation is extended.
     pub extension: Extension,
+}
+
+impl Fluid {
+    /// Viscous stress μ (∇v + ∇vᵀ) \[Pa\] of the current gradient ∇v, with the viscosity μ at that of `lag`.
+    #[inline(always)]
+    pub fn friction<T: Scalar, const D: usize>(
+        &self,
+        grad_v: Tensor<T, D>,
+        lag: Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        let sigma = self.rho * self.nu * (grad_v + grad_v.t());
+        match self.thinning {
+            None => sigma,
+            Some(law) => sigma * law.factor(&(lag + lag.t())),
+        }
+    }
+
+    /// Derivative of the viscous stress in the direction `change` of the current gradient ∇v, whose own part is
+    /// `newtonian` = ρ ν (`change` + `change`ᵀ), by hand.
+    #[inline(always)]
+    pub fn friction_derivative<T: Scalar, const D: usize>(
+        &self,
+        grad_v: &Tensor<T, D>,
+        newtonian: Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        let Some(law) = self.thinning else { return newtonian };
+        let twice = *grad_v + grad_v.t();
+        let change = 1.0 / (self.rho * self.nu) * newtonian;
+        newtonian * law.factor(&twice) + self.rho * self.nu * (twice * law.derivative(&twice, &change))
+    }
 }
 
 impl<const D: usize> WeakForm<D> for Fluid {
@@ -42,7 +76,8 @@ impl<const D: usize> WeakForm<D> for Fluid {
         r.phi += dots.v * inertia.mass - inertia.motion * dots.domain;
     }
 
-    /// (ρ J (∇v F⁻¹ v − f), φ) + (J σ F⁻ᵀ, ∇φ) with σ = ρ ν (∇v F⁻¹ + F⁻ᵀ ∇vᵀ).
+    /// (ρ J (∇v F⁻¹ v − f), φ) + (J σ F⁻ᵀ, ∇φ) with σ = ρ ν (∇v F⁻¹ + F⁻ᵀ ∇vᵀ);
+    /// a fixed-point iteration keeps ν.
     #[inline(always)]
     fn transport<T: Scalar>(
         &self,
@@ -52,10 +87,10 @@ impl<const D: usize> WeakForm<D> for Fluid {
         weight: f64,
         r: &mut Tested<T, D>,
     ) {
-        let (rho, nu) = (self.rho, self.nu);
+        let rho = self.rho;
         let Kinematics { F_inv, J, .. } = Kinematics::of(&lag.grad_u);
         let grad_v = at.grad_v * F_inv;
-        let sigma = rho * nu * (grad_v + grad_v.t());
+        let sigma = self.friction(grad_v, lag.grad_v * F_inv);
         let f = place.force_at(&lag.u);
         r.phi += weight * rho * (grad_v * lag.v - f) * J;
         r.grad_phi += weight * (sigma * F_inv.t()) * J;

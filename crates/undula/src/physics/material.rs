@@ -4,9 +4,11 @@
 //! volume. In two dimensions all of them mean plane strain: F is extended by 1 in the third direction, so
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
+use super::fibres::{Artery, Muscle};
 use super::kinematics::{Kinematics, volume_change};
+use super::law;
+use super::ogden::Ogden;
 use super::stored_energy::{Deformation, OwnLaw, StoredEnergy};
-use crate::choice::{Choice, choice, name_of};
 use crate::math::{Scalar, Tensor};
 
 /// Stress as a function of the deformation. At rest compressible laws agree with Hooke's law of the same
@@ -62,78 +64,14 @@ pub enum Material {
         /// 1/κ' \[1/Pa\]; 0 for J = 1.
         compliance: f64,
     },
+    /// W = Σ_p [μ_p/α_p (λ₁^α_p + λ₂^α_p + λ₃^α_p − 3) − μ_p ln J] + ½ λ (J − 1)², or with J = 1.
+    Ogden(Ogden),
+    /// A matrix with two families of fibres, after Holzapfel, Gasser and Ogden.
+    Artery(Artery),
+    /// Muscle after Guccione, with J = 1.
+    Muscle(Muscle),
     /// A stored energy of another program, see [`Material::own`].
     Own(OwnLaw),
-}
-
-/// Constitutive law of the solid without its constants.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum SolidLaw {
-    /// Σ = 2 μ E + λ tr(E) I.
-    StVenantKirchhoff,
-    /// P = 2 μ ε + λ tr(ε) I.
-    Linear,
-    /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)².
-    NeoHookean,
-    /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂)(J − 1)².
-    MooneyRivlin,
-    /// Neo-Hookean with J = 1.
-    IncompressibleNeoHookean,
-    /// Mooney-Rivlin with J = 1.
-    IncompressibleMooneyRivlin,
-}
-
-/// Their names in a case.
-pub static LAWS: [Choice<SolidLaw>; 6] = [
-    choice(
-        "st-venant-kirchhoff",
-        SolidLaw::StVenantKirchhoff,
-        "Σ = 2 μ E + λ tr(E) I: large rotations, moderate strains",
-    ),
-    choice("linear", SolidLaw::Linear, "Hooke's law: small strains and rotations"),
-    choice("neo-hookean", SolidLaw::NeoHookean, "W = μ/2 (I₁ − 3) − μ ln J + λ/2 (J − 1)²: large strains"),
-    choice("mooney-rivlin", SolidLaw::MooneyRivlin, "neo-Hookean with a term c2 (I₂ − 3), mu = 2 (c1 + c2)"),
-    choice(
-        "incompressible-neo-hookean",
-        SolidLaw::IncompressibleNeoHookean,
-        "neo-Hookean with J = 1 and a pressure in the solid",
-    ),
-    choice(
-        "incompressible-mooney-rivlin",
-        SolidLaw::IncompressibleMooneyRivlin,
-        "Mooney-Rivlin with J = 1 and a pressure in the solid",
-    ),
-];
-
-impl SolidLaw {
-    /// The name in a case.
-    pub fn name(self) -> &'static str {
-        name_of(&LAWS, &self)
-    }
-
-    /// Whether the solid has a pressure of its own.
-    pub fn is_incompressible(self) -> bool {
-        matches!(self, SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin)
-    }
-
-    /// Whether the law has the constants c₁ and c₂.
-    pub fn is_mooney_rivlin(self) -> bool {
-        matches!(self, SolidLaw::MooneyRivlin | SolidLaw::IncompressibleMooneyRivlin)
-    }
-
-    /// The law with the shear modulus `mu`, the first Lamé parameter `lambda` and `c2` \[Pa\]; c₁ = ½ μ − c₂.
-    pub fn material(self, mu: f64, lambda: f64, c2: f64) -> Material {
-        let c1 = 0.5 * mu - c2;
-        match self {
-            SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },
-            SolidLaw::Linear => Material::Linear { mu, lambda },
-            SolidLaw::NeoHookean => Material::NeoHookean { mu, lambda },
-            SolidLaw::MooneyRivlin => Material::MooneyRivlin { c1, c2, lambda },
-            SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
-                Material::incompressible(c1, c2, lambda)
-            }
-        }
-    }
 }
 
 // Functions, not closures: a closure that is called twice is compiled apart, for the baseline processor.
@@ -177,6 +115,15 @@ impl Material {
         Material::Incompressible { c1, c2, compliance: 1.0 / (lambda - 4.0 * c2) }
     }
 
+    /// The law of Ogden with the `terms` μ_p \[Pa\], α_p, at most three, and the first Lamé parameter `lambda` \[Pa\] at
+    /// rest; with a pressure of its own if `incompressible`, exactly so if `lambda` is infinite.
+    pub fn ogden(terms: &[[f64; 2]], lambda: f64, incompressible: bool) -> Material {
+        let mut all = [[0.0, 1.0]; 3];
+        all[..terms.len()].copy_from_slice(terms);
+        let (lambda, compliance) = if incompressible { (0.0, Some(1.0 / lambda)) } else { (lambda, None) };
+        Material::Ogden(Ogden { terms: all, lambda, compliance })
+    }
+
     /// The law with the stored energy `energy`, see [`StoredEnergy`]. It is kept until the program ends.
     pub fn own(energy: impl StoredEnergy + 'static) -> Material {
         Material::Own(OwnLaw::new(energy))
@@ -208,6 +155,10 @@ impl Material {
     pub fn compliance(&self) -> Option<f64> {
         match *self {
             Material::Incompressible { compliance, .. } => Some(compliance),
+            Material::Ogden(Ogden { compliance, .. }) | Material::Artery(Artery { compliance, .. }) => {
+                compliance
+            }
+            Material::Muscle(Muscle { compliance, .. }) => Some(compliance),
             _ => None,
         }
     }
@@ -220,7 +171,12 @@ impl Material {
     #[inline(always)]
     fn rubber<T: Scalar>(&self, J: T) -> Option<Rubber<T>> {
         let (c1, c2, lambda) = match *self {
-            Material::Linear { .. } | Material::StVenantKirchhoff { .. } | Material::Own(_) => return None,
+            Material::Linear { .. }
+            | Material::StVenantKirchhoff { .. }
+            | Material::Ogden(_)
+            | Material::Artery(_)
+            | Material::Muscle(_)
+            | Material::Own(_) => return None,
             Material::NeoHookean { mu, lambda } => (0.5 * mu, 0.0, lambda),
             Material::MooneyRivlin { c1, c2, lambda } => (c1, c2, lambda),
             Material::Incompressible { c1, c2, .. } => (c1, c2, 4.0 * c2),
@@ -256,7 +212,7 @@ impl Material {
         }
         let Kinematics { F, F_inv, J } = Kinematics::of(lag);
         let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else {
-            return self.own_piola(grad_u);
+            return self.piola_by_number(grad_u);
         };
         let change = volume * volume_change(grad_u, lag);
         let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
@@ -266,22 +222,32 @@ impl Material {
         P
     }
 
-    /// The stress of a law of another program; a fixed-point iteration takes its whole derivative.
+    /// The stress of a law that is evaluated number by number; a fixed-point iteration takes its whole derivative.
     #[inline(always)]
-    fn own_piola<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
-        let Material::Own(law) = self else { return Tensor::zero() };
-        law.stress(grad_u)
+    fn piola_by_number<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+        match self {
+            Material::Own(law) => law.stress(grad_u),
+            Material::Ogden(law) => law::stress(law, grad_u),
+            Material::Artery(law) => law::stress(law, grad_u),
+            Material::Muscle(law) => law::stress(law, grad_u),
+            _ => Tensor::zero(),
+        }
     }
 
     /// Its derivative.
     #[inline(always)]
-    fn own_derivative<T: Scalar, const D: usize>(
+    fn derivative_by_number<T: Scalar, const D: usize>(
         &self,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        let Material::Own(law) = self else { return Tensor::zero() };
-        law.derivative(grad_u, grad_w)
+        match self {
+            Material::Own(law) => law.derivative(grad_u, grad_w),
+            Material::Ogden(law) => law::derivative(law, grad_u, grad_w),
+            Material::Artery(law) => law::derivative(law, grad_u, grad_w),
+            Material::Muscle(law) => law::derivative(law, grad_u, grad_w),
+            _ => Tensor::zero(),
+        }
     }
 
     /// Derivative of [`Material::piola`] at ∇u in the direction ∇w by hand, Lemma 5.5.
@@ -301,7 +267,7 @@ impl Material {
             return *grad_w * hooke(E, mu, lambda) + F * hooke(dE, mu, lambda);
         }
         let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else {
-            return self.own_derivative(grad_u, grad_w);
+            return self.derivative_by_number(grad_u, grad_w);
         };
         let F_inv_t = F_inv.t();
         let turned = F_inv_t * grad_w.t() * F_inv_t;
@@ -324,6 +290,10 @@ impl Material {
         let compressible = |c1: f64, c2: f64, lambda: f64| {
             squared(c1, c2) - J.ln() * (2.0 * (c1 + 2.0 * c2)) + change * change * (0.5 * (lambda - 4.0 * c2))
         };
+        let bulk = |compliance: Option<f64>| {
+            let modulus = compliance.filter(|c| *c > 0.0).map_or(0.0, |c| 1.0 / c);
+            change * change * (0.5 * modulus)
+        };
         match *self {
             Material::Linear { mu, lambda } => of_hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda),
             Material::StVenantKirchhoff { mu, lambda } => of_hooke(E, mu, lambda),
@@ -333,6 +303,9 @@ impl Material {
                 let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
                 compressible(c1, c2, bulk + 4.0 * c2)
             }
+            Material::Ogden(law) => law::energy(&law, grad_u),
+            Material::Artery(law) => law::energy(&law, grad_u) + bulk(law.compliance),
+            Material::Muscle(law) => law::energy(&law, grad_u) + bulk(Some(law.compliance)),
             Material::Own(law) => law.energy(grad_u),
         }
     }

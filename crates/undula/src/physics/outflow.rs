@@ -1,7 +1,7 @@
 //! Outflow conditions.
 
 use super::kinematics::cofactor;
-use super::{FacetForm, Fields, Kinematics};
+use super::{CarreauYasuda, FacetForm, Fields, Kinematics};
 use crate::math::{Scalar, Vector};
 
 /// Correction that turns the symmetric stress into the do-nothing condition `ρν ∇v n − p n = 0`:
@@ -15,8 +15,10 @@ use crate::math::{Scalar, Vector};
 /// too, or Newton turns linear.
 #[derive(Copy, Clone, Debug)]
 pub struct Outflow {
-    /// Dynamic viscosity ρ_f ν_f \[Pa s\].
+    /// Dynamic viscosity ρ_f ν_f \[Pa s\]; that at rest if it depends on the rate of shear.
     pub viscosity: f64,
+    /// How it depends on the rate of shear.
+    pub thinning: Option<CarreauYasuda>,
 }
 
 impl<const D: usize> FacetForm<D> for Outflow {
@@ -32,7 +34,10 @@ impl<const D: usize> FacetForm<D> for Outflow {
         let F_inv_t = F_inv.t();
         let n = F_inv_t * normal.map(T::lift);
         let trace = F_inv_t.ddot(at.grad_v);
-        -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * n) - n * trace) * J
+        let traction = -weight * self.viscosity * (F_inv_t * (at.grad_v.t() * n) - n * trace) * J;
+        let Some(law) = self.thinning else { return traction };
+        let grad_v = at.grad_v * F_inv;
+        traction * law.factor(&(grad_v + grad_v.t()))
     }
 }
 

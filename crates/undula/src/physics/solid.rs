@@ -2,7 +2,7 @@
 
 use super::form::Block;
 use super::kinematics::{cofactor, volume_change};
-use super::{Couplings, Dots, Fields, Inertia, Material, Place, StepRule, Tested, WeakForm};
+use super::{Couplings, Damping, Dots, Fields, Inertia, Material, Place, StepRule, Tested, WeakForm};
 use crate::math::{Scalar, Tensor};
 
 /// Momentum and velocity-deformation relation (5.17) in the solid region, and J = 1 with a pressure of its own
@@ -13,12 +13,26 @@ pub struct Solid {
     pub rho: f64,
     /// Constitutive law.
     pub material: Material,
+    /// Viscous damping.
+    pub damping: Damping,
+}
+
+impl Solid {
+    /// The solid without damping.
+    pub const fn elastic(rho: f64, material: Material) -> Solid {
+        Solid { rho, material, damping: Damping::NONE }
+    }
+
+    /// Whether stresses are those of small strains.
+    pub(super) fn is_linear(&self) -> bool {
+        matches!(self.material, Material::Linear { .. })
+    }
 }
 
 impl<const D: usize> WeakForm<D> for Solid {
     fn couplings(&self) -> Couplings {
         Couplings {
-            phi_v: Block::Mass,
+            phi_v: if self.damping.has_stress() { Block::Full } else { Block::Mass },
             phi_u: Block::Stiffness,
             pressure: self.material.compliance().is_some(),
             xi_v: self.material.compliance() == Some(0.0),
@@ -41,7 +55,7 @@ impl<const D: usize> WeakForm<D> for Solid {
         r.psi += dots.u;
     }
 
-    /// (P, ∇φ) − (ρ_s f, φ) − (v, ψ), P = F Σ.
+    /// (P + P_v, ∇φ) + (ρ_s (α v − f), φ) − (v, ψ), P = F Σ; P_v and α of the damping.
     #[inline(always)]
     fn transport<T: Scalar>(
         &self,
@@ -52,6 +66,12 @@ impl<const D: usize> WeakForm<D> for Solid {
         r: &mut Tested<T, D>,
     ) {
         r.grad_phi += weight * self.material.piola(&at.grad_u, &lag.grad_u);
+        if self.damping.has_stress() {
+            r.grad_phi += weight * self.damping.piola(self.is_linear(), &at.grad_v, &lag.grad_u);
+        }
+        if self.damping.mass != 0.0 {
+            r.phi += weight * self.rho * self.damping.mass * at.v;
+        }
         r.phi -= weight * self.rho * place.force.map(T::lift);
         r.psi -= weight * at.v;
     }

@@ -1,6 +1,7 @@
 //! Materials of other programs: the stored energy is written, stress and tangent follow by dual numbers.
 
 use super::kinematics::volume_change;
+use super::law::{self, Law};
 use crate::math::{HyperDual, Scalar, Tensor};
 use std::fmt;
 
@@ -76,14 +77,6 @@ impl<T: Scalar, const D: usize> Deformation<T, D> {
     }
 }
 
-/// A law by its energy, as the kernels call it: stress and derivative of the stress, by number.
-trait Law: Send + Sync {
-    /// Value of W at ∇u and its derivative in the direction that comes with it; lists are of D² pairs.
-    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2];
-    /// The same for P, into `stress`.
-    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]);
-}
-
 /// Components of ∇u as hyper-dual numbers: the second direction is that of the pairs, the first one moves component
 /// `moved`.
 fn seeded<const D: usize>(grad_u: &[[f64; 2]], moved: Option<usize>) -> Deformation<HyperDual, D> {
@@ -141,64 +134,26 @@ impl OwnLaw {
         OwnLaw(Box::leak(Box::new(energy)))
     }
 
-    // Lanes are taken apart in functions of their own: nothing here is compiled for wide vectors.
-
     /// W at ∇u.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn energy<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> T {
-        let mut W = T::zero();
-        for lane in 0..T::LANES {
-            let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
-            W.set_lane(lane, self.0.energy_at(at.as_flattened()));
-        }
-        W
+        law::energy(self.0, grad_u)
     }
 
     /// P at ∇u, with its derivative if `T` has one.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn stress<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
-        let mut P = Tensor::zero();
-        for lane in 0..T::LANES {
-            let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
-            self.fill(&at, |pair| pair, lane, &mut P);
-        }
-        P
+        law::stress(self.0, grad_u)
     }
 
     /// Derivative of P at ∇u in the direction ∇w.
-    #[cold]
-    #[inline(never)]
+    #[inline(always)]
     pub(super) fn derivative<T: Scalar, const D: usize>(
         self,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        let mut dP = Tensor::zero();
-        for lane in 0..T::LANES {
-            let mut at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
-            for (pair, w) in at.as_flattened_mut().iter_mut().zip(grad_w.0.as_flattened()) {
-                pair[1] = w.lane(lane)[0];
-            }
-            self.fill(&at, |[_, slope]| [slope, 0.0], lane, &mut dP);
-        }
-        dP
-    }
-
-    /// What `part` takes of P at ∇u, into lane `lane` of `out`.
-    fn fill<T: Scalar, const D: usize>(
-        self,
-        at: &[[[f64; 2]; D]; D],
-        part: impl Fn([f64; 2]) -> [f64; 2],
-        lane: usize,
-        out: &mut Tensor<T, D>,
-    ) {
-        let mut stress = [[[0.0; 2]; D]; D];
-        self.0.stress_at(at.as_flattened(), stress.as_flattened_mut());
-        for (component, value) in out.0.as_flattened_mut().iter_mut().zip(stress.as_flattened()) {
-            component.set_lane(lane, part(*value));
-        }
+        law::derivative(self.0, grad_u, grad_w)
     }
 
     /// Lamé constants μ and λ at rest \[Pa\], and the largest component of the stress there \[Pa\].

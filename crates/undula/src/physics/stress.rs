@@ -3,7 +3,7 @@
 //! In the plane both bodies are in plane strain: ∇u and ∇v are zero along the third direction, σ_zz is not.
 
 use super::kinematics::cofactor;
-use super::{Fields, Fluid, Kinematics, Material, Solid};
+use super::{Fields, Fluid, Kinematics, Solid};
 use crate::math::Tensor;
 
 impl Fluid {
@@ -11,17 +11,20 @@ impl Fluid {
     pub fn cauchy<const D: usize>(&self, at: &Fields<f64, D>) -> Tensor<f64, 3> {
         let Kinematics { F_inv, .. } = Kinematics::of(&in_space(&at.grad_u));
         let grad_v = in_space(&at.grad_v) * F_inv;
-        self.rho * self.nu * (grad_v + grad_v.t()) - Tensor::identity() * at.p
+        self.friction(grad_v, grad_v) - Tensor::identity() * at.p
     }
 }
 
 impl Solid {
-    /// σ = J⁻¹ P Fᵀ \[Pa\], −p I included where the law has a pressure; of Hooke's law, which does not distinguish the
-    /// two stresses, P itself.
+    /// σ = J⁻¹ P Fᵀ \[Pa\], the stress of the damping included, and −p I where the law has a pressure; of Hooke's law,
+    /// which does not distinguish the two stresses, P itself.
     pub fn cauchy<const D: usize>(&self, at: &Fields<f64, D>) -> Tensor<f64, 3> {
         let grad_u = in_space(&at.grad_u);
         let mut P = self.material.stress(&grad_u);
-        if let Material::Linear { .. } = self.material {
+        if self.damping.has_stress() {
+            P += self.damping.piola(self.is_linear(), &in_space(&at.grad_v), &grad_u);
+        }
+        if self.is_linear() {
             return P;
         }
         if self.material.compliance().is_some() {

@@ -70,10 +70,11 @@ fn transport<S: Scalar<Value = S>, const D: usize>(
     let F_inv_t = F_inv.t();
     let tr = (F_inv * W.grad_u).trace();
     let grad_v = new.grad_v * F_inv;
-    let sigma = form.rho * form.nu * (grad_v + grad_v.t());
+    let sigma = form.friction(grad_v, grad_v);
     let grad_z = W.grad_v * F_inv;
     let grad_vw = grad_v * W.grad_u * F_inv;
     let dsigma = form.rho * form.nu * (grad_z + grad_z.t() - grad_vw - grad_vw.t());
+    let dsigma = form.friction_derivative(&grad_v, dsigma);
     let convection = (grad_v * new.v - place.force) * tr + grad_z * new.v + grad_v * W.v
         - grad_vw * new.v
         - place.force_slope * W.u;
@@ -138,7 +139,7 @@ fn divergence<S: Scalar<Value = S>, const D: usize>(
         * (F_inv.ddot(W.grad_v.t()) + tr * F_inv.ddot(grad_v_t) - (F_inv * W.grad_u * F_inv).ddot(grad_v_t));
 }
 
-/// (5.14) in the solid, Lemma 5.5, with pressure and volume of an incompressible one.
+/// (5.14) in the solid, Lemma 5.5, with damping, and with pressure and volume of an incompressible one.
 #[inline(always)]
 pub fn solid<S: Scalar<Value = S>, const D: usize>(
     form: &Solid,
@@ -155,6 +156,11 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     for (weight, tau) in rule.transport_points() {
         let at = old.lerp(new, tau);
         r.grad_phi += weight * form.material.derivative(&at.grad_u, &(tau * W.grad_u));
+        r.phi += weight * form.rho * form.damping.mass * tau * W.v;
+        if form.damping.has_stress() {
+            let (fields, directions) = ((&at.grad_v, &at.grad_u), (&(tau * W.grad_v), &(tau * W.grad_u)));
+            r.grad_phi += weight * form.damping.derivative(form.is_linear(), fields, directions);
+        }
     }
     let Some(compliance) = form.material.compliance() else { return r };
     pressures(rule, new, old, W, &mut r);
@@ -193,7 +199,11 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     let trace = grad_v.trace();
     let dtrace = grad_z.trace() - (grad_v * (W.grad_u * F_inv)).trace();
     let (q, dq) = (t - n * trace, dt - n * dtrace - dn * trace);
-    -theta * form.viscosity * (q * tr + dq) * J
+    let newtonian = -theta * form.viscosity * (q * tr + dq) * J;
+    let Some(law) = form.thinning else { return newtonian };
+    let (twice, change) = (grad_v + grad_v.t(), grad_z - grad_v * (W.grad_u * F_inv));
+    let dfactor = law.derivative(&twice, &(change + change.t()));
+    newtonian * law.factor(&twice) - theta * form.viscosity * q * (dfactor * J)
 }
 
 /// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩, absent from the printed theorem; `at.u`

@@ -1,6 +1,7 @@
 //! From a checked case to spaces, equations and solvers.
 
 use super::mesh::Marked;
+use super::outlets::law;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
 use crate::case::expression::Expression;
@@ -11,11 +12,11 @@ use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
-use crate::operators::outlet::{Law, Outlet};
+use crate::operators::outlet::Outlet;
 use crate::operators::pressure::pressure;
 use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
-use crate::physics::{Fluid, Projection, Solid};
+use crate::physics::Projection;
 use crate::space::{
     BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
@@ -103,9 +104,8 @@ impl Case {
     /// Parameters of the equations.
     pub fn physics(&self) -> Physics {
         let extension = self.motion.model.extension(&self.motion.numbers());
-        let fluid = |f: &FluidSpec| Fluid { rho: f.density, nu: f.kinematic_viscosity, extension };
-        let fluids: Vec<Fluid> = self.fluids.iter().map(fluid).collect();
-        let solids: Vec<Solid> = self.solids.iter().map(SolidSpec::solid).collect();
+        let fluids: Vec<_> = self.fluids.iter().map(|fluid| fluid.physics(extension)).collect();
+        let solids: Vec<_> = self.solids.iter().map(SolidSpec::physics).collect();
         Physics::of_several(&fluids, &solids)
     }
 
@@ -339,22 +339,6 @@ fn function(f: &[Expression; 2]) -> Force<2> {
 /// Whether the fluid has the do-nothing correction.
 fn has_correction(condition: &Condition) -> bool {
     matches!(condition, Condition::DoNothing | Condition::Pressure { .. })
-}
-
-/// The law of an outlet, `None` for another condition.
-fn law(condition: &Condition) -> Option<Law> {
-    let at = |e: &Expression, t: f64| e.eval(&[0.0; 3], t);
-    Some(match condition.clone() {
-        Condition::Resistance { resistance, pressure } => {
-            Law::Resistance(Box::new(move |t| [at(&resistance, t), at(&pressure, t)]))
-        }
-        Condition::Windkessel { proximal, capacitance, distal, pressure, initial: _ } => {
-            let all = [proximal, capacitance, distal, pressure];
-            Law::Windkessel(Box::new(move |t| std::array::from_fn(|i| at(&all[i], t))))
-        }
-        Condition::Flux(flow) => Law::Flow(Box::new(move |t| [at(&flow, t)])),
-        _ => return None,
-    })
 }
 
 /// A displacement with its rate.

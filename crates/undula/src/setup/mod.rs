@@ -18,6 +18,7 @@ mod lengths;
 pub mod memory;
 mod mesh;
 pub mod names;
+mod outlets;
 pub mod overview;
 mod regions;
 mod supports;

@@ -4,6 +4,7 @@ mod directions;
 pub mod extension;
 mod matrices;
 mod unknowns;
+mod worst;
 
 use crate::algebra::SolverError;
 pub use crate::loops::width::{available, best_lanes};
@@ -27,15 +28,7 @@ pub use matrices::CondensedSystem;
 use matrices::Whole;
 use std::sync::Arc;
 use unknowns::given_rows;
-
-/// Where J is smallest.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Worst {
-    /// Smallest J at a quadrature point or node, fluid and solid.
-    pub min_j: f64,
-    /// The cell in which it lies, then all others with J ≤ 0.
-    pub cells: Vec<u32>,
-}
+pub use worst::Worst;
 
 /// Residual and Jacobian of the coupled problem: a sum of operators.
 pub struct Assembler<const D: usize> {
@@ -357,26 +350,6 @@ impl<const D: usize> Assembler<D> {
     /// Whether the operator of the extension is the same at all states.
     pub fn extension_is_constant(&self) -> bool {
         self.physics.fluid.is_none_or(|f| f.extension.is_constant())
-    }
-
-    /// The smallest J of the last residual and at the nodes of `state`: quadrature points alone do not see cells
-    /// that fold at a corner.
-    pub fn nodal_min_j(&mut self, state: &State) -> f64 {
-        if !self.space.deforms {
-            return 1.0;
-        }
-        let Self { space, regions, .. } = self;
-        regions.iter_mut().map(|region| region.nodal_min_j(space, &state.u)).fold(f64::INFINITY, f64::min)
-    }
-
-    /// Where J was smallest in the last residual, and at the nodes if that was asked for since.
-    pub fn worst(&self) -> Worst {
-        let mut list: Vec<_> = self.regions.iter().filter_map(|region| region.worst()).collect();
-        list.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let min_j = list.first().map_or(1.0, |worst| worst.0);
-        // Of the other region those cells that are folded, too.
-        let cells = |(j, cells): (f64, Vec<u32>)| if j <= 0.0 || j == min_j { cells } else { vec![] };
-        Worst { min_j, cells: list.into_iter().flat_map(cells).collect() }
     }
 
     /// Whether each unknown `[v, u, p]` is given.

@@ -250,7 +250,7 @@ impl Manufactured {
         theta: f64,
         out: &mut [f64],
     ) {
-        let form = Outflow { viscosity: fluid.rho * fluid.nu };
+        let form = Outflow { viscosity: fluid.rho * fluid.nu, thinning: fluid.thinning };
         for (nodes, points) in outflow {
             for p in points {
                 let at = |t: f64| sample(&self.exact, p.x, t).fields;

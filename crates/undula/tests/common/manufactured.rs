@@ -14,8 +14,9 @@ pub use undula::verification::unit_square::{bubble, smooth, velocity};
 /// Gauss points per direction in the solver.
 pub const QUADRATURE: usize = 3;
 
-pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::Harmonic };
-pub const AUXETIC: Fluid = Fluid { rho: 1.3, nu: 0.4, extension: Extension::PseudoElastic { poisson: -0.2 } };
+pub const FLUID: Fluid = Fluid { rho: 1.3, nu: 0.4, thinning: None, extension: Extension::Harmonic };
+pub const AUXETIC: Fluid =
+    Fluid { rho: 1.3, nu: 0.4, thinning: None, extension: Extension::PseudoElastic { poisson: -0.2 } };
 /// One of each kind.
 pub const EXTENSIONS: [Extension; 6] = [
     Extension::Harmonic,
@@ -25,7 +26,7 @@ pub const EXTENSIONS: [Extension; 6] = [
     Extension::Biharmonic { hinged: false },
     Extension::Biharmonic { hinged: true },
 ];
-pub const SOLID: Solid = Solid { rho: 2.1, material: Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 } };
+pub const SOLID: Solid = Solid::elastic(2.1, Material::StVenantKirchhoff { mu: 3.0, lambda: 4.0 });
 
 pub const FSI: Physics = Physics::new(Some(AUXETIC), Some(SOLID));
 pub const FLOW: Physics = Physics::new(Some(FLUID), None);

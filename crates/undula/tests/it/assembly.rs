@@ -399,7 +399,7 @@ fn every_row_has_one_owner() {
 /// Parameters of one equation change its rows and no others.
 #[test]
 fn rows_change_with_their_own_parameters_only() {
-    let softer = Solid { rho: 3.0, material: Material::StVenantKirchhoff { mu: 1.0, lambda: 9.0 } };
+    let softer = Solid::elastic(3.0, Material::StVenantKirchhoff { mu: 1.0, lambda: 9.0 });
     let thicker = Fluid { rho: 2.0, nu: 0.9, ..FLUID };
     let matrix = |physics| {
         let problem = coupled(physics, Pdc(1));

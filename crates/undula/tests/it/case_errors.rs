@@ -101,10 +101,10 @@ own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`, `
 own.toml:11:12: space.pressure = "P1d": expected one of `P0`, `P1dc`, `P2dc`, `P3dc`, `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`; did you mean `P1dc`?
 own.toml:14:11: fluid.density = -1000: expected a number above 0
 own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
-own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `kinematic-viscosity`, `body-force`, `body-force-at`
+own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `law`, `kinematic-viscosity`, `viscosity-zero`, `viscosity-infinity`, `time-constant`, `power-index`, `yasuda-exponent`, `body-force`, `body-force-at`
 own.toml:18:2: solid.density: missing: the density [kg/m³]
 own.toml:18:2: solid.lambda: missing: `mu` and `lambda` [Pa] belong together
-own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`, `mooney-rivlin`, `incompressible-neo-hookean`, `incompressible-mooney-rivlin`
+own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`, `mooney-rivlin`, `incompressible-neo-hookean`, `incompressible-mooney-rivlin`, `ogden`, `incompressible-ogden`, `holzapfel-gasser-ogden`, `incompressible-holzapfel-gasser-ogden`, `guccione`
 own.toml:21:9: solid.young = 1e6: give either `mu` and `lambda` or `young` and `poisson`
 own.toml:22:14: solid.body-force = [0]: expected two expressions, as ["x component", "y component"], not 1 values
 own.toml:25:9: motion.model = "bi-harmonic": expected one of `harmonic`, `stiffened-harmonic`, `pseudo-elastic`, `jacobian-stiffened`, `biharmonic`; did you mean `biharmonic`?

@@ -132,7 +132,7 @@ fn load(problem: &Manufactured) -> Vec<f64> {
 }
 
 fn rubber(lambda: f64) -> Solid {
-    Solid { rho: 2.1, material: Material::incompressible(1.1, 0.4, lambda) }
+    Solid::elastic(2.1, Material::incompressible(1.1, 0.4, lambda))
 }
 
 fn stiffened(lagged: bool) -> Fluid {

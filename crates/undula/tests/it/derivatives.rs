@@ -5,8 +5,8 @@ use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
 use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
-    Backflow, Extension, FacetForm, Fields, Fluid, Material, Outflow, Place, Pressure, Solid, StepRule,
-    Tested, WeakForm,
+    Artery, Backflow, CarreauYasuda, Damping, Extension, FacetForm, Fields, Fluid, Material, Muscle, Outflow,
+    Place, Pressure, Solid, StepRule, Tested, WeakForm,
 };
 use undula::tangent::{ByHand, Difference, Stencil, Tangent, automatic, automatic_facet, facet, fixed_point};
 
@@ -86,16 +86,24 @@ fn domain_motion_terms_are_those_of_the_book() {
     }
 }
 
-const FLUID: Fluid = Fluid { rho: 1000.0, nu: 1e-3, extension: Extension::PseudoElastic { poisson: -0.2 } };
-const FLUID_HARMONIC: Fluid = Fluid { rho: 1.0, nu: 0.3, extension: Extension::Harmonic };
+const FLUID: Fluid =
+    Fluid { rho: 1000.0, nu: 1e-3, thinning: None, extension: Extension::PseudoElastic { poisson: -0.2 } };
+const FLUID_HARMONIC: Fluid = Fluid { rho: 1.0, nu: 0.3, thinning: None, extension: Extension::Harmonic };
 const FLUID_LAGGED: Fluid =
     Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: true }, ..FLUID_HARMONIC };
 const FLUID_STIFFENED: Fluid =
     Fluid { extension: Extension::JacobianStiffened { poisson: 0.1, lagged: false }, ..FLUID_HARMONIC };
-const SOLID: Solid = Solid { rho: 1e3, material: Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 } };
+const THINNING: CarreauYasuda = CarreauYasuda { ratio: 0.1, time: 3.0, index: 0.4, transition: 1.3 };
+const FLUID_THINNING: Fluid = Fluid { thinning: Some(THINNING), ..FLUID_HARMONIC };
+const SOLID: Solid = Solid::elastic(1e3, Material::StVenantKirchhoff { mu: 2e6, lambda: 8e6 });
 
-fn materials() -> [Material; 7] {
+fn damped(material: Material) -> Solid {
+    Solid { damping: Damping { mass: 30.0, shear: 2e5, volume: 3e5 }, ..Solid::elastic(1e3, material) }
+}
+
+fn materials() -> [Material; 11] {
     let (mu, lambda) = (2e6, 8e6);
+    let matrix = Artery::matrix(mu, lambda, None);
     [
         SOLID.material,
         Material::Linear { mu, lambda },
@@ -104,6 +112,10 @@ fn materials() -> [Material; 7] {
         Material::incompressible(1e6, 0.0, f64::INFINITY),
         Material::incompressible(0.7e6, 0.3e6, f64::INFINITY),
         Material::incompressible(0.7e6, 0.3e6, lambda),
+        Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], lambda, false),
+        Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], f64::INFINITY, true),
+        Material::Artery(Artery { k1: 1e6, k2: 0.5, dispersion: 0.1, angles: [0.3, 1.2], ..matrix }),
+        Material::Muscle(Muscle { stiffness: 1e6, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 }),
     ]
 }
 
@@ -177,7 +189,7 @@ fn fluid_jacobian_is_theorem_5_2() {
     check::<_, 3>(&FLUID);
     check::<_, 2>(&FLUID_HARMONIC);
     check::<_, 3>(&FLUID_HARMONIC);
-    for fluid in [FLUID_LAGGED, FLUID_STIFFENED] {
+    for fluid in [FLUID_LAGGED, FLUID_STIFFENED, FLUID_THINNING] {
         check::<_, 2>(&fluid);
         check::<_, 3>(&fluid);
     }
@@ -187,9 +199,10 @@ fn fluid_jacobian_is_theorem_5_2() {
 #[test]
 fn solid_jacobian_is_lemma_5_5() {
     for material in materials() {
-        let solid = Solid { rho: 1e3, material };
-        check::<_, 2>(&solid);
-        check::<_, 3>(&solid);
+        for solid in [Solid::elastic(1e3, material), damped(material)] {
+            check::<_, 2>(&solid);
+            check::<_, 3>(&solid);
+        }
     }
 }
 
@@ -286,6 +299,7 @@ fn fixed_point_equations_are_linear() {
     }
     run::<_, 2>(&FLUID);
     run::<_, 3>(&FLUID_HARMONIC);
+    run::<_, 2>(&FLUID_THINNING);
     run::<_, 2>(&SOLID);
     run::<_, 3>(&SOLID);
 }
@@ -293,9 +307,9 @@ fn fixed_point_equations_are_linear() {
 /// The do-nothing correction is linearised in v and in u.
 #[test]
 fn outflow_jacobian() {
-    fn run<const D: usize>() {
+    fn run<const D: usize>(thinning: Option<CarreauYasuda>) {
         let mut random = Random(77);
-        let form = Outflow { viscosity: 1.3 };
+        let form = Outflow { viscosity: 1.3, thinning };
         for _ in 0..200 {
             let (at, W, n) = (random.fields::<D>(0.6), random.fields::<D>(1.0), random.vector());
             let dual = automatic_facet(&form, 0.51, &at, &n, &W);
@@ -314,8 +328,10 @@ fn outflow_jacobian() {
             assert!(f.dot(f).sqrt() < 1e-7 * size);
         }
     }
-    run::<2>();
-    run::<3>();
+    for thinning in [None, Some(THINNING)] {
+        run::<2>(thinning);
+        run::<3>(thinning);
+    }
 }
 
 /// The load of a pressure is linearised in ∇u; in a fixed-point iteration it is that of the last iterate.
@@ -438,9 +454,11 @@ fn couplings_are_those_of_the_derivative() {
     run::<_, 2>(&FLUID);
     run::<_, 3>(&FLUID);
     run::<_, 2>(&FLUID_STIFFENED);
+    run::<_, 2>(&FLUID_THINNING);
     for material in materials() {
-        run::<_, 2>(&Solid { rho: 1e3, material });
-        run::<_, 3>(&Solid { rho: 1e3, material });
+        run::<_, 2>(&Solid::elastic(1e3, material));
+        run::<_, 2>(&damped(material));
+        run::<_, 3>(&Solid::elastic(1e3, material));
     }
 }
 

@@ -79,7 +79,7 @@ fn a_component_may_be_free() {
     let drawn = body(("displacement", ["0.3", "free"]));
     assert_eq!(drawn[0], 0.3);
     let grad = |b: f64| undula::math::Tensor([[0.3, 0.0], [0.0, b]]);
-    let law = undula::physics::material::SolidLaw::NeoHookean.material(3.0, 4.0, 0.0);
+    let law = undula::physics::SolidLaw::NeoHookean.material(3.0, 4.0, 0.0);
     let stress = law.stress::<2>(&grad(drawn[1]));
     assert!(stress.0[1][1].abs() < 1e-8, "{stress:?}");
     let pulled = body(("traction", [&stress.0[0][0].to_string(), "0"]));

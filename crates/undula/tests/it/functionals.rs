@@ -139,7 +139,7 @@ fn a_case_with_fields_is_read_back() {
 pub const NEO: Material = Material::NeoHookean { mu: 3.0, lambda: 4.0 };
 
 pub fn physics(material: Material) -> Physics {
-    Physics { solid: Some(Solid { rho: 2.1, material }), ..FSI }
+    Physics { solid: Some(Solid::elastic(2.1, material)), ..FSI }
 }
 
 /// The unit square, the middle of it solid, with u = (F − I) x, v = A x and p = 7 Pa.
@@ -191,7 +191,7 @@ pub fn stretched(material: Material, a: f64, b: f64) -> [f64; 3] {
             })
         }
         Material::Incompressible { c1, .. } => squares.map(|c| 2.0 * c1 / J * (c - 1.0) - 7.0),
-        Material::Own(_) => unreachable!("of other programs"),
+        _ => unreachable!("of other constants"),
     }
 }
 

@@ -15,7 +15,7 @@ use undula::verification::manufactured::{Exact, InTime, Manufactured, Number, Va
 use undula::verification::unit_square::in_the_spaces;
 
 fn rubber(lambda: f64) -> Solid {
-    Solid { rho: 2.1, material: Material::incompressible(1.1, 0.4, lambda) }
+    Solid::elastic(2.1, Material::incompressible(1.1, 0.4, lambda))
 }
 
 fn body(lambda: f64) -> Physics {
@@ -169,7 +169,7 @@ fn block(material: Material, cells: Cells, B: Tensor<f64, 2>, P: Tensor<f64, 2>,
     let mut mesh: Mesh<2> = undula::mesh::generate::rectangle([0.0; 2], [1.0; 2], [4, 4], 0).unwrap();
     mesh.assign_region("solid", |_| 1.0).unwrap();
     bend(&mut mesh, 4, cells);
-    let physics = Physics::new(None, Some(Solid { rho: 1.7, material }));
+    let physics = Physics::new(None, Some(Solid::elastic(1.7, material)));
     let space = space(&mesh, &physics, 2, P1DC);
     let conditions = vec![BoundaryCondition::Free; space.mesh.boundaries.len()];
     let nothing = number(0.0);

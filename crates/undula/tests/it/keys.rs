@@ -9,7 +9,7 @@ use undula::case::builtin::builtin_cases;
 use undula::case::keys::{KEYS, Key, find};
 
 /// Cases that together have a value for each key that has a default.
-const CASES: [&[&str]; 9] = [
+const CASES: [&[&str]; 11] = [
     &[],
     &["space.velocity=Q1", "functional.f.component=y"],
     &["stabilization.transport=lps", "time.adaptive.safety=0.8"],
@@ -18,6 +18,15 @@ const CASES: [&[&str]; 9] = [
     &["time.scheme=rannacher"],
     &["solid.law=mooney-rivlin", "time.adaptive.tolerance=1e-3"],
     &["time.scheme=stationary"],
+    &["solid.law=holzapfel-gasser-ogden", "solid.k1=1", "solid.k2=1", "solid.fibre-angle=0.5"],
+    &[
+        "fluid.kinematic-viscosity=none",
+        "fluid.law=carreau-yasuda",
+        "fluid.viscosity-zero=2",
+        "fluid.viscosity-infinity=1",
+        "fluid.time-constant=1",
+        "fluid.power-index=0.5",
+    ],
     &["mesh.generator=none", "mesh.file=none.msh"],
 ];
 

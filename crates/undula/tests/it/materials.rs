@@ -2,8 +2,8 @@
 #![allow(non_snake_case)]
 
 use undula::math::{Dual, Scalar, Tensor};
-use undula::physics::Material;
 use undula::physics::kinematics::{cofactor, volume_change};
+use undula::physics::{Artery, Deformation, Material, Muscle, StoredEnergy};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -41,8 +41,38 @@ fn incompressible(c2: f64) -> Material {
     Material::incompressible(C1, c2, f64::INFINITY)
 }
 
-fn all() -> [Material; 7] {
+/// Those with a stress by hand.
+fn by_hand() -> [Material; 7] {
     [LINEAR, VENANT, NEO, MOONEY, nearly(), incompressible(C2), incompressible(0.0)]
+}
+
+const TERMS: [[f64; 2]; 3] = [[1.2, 1.3], [0.3, 5.0], [-0.4, -2.0]];
+
+/// Compressible, nearly and fully incompressible.
+fn ogdens() -> [Material; 3] {
+    let own = |lambda| Material::ogden(&TERMS, lambda, true);
+    [Material::ogden(&TERMS, LAMBDA, false), own(LAMBDA), own(f64::INFINITY)]
+}
+
+fn all() -> Vec<Material> {
+    [&by_hand()[..], &ogdens(), &with_fibres()].concat()
+}
+
+const ARTERY: Artery = Artery {
+    mu: MU,
+    lambda: LAMBDA,
+    compliance: None,
+    k1: 2.0,
+    k2: 0.8,
+    dispersion: 0.1,
+    angles: [0.9, -0.3],
+};
+const MUSCLE: Muscle = Muscle { stiffness: 2.0, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 };
+
+fn with_fibres() -> [Material; 4] {
+    let own = Artery { lambda: 0.0, compliance: Some(1.0 / LAMBDA), ..ARTERY };
+    let nearly = Muscle { compliance: 0.1, ..MUSCLE };
+    [Material::Artery(ARTERY), Material::Artery(own), Material::Muscle(MUSCLE), Material::Muscle(nearly)]
 }
 
 /// P with the pressure that a nearly incompressible law has by itself, p = −κ' (J − 1).
@@ -73,7 +103,7 @@ fn assert_near<const D: usize>(a: Tensor<f64, D>, b: Tensor<f64, D>, what: &str)
 fn stress_is_the_derivative_of_the_energy() {
     fn run<const D: usize>() {
         let mut random = Random(11);
-        for material in all() {
+        for material in by_hand() {
             for _ in 0..100 {
                 let grad_u = random.tensor::<D>(0.6);
                 let mut slope = Tensor::<f64, D>::zero();
@@ -97,7 +127,7 @@ fn stress_is_the_derivative_of_the_energy() {
 fn laws_by_their_energy_are_those_by_hand() {
     fn run<const D: usize>() {
         let mut random = Random(17);
-        for material in all() {
+        for material in by_hand() {
             let own = Material::own(material);
             for _ in 0..100 {
                 let (grad_u, grad_w) = (random.tensor::<D>(0.6), random.tensor::<D>(1.0));
@@ -133,7 +163,7 @@ fn seeded<const D: usize>(grad_u: &Tensor<f64, D>, grad_w: &Tensor<f64, D>) -> T
 fn at_rest_every_law_is_that_of_hooke() {
     fn run<const D: usize>() {
         let mut random = Random(5);
-        for material in all() {
+        for material in by_hand().into_iter().chain(ogdens()) {
             let mu = match material {
                 Material::Linear { mu, .. }
                 | Material::StVenantKirchhoff { mu, .. }
@@ -141,7 +171,8 @@ fn at_rest_every_law_is_that_of_hooke() {
                 Material::MooneyRivlin { c1, c2, .. } | Material::Incompressible { c1, c2, .. } => {
                     2.0 * (c1 + c2)
                 }
-                Material::Own(_) => unreachable!("of other programs"),
+                Material::Ogden(law) => law.shear_modulus(),
+                _ => unreachable!("of other constants"),
             };
             let rest = Tensor::<f64, D>::zero();
             assert_eq!(largest(piola(&material, &rest)), 0.0, "{material:?}");
@@ -304,7 +335,7 @@ fn mooney_rivlin_contains_neo_hookean() {
 #[test]
 fn the_lagged_stress_is_linear_in_the_new_deformation() {
     let mut random = Random(41);
-    for material in all() {
+    for material in by_hand() {
         for _ in 0..20 {
             let (lag, a, b) = (random.tensor::<3>(0.5), random.tensor::<3>(1.0), random.tensor::<3>(1.0));
             let of = |at: Tensor<f64, 3>| material.piola(&at, &lag);
@@ -339,4 +370,169 @@ fn only_rubber_resists_collapse() {
         assert!(material.needs_positive_volume());
     }
     assert!(pressed(1e-3, &VENANT) > pressed(0.5, &VENANT));
+}
+
+/// The energy of Ogden in the plane, its principal stretches as roots: without derivative where they are equal.
+struct Roots {
+    lambda: f64,
+}
+
+impl StoredEnergy for Roots {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        let (J, half) = (at.J(), (at.I1_minus_3() + T::constant(2.0)) * 0.5);
+        let root = (half * half - J * J).sqrt();
+        let mut W = at.J_minus_1() * at.J_minus_1() * (0.5 * self.lambda);
+        for [mu, alpha] in TERMS {
+            let sum = (half + root).powf(0.5 * alpha) + (half - root).powf(0.5 * alpha) - T::constant(2.0);
+            W += sum * (mu / alpha) - J.ln() * mu;
+        }
+        W
+    }
+}
+
+/// Energy, stress and tangent of Ogden's law are those of the principal stretches as roots, differentiated.
+#[test]
+fn ogden_is_the_derivative_of_its_energy() {
+    let mut random = Random(51);
+    for (lambda, law) in [LAMBDA, 0.0].into_iter().zip([0, 2].map(|n| ogdens()[n])) {
+        let roots = Material::own(Roots { lambda });
+        for _ in 0..200 {
+            let (grad_u, grad_w) = (random.tensor::<2>(0.6), random.tensor::<2>(1.0));
+            let (P, dP) = (roots.stress(&grad_u), roots.tangent(&grad_u, &grad_w));
+            let near = |a: Tensor<f64, 2>, b: Tensor<f64, 2>| largest(a - b) < 1e-9 * (1.0 + largest(b));
+            assert!(near(law.stress(&grad_u), P), "{:?} {P:?}", law.stress(&grad_u));
+            assert!(near(law.tangent(&grad_u, &grad_w), dP), "{:?} {dP:?}", law.tangent(&grad_u, &grad_w));
+            let dual = law.piola(&seeded(&grad_u, &grad_w), &seeded(&grad_u, &grad_w));
+            assert!(near(dual.map(|x| x.eps), dP));
+            assert!((law.energy(&grad_u) - roots.energy(&grad_u)).abs() < 1e-12);
+            let slope = law.energy(&seeded(&grad_u, &grad_w)).eps;
+            assert!((slope - P.ddot(grad_w)).abs() < 1e-9);
+        }
+    }
+}
+
+/// One term with α = 2 is neo-Hookean, in space and in the plane, at equal stretches and between them.
+#[test]
+fn ogden_contains_neo_hookean() {
+    fn run<const D: usize>() {
+        let (ogden, mut random) = (Material::ogden(&[[MU, 2.0]], LAMBDA, false), Random(61));
+        let mut at: Vec<Tensor<f64, D>> = (0..50).map(|_| random.tensor(0.6)).collect();
+        // Stretches that are equal, and nearly so.
+        at.extend([0.0, 1e-15, 1e-9, 1e-5].map(|gap| {
+            let mut grad_u = 0.3 * Tensor::identity();
+            grad_u.0[0][0] += gap;
+            grad_u.0[0][D - 1] += 0.5 * gap;
+            grad_u
+        }));
+        at.push(Tensor::zero());
+        for grad_u in at {
+            let grad_w = random.tensor::<D>(1.0);
+            assert_near(ogden.stress(&grad_u), NEO.stress(&grad_u), "stress");
+            assert_near(ogden.tangent(&grad_u, &grad_w), NEO.tangent(&grad_u, &grad_w), "tangent");
+            assert!((ogden.energy(&grad_u) - NEO.energy(&grad_u)).abs() < 1e-12);
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// Closed forms: P₁₁ of F = diag(a, b, b), and tension and equibiaxial stretch with J = 1,
+/// σ₁ − σ₂ = Σ μ_p (λ₁^α_p − λ₂^α_p). Small strains lose no digits.
+#[test]
+fn ogden_in_principal_stretches() {
+    let [compressible, _, incompressible] = ogdens();
+    let sum =
+        |x: f64, y: f64| TERMS.iter().map(|[mu, alpha]| mu * (x.powf(*alpha) - y.powf(*alpha))).sum::<f64>();
+    for (a, b) in [(1.7, 0.8), (0.6, 1.1), (1.01, 1.0)] {
+        let P = piola(&compressible, &(diagonal(a, b, b) - Tensor::identity()));
+        let expected = sum(a, 1.0) / a + LAMBDA * (a * b * b - 1.0) * b * b;
+        assert!((P.0[0][0] - expected).abs() < 1e-12 * (1.0 + expected.abs()));
+    }
+    for a in [0.5, 0.9, 1.3, 2.5] {
+        let b = 1.0 / f64::sqrt(a);
+        let one = cauchy(&incompressible, diagonal(a, b, b));
+        assert!((one.0[0][0] - one.0[1][1] - sum(a, b)).abs() < 1e-12 * (1.0 + sum(a, b).abs()));
+        let two = cauchy(&incompressible, diagonal(a, a, 1.0 / (a * a)));
+        assert!(
+            (two.0[0][0] - two.0[2][2] - sum(a, 1.0 / (a * a))).abs()
+                < 1e-12 * (1.0 + sum(a, 1.0 / (a * a)).abs())
+        );
+    }
+    let w = Tensor([[1.0, 0.5], [-0.25, 0.75]]);
+    let mu = TERMS.iter().map(|[mu, alpha]| 0.5 * mu * alpha).sum();
+    let hooke = Material::Linear { mu, lambda: LAMBDA }.stress(&w);
+    assert!(largest(1e12 * compressible.stress(&(1e-12 * w)) - hooke) < 1e-10);
+    assert!(compressible.energy(&Tensor([[-1.5, 0.0], [0.0, 0.0]])).is_nan(), "no meaning at J < 0");
+}
+
+/// ∂/∂F by central differences.
+fn differences<const D: usize>(at: &Tensor<f64, D>, f: impl Fn(&Tensor<f64, D>) -> f64) -> Tensor<f64, D> {
+    let (mut slope, h) = (Tensor::zero(), 1e-6);
+    for i in 0..D {
+        for j in 0..D {
+            let moved = |by: f64| {
+                let mut at = *at;
+                at.0[i][j] += by;
+                f(&at)
+            };
+            slope.0[i][j] = (moved(h) - moved(-h)) / (2.0 * h);
+        }
+    }
+    slope
+}
+
+/// Stress and tangent of fibres and of Ogden are differences of the energy and of the stress, in space, too.
+#[test]
+fn laws_by_number_are_derivatives_of_their_energy() {
+    fn run<const D: usize>() {
+        let mut random = Random(71);
+        for material in ogdens().into_iter().chain(with_fibres()) {
+            for _ in 0..50 {
+                let (grad_u, grad_w) = (random.tensor::<D>(0.5), random.tensor::<D>(1.0));
+                let P = piola(&material, &grad_u);
+                let slope = differences(&grad_u, |at| material.energy(at));
+                assert!(largest(slope - P) < 1e-7 * (1.0 + largest(P)), "{material:?}: {slope:?} {P:?}");
+                let dP = material.tangent(&grad_u, &grad_w);
+                let power = differences(&grad_u, |at| material.stress(at).ddot(grad_w));
+                // The tangent is symmetric: it is that of an energy.
+                assert!(largest(power - dP) < 1e-6 * (1.0 + largest(dP)), "{material:?}: {power:?} {dP:?}");
+            }
+        }
+    }
+    run::<2>();
+    run::<3>();
+}
+
+/// Fibres that turn with the reference domain: P_φ(F) = P₀(F R) Rᵀ. Fibres that are pressed bear nothing, and with κ = ⅓
+/// they have no direction.
+#[test]
+fn fibres_have_a_direction_and_bear_tension() {
+    let mut random = Random(81);
+    let (s, c) = 0.7f64.sin_cos();
+    let R = Tensor([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]);
+    let turned = [
+        Material::Artery(Artery { angles: ARTERY.angles.map(|x| x + 0.7), ..ARTERY }),
+        Material::Muscle(Muscle { angle: MUSCLE.angle + 0.7, ..MUSCLE }),
+    ];
+    let matrix = Material::Artery(Artery::matrix(MU, LAMBDA, None));
+    for _ in 0..50 {
+        let F = Tensor::identity() + random.tensor::<3>(0.5);
+        for (turned, plain) in turned.iter().zip([Material::Artery(ARTERY), Material::Muscle(MUSCLE)]) {
+            let expected = plain.stress(&(F * R - Tensor::identity())) * R.t();
+            assert_near(turned.stress(&(F - Tensor::identity())), expected, &format!("{plain:?}"));
+        }
+        let grad_u = random.tensor::<2>(0.5);
+        assert_near(matrix.stress(&grad_u), NEO.stress(&grad_u), "no fibres");
+        let spread = |angle: f64| Artery { dispersion: 1.0 / 3.0, angles: [angle; 2], ..ARTERY };
+        let of = |angle: f64| Material::Artery(spread(angle)).stress(&grad_u);
+        assert_near(of(0.2), of(1.4), "in all directions");
+    }
+    let along = Material::Artery(Artery { dispersion: 0.0, angles: [0.0; 2], ..ARTERY });
+    let pressed = Tensor([[-0.1, 0.0], [0.0, 0.2]]);
+    assert_near(along.stress(&pressed), NEO.stress(&pressed), "pressed");
+    let drawn = Tensor([[0.1, 0.0], [0.0, 0.0]]);
+    let extra = along.stress(&drawn) - NEO.stress(&drawn);
+    let E = 1.1f64 * 1.1 - 1.0;
+    // Two families: 2 k₁ E exp(k₂ E²) ∂E/∂a.
+    assert!((extra.0[0][0] - 4.0 * 2.0 * E * (0.8 * E * E).exp() * 1.1).abs() < 1e-12, "{extra:?}");
 }

@@ -138,7 +138,7 @@ fn block(cells: usize, mirrored: bool) -> (FsiSpace<2>, Modes) {
     let held = |x: &[f64; 2]| [x[0] == 0.0 || (mirrored && x[0] > end - 1e-12), true];
     let setting = Setting {
         space: &space,
-        solids: vec![Solid { rho: DENSITY, material: HOOKE }],
+        solids: vec![Solid::elastic(DENSITY, HOOKE)],
         fluid_density: Some(FLUID),
         held: space.nodes.points.iter().map(held).collect(),
         open: space.mesh.boundaries.iter().map(|name| name == "right" && !mirrored).collect(),

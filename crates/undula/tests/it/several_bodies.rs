@@ -5,7 +5,7 @@ use undula::case::Case;
 use undula::math::Tensor;
 use undula::modes::of_case;
 use undula::physics::Material;
-use undula::physics::material::SolidLaw;
+use undula::physics::SolidLaw;
 use undula::simulation::{Row, Simulation};
 
 /// A bar (0, 3) × (0, 1) m between planes of symmetry, drawn at its right end: `soft` in x < 1, `hard` beyond.

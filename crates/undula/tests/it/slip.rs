@@ -4,7 +4,7 @@
 use crate::common::sets;
 use std::f64::consts::PI;
 use undula::case::Case;
-use undula::physics::material::SolidLaw;
+use undula::physics::SolidLaw;
 use undula::simulation::Simulation;
 use undula::verification::jacobians;
 use undula::{CaseBuilder, Mesh};

@@ -1,12 +1,13 @@
 //! The tables `[mesh]`, `[space]`, `[fluid]`, `[solid]` and `[motion]`.
 
+use super::material::{self, Moduli, POISSON};
 use super::resolve;
 use crate::case::choices::BODY_FORCE_AT;
 use crate::case::element::{PRESSURES, Stability, VELOCITIES};
 use crate::case::error::quoted;
 use crate::case::expression::Expression;
 use crate::case::literal::number;
-use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
+use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Section};
 use crate::case::schema::{
     FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
     SolidSpec, SpaceSpec, VelocityElement,
@@ -16,25 +17,9 @@ use crate::choice;
 use crate::element::Shape;
 use crate::mesh::gmsh;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
-use crate::physics::material::LAWS;
+use crate::physics::solid_law::LAWS;
 use crate::space::WALLS;
 use std::collections::BTreeMap;
-
-const POISSON: Range = Range { holds: |x| x > -1.0 && x < 0.5, text: "a number above -1 and below 0.5" };
-
-const KEPT: Range = Range {
-    text: "a number above -1 and below 0.5; 0.5 means that the volume is kept: take law = \"incompressible-neo-hookean\" \
-           or \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
-    ..POISSON
-};
-
-const FINITE: Range = Range {
-    text: "a finite number; where the volume is kept, take law = \"incompressible-neo-hookean\" or \
-           \"incompressible-mooney-rivlin\", with `mu` or `young` alone",
-    ..ANY
-};
-
-const HALF: Range = Range { holds: |x| x > -1.0 && x <= 0.5, text: "a number above -1, at most 0.5" };
 
 pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<MeshSpec> {
     let generator = s.choice("generator", &GENERATORS, &[]);
@@ -150,19 +135,20 @@ pub(super) fn refuse_pair(s: &Section<'_, '_>, space: &SpaceSpec) {
 
 /// A fluid in `regions`.
 pub(super) fn fluid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<String>) -> FluidSpec {
+    let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
+    let (kinematic_viscosity, thinning) = material::viscosity(&mut s, density);
     let spec = FluidSpec {
         name,
         regions,
-        density: s.required_number("density", POSITIVE, "the density [kg/m³]"),
-        kinematic_viscosity: s.required_number(
-            "kinematic-viscosity",
-            POSITIVE,
-            "the kinematic viscosity [m²/s]",
-        ),
+        density,
+        kinematic_viscosity,
+        thinning,
         body_force: s.expressions("body-force").unwrap_or_default(),
         force_at_current: s.choice("body-force-at", &BODY_FORCE_AT, &[]).unwrap_or(false),
     };
-    explain_viscosity(&mut s);
+    if spec.thinning.is_none() {
+        explain_viscosity(&mut s);
+    }
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
         let table = &s.path;
         let note = format!("{table}.body-force-at has no effect: {table}.body-force is the same everywhere");
@@ -198,10 +184,27 @@ fn explain_viscosity(s: &mut Section<'_, '_>) {
 pub(super) fn solid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<String>) -> SolidSpec {
     let law = s.choice("law", &LAWS, &[]).unwrap_or(SolidLaw::StVenantKirchhoff);
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
-    let Moduli { mu, lambda, c2, bulk } = law_constants(&mut s, law);
+    let Moduli { mu, lambda, c2, bulk, ogden, fibres } = material::law_constants(&mut s, law);
+    let [viscosity, damping_mass, damping_stiffness] = material::damping(&mut s);
     let body_force = s.expressions("body-force").unwrap_or_default();
     s.finish();
-    SolidSpec { name, regions, law, own: None, density, mu, lambda, c2, bulk, body_force }
+    SolidSpec {
+        name,
+        regions,
+        law,
+        own: None,
+        density,
+        mu,
+        lambda,
+        c2,
+        ogden,
+        fibres,
+        bulk,
+        viscosity,
+        damping_mass,
+        damping_stiffness,
+        body_force,
+    }
 }
 
 /// The pressure of a solid has no stabilisation.
@@ -214,137 +217,6 @@ pub(super) fn refuse_unstable_solid(s: &Section<'_, '_>, solid: &SolidSpec, spac
         );
         s.wrong("law", message);
     }
-}
-
-/// Constants of a law \[Pa\].
-struct Moduli {
-    mu: f64,
-    /// Infinite if the law is incompressible and there is no `bulk`.
-    lambda: f64,
-    c2: f64,
-    bulk: Option<f64>,
-}
-
-fn law_constants(s: &mut Section<'_, '_>, law: SolidLaw) -> Moduli {
-    let c1 = s.optional_number("c1", POSITIVE);
-    let c2 = s.optional_number("c2", NOT_NEGATIVE);
-    let bulk = s.optional_number("bulk", POSITIVE);
-    for key in ["c1", "c2"].into_iter().filter(|key| s.has(key) && !law.is_mooney_rivlin()) {
-        s.wrong(key, "only for the laws `mooney-rivlin` and `incompressible-mooney-rivlin`");
-    }
-    let (mu, lambda) = match law.is_incompressible() {
-        true => (shear_modulus(s), f64::INFINITY),
-        false => moduli(s),
-    };
-    let mu = mu.or_else(|| Some(2.0 * (c1? + c2?))).unwrap_or(1.0);
-    let mut moduli = Moduli { mu, lambda, c2: 0.0, bulk: bulk.filter(|_| law.is_incompressible()) };
-    if s.has("bulk") && !law.is_incompressible() {
-        s.wrong("bulk", "only for incompressible laws; the others take `lambda` or `poisson`");
-    } else if let Some(bulk) = bulk {
-        moduli.lambda = bulk - 2.0 / 3.0 * mu;
-        if moduli.lambda <= 0.0 {
-            let least = 2.0 / 3.0 * mu;
-            s.wrong("bulk", format!("expected a number above 2/3 mu = {least} Pa, lambda = bulk - 2/3 mu"));
-        }
-    }
-    if law.is_mooney_rivlin() {
-        moduli.c2 = c2.unwrap_or(0.0);
-        check_split(s, &moduli);
-    }
-    moduli
-}
-
-/// Whether Mooney-Rivlin is polyconvex.
-fn check_split(s: &Section<'_, '_>, &Moduli { mu, lambda, c2, .. }: &Moduli) {
-    if s.has("c1") && !s.has("c2") {
-        s.missing("c2", "`c1` and `c2` [Pa] belong together; or give `mu` = 2 (c1 + c2) and `c2`");
-    } else if !s.has("c2") {
-        let table = &s.path;
-        let note =
-            format!("{table}.law: without {table}.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))");
-        s.checker.notes.borrow_mut().push(note);
-    } else if c2 >= 0.5 * mu {
-        s.wrong(
-            "c2",
-            format!("expected a number below mu/2 = {} Pa, for c1 = mu/2 - c2 is above 0", 0.5 * mu),
-        );
-    } else if lambda <= 4.0 * c2 {
-        let most = 0.25 * lambda;
-        s.wrong(
-            "c2",
-            format!(
-                "expected a number below lambda/4 = {most} Pa, or a strong compression would release energy"
-            ),
-        );
-    }
-}
-
-/// μ \[Pa\] of an incompressible law, from `mu` or `young`; `None` if from `c1` and `c2`.
-fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
-    let (mu, lambda) = (s.optional_number("mu", POSITIVE), s.optional_number("lambda", ANY));
-    let (young, poisson) = (s.optional_number("young", POSITIVE), s.optional_number("poisson", HALF));
-    let ways = ["mu", "young", "c1"].into_iter().filter(|key| s.has(key)).collect::<Vec<_>>();
-    match ways[..] {
-        [] if s.means("young") => {}
-        [] => s.missing("mu", "the modulus `mu` [Pa], or `young` [Pa], which is 3 mu"),
-        [_] => {}
-        [_, other, ..] => s.wrong(other, "give one of `mu`, `young`, and `c1` with `c2`"),
-    }
-    if lambda.is_some() || poisson.is_some_and(|poisson| poisson < 0.5) {
-        let key = if lambda.is_some() { "lambda" } else { "poisson" };
-        let table = &s.path;
-        let note = format!(
-            "{table}.{key} says nothing of the volume: the law is incompressible, but for {table}.bulk [Pa]"
-        );
-        s.checker.notes.borrow_mut().push(note);
-    }
-    mu.or_else(|| young.map(|young| young / (2.0 * (1.0 + poisson.unwrap_or(0.5)))))
-}
-
-/// μ and λ \[Pa\], given as such or as Young's modulus and Poisson ratio.
-fn moduli(s: &mut Section<'_, '_>) -> (Option<f64>, f64) {
-    let is = |key: &str, x: f64| s.look_at_number(key) == Some(x);
-    let (finite, below) = (
-        if is("lambda", f64::INFINITY) { FINITE } else { ANY },
-        if is("poisson", 0.5) { KEPT } else { POISSON },
-    );
-    let mu = s.optional_number("mu", POSITIVE);
-    let lambda = s.optional_number("lambda", finite);
-    let young = s.optional_number("young", POSITIVE);
-    let poisson = s.optional_number("poisson", below);
-    let given = |key: &str| s.has(key) || s.means(key);
-    let lame = given("mu") || given("lambda");
-    let engineering = given("young") || given("poisson");
-    for key in ["young", "poisson"] {
-        if lame && s.has(key) {
-            s.wrong(key, "give either `mu` and `lambda` or `young` and `poisson`");
-        } else if engineering && !lame && !s.has(key) {
-            s.missing(key, "`young` [Pa] and `poisson` belong together");
-        }
-    }
-    let constants = s.has("c1");
-    if constants && (s.has("mu") || engineering) {
-        s.wrong("c1", "give either `c1` and `c2` or `mu` and `c2`, mu = 2 (c1 + c2)");
-    }
-    for key in ["mu", "lambda"] {
-        if constants && key == "mu" {
-            continue;
-        } else if !engineering && !s.has(key) {
-            s.missing(key, "the moduli `mu` and `lambda` [Pa], or `young` [Pa] and `poisson`");
-        } else if engineering && lame && !s.has(key) {
-            s.missing(key, "`mu` and `lambda` [Pa] belong together");
-        }
-    }
-    if let (Some(young), Some(poisson)) = (young, poisson) {
-        let mu = young / (2.0 * (1.0 + poisson));
-        return (Some(mu), young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)));
-    }
-    if let (Some(mu), Some(lambda)) = (mu, lambda)
-        && 3.0 * lambda + 2.0 * mu <= 0.0
-    {
-        s.wrong("lambda", format!("expected a number above -2/3 mu = {} Pa", -2.0 / 3.0 * mu));
-    }
-    (mu, lambda.unwrap_or(1.0))
 }
 
 /// `moves`: whether the case has a last step to take J from.

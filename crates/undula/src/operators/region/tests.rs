@@ -37,7 +37,7 @@ fn kernel<const D: usize>(mesh: Mesh<D>) -> (FsiSpace<D>, Kernel<Fluid, D, 1>) {
     let list: Vec<usize> = (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid).collect();
     let batches = Batches::new(&space, &list, true, 2, &|_| 1.0);
     assert!(batches.chunks.len() > 1, "entries at which chunks meet have copies");
-    let fluid = Fluid { rho: 1.0, nu: 1.0, extension: Extension::Harmonic };
+    let fluid = Fluid { rho: 1.0, nu: 1.0, thinning: None, extension: Extension::Harmonic };
     let mut kernel = Kernel::new(fluid, &space, (Region::Fluid, 0), true, batches, 1).unwrap();
     kernel.prepare_interior(&space, &[], true);
     (space, kernel)

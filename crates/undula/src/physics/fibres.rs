@@ -1,0 +1,95 @@
+//! Soft tissue with fibres: arteries after Holzapfel, Gasser and Ogden, heart muscle after Guccione.
+
+use super::stored_energy::{Deformation, StoredEnergy};
+use crate::math::{Scalar, Tensor, Vector};
+
+/// (cos φ, sin φ, 0) in the space of dimension `D`.
+fn direction<T: Scalar, const D: usize>(angle: f64) -> Vector<T, D> {
+    let mut a = Vector::zero();
+    for (a, x) in a.0.iter_mut().zip([angle.cos(), angle.sin()]) {
+        *a = T::constant(x);
+    }
+    a
+}
+
+/// a · E b.
+fn component<T: Scalar, const D: usize>(a: Vector<T, D>, E: &Tensor<T, D>, b: Vector<T, D>) -> T {
+    a.dot(*E * b)
+}
+
+/// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)² + Σ_i k₁/(2 k₂) (exp(k₂ ⟨E_i⟩²) − 1) over two families of fibres, with
+/// E_i = κ (I₁ − 3) + (1 − 3 κ)(a_i · C a_i − 1) and ⟨E⟩ = max(E, 0): fibres bear tension only (Gasser, Ogden and
+/// Holzapfel 2006). C is not split into volume and shape in the part of the fibres.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Artery {
+    /// Shear modulus μ of the matrix \[Pa\].
+    pub mu: f64,
+    /// First Lamé parameter λ of the matrix \[Pa\]; 0 if the law has a pressure of its own.
+    pub lambda: f64,
+    /// 1/κ' \[1/Pa\] of a law with a pressure of its own, 0 for J = 1.
+    pub compliance: Option<f64>,
+    /// Stiffness k₁ \[Pa\] of the fibres.
+    pub k1: f64,
+    /// Exponent k₂, above 0.
+    pub k2: f64,
+    /// Dispersion κ, 0: all fibres along their family, ⅓: in all directions.
+    pub dispersion: f64,
+    /// Angles of both families to the x axis \[rad\].
+    pub angles: [f64; 2],
+}
+
+impl Artery {
+    /// The matrix without fibres.
+    pub fn matrix(mu: f64, lambda: f64, compliance: Option<f64>) -> Artery {
+        Artery { mu, lambda, compliance, k1: 0.0, k2: 1.0, dispersion: 0.0, angles: [0.0; 2] }
+    }
+}
+
+impl StoredEnergy for Artery {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        let (E, first, change) = (at.E(), at.I1_minus_3(), at.J_minus_1());
+        let mut W = first * (0.5 * self.mu) - at.J().ln() * self.mu + change * change * (0.5 * self.lambda);
+        for angle in self.angles {
+            let a = direction(angle);
+            let stretch = component(a, &E, a) * (2.0 * (1.0 - 3.0 * self.dispersion));
+            let strain = first * self.dispersion + stretch;
+            let tension = strain * (T::one() - strain.below_zero());
+            W += ((tension * tension * self.k2).exp() - T::one()) * (0.5 * self.k1 / self.k2);
+        }
+        W
+    }
+}
+
+/// W = ½ C (exp Q − 1) with J = 1, Q = b_f E_ff² + b_t (E_tt² + E_nn² + 2 E_tn²) + 2 b_fs (E_ft² + E_fn²): f along the
+/// fibres in the plane, t across them in the plane, n out of it (Guccione, McCulloch and Waldman 1991).
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Muscle {
+    /// C \[Pa\].
+    pub stiffness: f64,
+    /// b_f, b_t and b_fs.
+    pub exponents: [f64; 3],
+    /// 1/κ \[1/Pa\], 0 for J = 1.
+    pub compliance: f64,
+    /// Angle of the fibres to the x axis \[rad\].
+    pub angle: f64,
+}
+
+impl StoredEnergy for Muscle {
+    fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
+        let E = at.E();
+        let (f, t) = (direction(self.angle), direction(self.angle + std::f64::consts::FRAC_PI_2));
+        let mut n = Vector::zero();
+        if D == 3 {
+            n.0[D - 1] = T::one();
+        }
+        let square = |a: Vector<T, D>, b: Vector<T, D>| {
+            let x = component(a, &E, b);
+            x * x
+        };
+        let [along, across, shear] = self.exponents;
+        let Q = square(f, f) * along
+            + (square(t, t) + square(n, n) + square(t, n) * 2.0) * across
+            + (square(f, t) + square(f, n)) * (2.0 * shear);
+        (Q.exp() - T::one()) * (0.5 * self.stiffness)
+    }
+}

@@ -1,0 +1,71 @@
+//! Laws that are evaluated number by number.
+//!
+//! Lanes are taken apart in functions of their own: nothing here is compiled for wide vectors.
+
+use crate::math::{Scalar, Tensor};
+
+/// A law as the kernels call it: energy and stress with their derivatives, by number.
+pub(super) trait Law: Send + Sync {
+    /// Value of W at ∇u and its derivative in the direction that comes with it; lists are of D² pairs.
+    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2];
+    /// The same for P, into `stress`.
+    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]);
+}
+
+/// W at ∇u.
+#[cold]
+#[inline(never)]
+pub(super) fn energy<T: Scalar, const D: usize>(law: &dyn Law, grad_u: &Tensor<T, D>) -> T {
+    let mut W = T::zero();
+    for lane in 0..T::LANES {
+        let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+        W.set_lane(lane, law.energy_at(at.as_flattened()));
+    }
+    W
+}
+
+/// P at ∇u, with its derivative if `T` has one.
+#[cold]
+#[inline(never)]
+pub(super) fn stress<T: Scalar, const D: usize>(law: &dyn Law, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+    let mut P = Tensor::zero();
+    for lane in 0..T::LANES {
+        let at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+        fill(law, &at, |pair| pair, lane, &mut P);
+    }
+    P
+}
+
+/// Derivative of P at ∇u in the direction ∇w.
+#[cold]
+#[inline(never)]
+pub(super) fn derivative<T: Scalar, const D: usize>(
+    law: &dyn Law,
+    grad_u: &Tensor<T, D>,
+    grad_w: &Tensor<T, D>,
+) -> Tensor<T, D> {
+    let mut dP = Tensor::zero();
+    for lane in 0..T::LANES {
+        let mut at = grad_u.0.map(|row| row.map(|x| x.lane(lane)));
+        for (pair, w) in at.as_flattened_mut().iter_mut().zip(grad_w.0.as_flattened()) {
+            pair[1] = w.lane(lane)[0];
+        }
+        fill(law, &at, |[_, slope]| [slope, 0.0], lane, &mut dP);
+    }
+    dP
+}
+
+/// What `part` takes of P at ∇u, into lane `lane` of `out`.
+fn fill<T: Scalar, const D: usize>(
+    law: &dyn Law,
+    at: &[[[f64; 2]; D]; D],
+    part: impl Fn([f64; 2]) -> [f64; 2],
+    lane: usize,
+    out: &mut Tensor<T, D>,
+) {
+    let mut stress = [[[0.0; 2]; D]; D];
+    law.stress_at(at.as_flattened(), stress.as_flattened_mut());
+    for (component, value) in out.0.as_flattened_mut().iter_mut().zip(stress.as_flattened()) {
+        component.set_lane(lane, part(*value));
+    }
+}
