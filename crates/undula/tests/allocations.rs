@@ -8,7 +8,7 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use undula::algebra::{Csr, Gmres, GmresSettings, Pattern};
 use undula::simulation::Simulation;
-use undula::system::StepView;
+use undula::system::{Borders, Matrix, StepView};
 use undula::tangent::Tangent;
 
 /// The allocator of the system, counting.
@@ -44,9 +44,10 @@ fn second_assembly(threads: usize, sets: &[&str]) -> usize {
     simulation.step().unwrap();
     let (rule, new, old, assembler) = simulation.stepper.last_step();
     let view = StepView { rule, new, old };
-    let mut residual = vec![0.0; assembler.space.n_field_unknowns()];
+    let mut residual = vec![0.0; assembler.n_unknowns()];
     let mut matrix = Csr::zeros(&assembler.pattern());
     let mut condensed = Csr::zeros(&assembler.condensed().pattern);
+    let mut borders = Borders::default();
     let mut assemble = || {
         assembler.explicit(&view, &mut residual);
         assembler.residual(&view, &mut residual);
@@ -55,6 +56,8 @@ fn second_assembly(threads: usize, sets: &[&str]) -> usize {
         assembler.condensed_matrix(&view, Tangent::Automatic, &mut condensed);
         assembler.eliminate_inner(&mut residual);
         assembler.recover_inner(&mut residual);
+        assembler.borders(Matrix::Whole, &view, &mut borders);
+        assembler.borders(Matrix::Condensed, &view, &mut borders);
     };
     let mut count = || {
         assemble();
@@ -106,7 +109,13 @@ fn second_assembly_allocates_nothing() {
         "boundary.outflow.traction=[\"table('{file}', t, 'cubic periodic')\", \"table('{file}', t)\"]"
     );
     let tables = ["boundary.outflow.condition=traction", &tables];
-    for sets in [&[][..], &equal_order, &["space.velocity=Q3"], &tables] {
+    let circuit = [
+        "boundary.outflow.condition=windkessel",
+        "boundary.outflow.proximal=1e3",
+        "boundary.outflow.capacitance=1e-5",
+        "boundary.outflow.distal=2e3",
+    ];
+    for sets in [&[][..], &circuit, &equal_order, &["space.velocity=Q3"], &tables] {
         assert_eq!(second_assembly(1, sets), 0, "{sets:?}");
         assert_eq!(second_assembly(2, sets), 0, "on two threads, {sets:?}");
     }

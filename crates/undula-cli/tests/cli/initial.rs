@@ -27,9 +27,17 @@ fn first(here: &Place, sets: &[&str]) {
 #[test]
 fn a_run_from_another_one_has_the_history_of_the_straight_run() {
     let here = Place::new("initial-straight");
-    for scheme in ["shifted-crank-nicolson", "bdf2"] {
+    // The charge of a circuit goes on, too.
+    let circuit = [
+        "boundary.outflow.condition=windkessel",
+        "boundary.outflow.proximal=1e3",
+        "boundary.outflow.capacitance=1e-5",
+        "boundary.outflow.distal=2e3",
+        "boundary.outflow.initial=50",
+    ];
+    for (scheme, more) in [("shifted-crank-nicolson", &[][..]), ("bdf2", &[]), ("bdf2", &circuit)] {
         let scheme = format!("time.scheme={scheme}");
-        let sets = [FRESH, &scheme];
+        let sets = [&[FRESH, &scheme], more].concat();
         here.run("run fsi3 -o first --quiet --force", &[&SMALL[..], &sets].concat()).expect(0, &[]);
         let longer = [&SMALL[..], &sets, &["time.end=0.1"]].concat();
         here.run("run fsi3 -o straight --quiet --force", &longer).expect(0, &[]);

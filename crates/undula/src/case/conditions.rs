@@ -319,6 +319,11 @@ impl Condition {
         matches!(self, Condition::Spring { stiffness, .. } if stiffness.constant_value() != Some(0.0))
     }
 
+    /// Whether it determines the pressure: a given flow alone leaves it open by a constant.
+    pub fn gives_pressure(&self) -> bool {
+        self.is_natural() && !matches!(self, Condition::Flux(_))
+    }
+
     /// Whether one pressure acts on all of an outlet, which depends on the flow.
     pub fn is_lumped(&self) -> bool {
         matches!(self, Condition::Resistance { .. } | Condition::Windkessel { .. } | Condition::Flux(_))

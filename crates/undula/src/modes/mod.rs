@@ -168,6 +168,10 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         return Err(case.refuse(&format!("{}.law", solid.table()), message));
     }
     let space = case.build_space()?;
+    if let Some((name, _)) = case.boundary.iter().find(|(_, condition)| condition.is_elastic()) {
+        let message = "modes do not know the stiffness of springs: expected a boundary that is held or free";
+        return Err(case.refuse(&format!("boundary.{name}.condition"), message.into()));
+    }
     let constraints = Constraints::new(&space, &case.conditions(&space.mesh));
     if !constraints.directions.is_empty() {
         let message = "modes hold components of u, and a boundary with `slip` or `symmetry` is inclined or curved: expected \

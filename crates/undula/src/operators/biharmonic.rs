@@ -3,7 +3,8 @@
 //!     (∇w, ∇ψ¹) + (∇u, ∇ψ²) − (w, ψ²) = ⟨n·∇u_s, ψ²⟩_I,   ψ¹ = 0 on I and the outer boundary,
 //! ```
 //! n outward of F. Clamped (u = 0, ∂_n u = 0 on the outer boundary) ψ² and w are free there; hinged (u = 0, w = 0)
-//! they vanish. With (w, ψ²) by the nodal rule the unknown w is eliminated node by node, and what is left is one
+//! they vanish. On a boundary with `Slip`, which mirrors the domain, the normal components of u and w vanish and the
+//! others are free. With (w, ψ²) by the nodal rule the unknown w is eliminated node by node, and what is left is one
 //! constant sparse operator on u,
 //! ```text
 //!     A = Kᵀ M⁻¹ (K − B),   K_ij = (∇φ_j, ∇χ_i)_F,   M_ii = (1, χ_i)_F,   B_ij = ⟨n·∇φ_j, χ_i⟩_I by the cells of S,
@@ -55,6 +56,8 @@ impl Biharmonic {
             merge(row);
             row.iter_mut().for_each(|(_, value)| *value /= mass);
         }
+        let mut mirrored = vec![[false; D]; space.nodes.len()];
+        constraints.mirrors.iter().for_each(|&(node, axes)| mirrored[node as usize] = axes);
         let n_v = space.n_v();
         let mut operator = Biharmonic { n_v, ..Biharmonic::default() };
         for node in (0..space.nodes.len()).filter(|&node| space.owner[node] == PsiOwner::Extension) {
@@ -63,7 +66,8 @@ impl Biharmonic {
                 for &(w, k) in &tested[node] {
                     // There is no node of u in the centre.
                     let given = constraints.u.get(w as usize).is_some_and(|u| u[i]);
-                    if !(hinged && given) {
+                    let odd = mirrored.get(w as usize).is_some_and(|axes| axes[i]);
+                    if !(odd || hinged && given) {
                         row.extend(source[w as usize].iter().map(|&(a, value)| (a, k * value)));
                     }
                 }

@@ -9,7 +9,7 @@
 //! P_c and λ are scalar unknowns; P_c is integrated like the flow, λ belongs to the new time like the pressure. The
 //! dependence on Q is a far coupling of rank one, the load itself that of a pressure.
 
-use super::border::Borders;
+use super::border::{Border, Borders};
 use super::facets::{FacetOperator, SeenFacet};
 use super::pressure::{PressureLoad, pressure};
 use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
@@ -19,7 +19,6 @@ use crate::mesh::Side;
 use crate::physics::kinematics::cofactor;
 use crate::sampling::fields_at;
 use crate::space::{FsiSpace, Region, State};
-use std::collections::BTreeMap;
 
 /// What holds between pressure and flow. Numbers at a time \[s\]; in D dimensions flows are in m^D/s.
 pub enum Law {
@@ -58,9 +57,12 @@ pub struct Outlet<const D: usize> {
     scalar: (usize, usize),
     deforms: bool,
     n_v: usize,
-    /// ∂P cof(F) N and ∂Q, by place, of one moment.
-    column: BTreeMap<u32, f64>,
-    row: BTreeMap<u32, f64>,
+    /// Nodes of the cells at the facets, ascending, and their numbers `[facet][a]` among them.
+    nodes: Vec<u32>,
+    local: Vec<u32>,
+    /// ⟨cof(F) N, φ⟩ by node, and ∂Q with respect to v and u, of one moment: `[node, i]`.
+    column: Vec<f64>,
+    row: [Vec<f64>; 2],
 }
 
 /// A moment of the step: weight, τ and whose parameters hold.
@@ -71,8 +73,14 @@ impl<const D: usize> Outlet<D> {
     pub fn new(space: &FsiSpace<D>, boundary: u16, law: Law, start: f64, n: usize) -> Outlet<D> {
         let load = pressure(space, Region::Fluid, boundary, (Box::new(|_, _| 0.0), true), n);
         let (scalar, n_v, deforms) = ((0, 0), space.n_v(), space.deforms);
-        let (column, row) = Default::default();
-        Outlet { law, load, boundary, start, at: Default::default(), scalar, deforms, n_v, column, row }
+        let mut nodes: Vec<u32> = load.facets.iter().flat_map(|facet| facet.nodes.clone()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let number = |node: &u32| nodes.partition_point(|other| other < node) as u32;
+        let local = load.facets.iter().flat_map(|facet| facet.nodes.iter().map(number)).collect();
+        let zero = vec![0.0; nodes.len() * D];
+        let (column, row, at) = (zero.clone(), [zero.clone(), zero], Default::default());
+        Outlet { law, load, boundary, start, at, scalar, deforms, n_v, nodes, local, column, row }
     }
 
     fn has_scalar(&self) -> bool {
@@ -84,12 +92,14 @@ impl<const D: usize> Outlet<D> {
     }
 
     /// The moments of the load; a given flow has its pressure at the new time.
-    fn moments(&self, step: &StepView<'_>) -> Vec<Moment> {
-        if self.is_flow() {
-            return vec![(1.0, 1.0, End::New)];
-        }
-        let old = step.rule.has_explicit().then_some((1.0 - step.rule.theta, 0.0, End::Old));
-        step.rule.transport_points().map(|(weight, tau)| (weight, tau, End::New)).chain(old).collect()
+    fn moments(&self, step: &StepView<'_>) -> impl Iterator<Item = Moment> + use<D> {
+        let (rule, is_flow) = (step.rule, self.is_flow());
+        let new = is_flow.then_some((1.0, 1.0, End::New));
+        let theta = (!is_flow && rule.quadrature.is_empty()).then_some((rule.theta, 1.0, End::New));
+        let inside = rule.quadrature.iter().filter(move |_| !is_flow);
+        let old = (!is_flow && rule.has_explicit()).then_some((1.0 - rule.theta, 0.0, End::Old));
+        let inside = inside.map(|&(weight, tau)| (weight, tau, End::New));
+        new.into_iter().chain(theta).chain(inside).chain(old)
     }
 
     /// Call `visit` at all points with the weighted normal cof(F) N and v − ∂_t u at (1 − τ) U⁻ + τ U.
@@ -144,7 +154,7 @@ impl<const D: usize> Outlet<D> {
             Law::Windkessel(_) => {
                 let [old, new] = [step.old, step.new].map(|state| state.s[self.scalar.0]);
                 let capacitance = self.at[End::New as usize].capacitance;
-                let rates = self.moments(step).into_iter().map(|(weight, tau, end)| {
+                let rates = self.moments(step).map(|(weight, tau, end)| {
                     let at = self.at[end as usize];
                     let drained = (self.scalar_at(step, tau) - at.pressure) / at.distal;
                     weight * (self.flow(step, tau) - drained)
@@ -154,31 +164,48 @@ impl<const D: usize> Outlet<D> {
         }
     }
 
-    /// Derivatives at a moment: `column` of ⟨cof(F) N, φ⟩ by place, `row` of Q by place, with u in the whole matrix.
-    fn derivatives(&mut self, matrix: Matrix, step: &StepView<'_>, tau: f64) {
-        let (mut column, mut row) = (std::mem::take(&mut self.column), std::mem::take(&mut self.row));
-        column.clear();
-        row.clear();
+    /// Add ⟨cof(F) N, φ⟩ of a moment times `column` to `self.column`, and the derivative of Q times `row` to `self.row`:
+    /// with respect to v, and in the whole matrix to u.
+    fn add_derivatives(&mut self, matrix: Matrix, step: &StepView<'_>, tau: f64, [column, row]: [f64; 2]) {
+        let mut columns = std::mem::take(&mut self.column);
+        let [mut of_v, mut of_u] = std::mem::take(&mut self.row);
         let with_u = self.deforms && matrix == Matrix::Whole;
+        let (mut at, mut seen) = (0, 0);
         self.visit(step, tau, |facet, q, normal, relative| {
+            if q == 0 {
+                (at, seen) = (seen, seen + facet.nodes.len());
+            }
             let point = &facet.points[q];
-            for (a, &node) in facet.nodes.iter().enumerate() {
+            let of = |state: &State| fields_at(&facet.nodes, &point.value, &point.grad, state);
+            let grad_u = with_u.then(|| of(step.old).lerp(&of(step.new), tau).grad_u);
+            for (a, &node) in self.local[at..seen].iter().enumerate() {
                 for i in 0..D {
-                    let (place, value) = (node * D as u32 + i as u32, point.value[a] * normal.0[i]);
-                    *column.entry(place).or_insert(0.0) += value;
-                    *row.entry(place).or_insert(0.0) += tau * value;
-                    if with_u {
-                        // d(cof F N) = (tr(F⁻¹ ∇w) I − F⁻ᵀ ∇wᵀ) cof(F) N is linear in ∇w.
-                        let of = |state: &State| fields_at(&facet.nodes, &point.value, &point.grad, state);
-                        let at = of(step.old).lerp(&of(step.new), tau);
-                        let slope = normal_slope(&at.grad_u, &point.normal, i, &point.grad[a]) * point.weight;
-                        let change = tau * relative.dot(slope) - step.rule.per_k * value;
-                        *row.entry(place + self.n_v as u32).or_insert(0.0) += change;
+                    let (place, value) = (node as usize * D + i, point.value[a] * normal.0[i]);
+                    columns[place] += column * value;
+                    of_v[place] += row * tau * value;
+                    if let Some(grad_u) = &grad_u {
+                        let slope = normal_slope(grad_u, &point.normal, i, &point.grad[a]) * point.weight;
+                        of_u[place] += row * (tau * relative.dot(slope) - step.rule.per_k * value);
                     }
                 }
             }
         });
-        (self.column, self.row) = (column, row);
+        (self.column, self.row) = (columns, [of_v, of_u]);
+    }
+
+    fn clear_derivatives(&mut self) {
+        self.column.fill(0.0);
+        self.row.iter_mut().for_each(|row| row.fill(0.0));
+    }
+
+    /// Take the derivatives into a border.
+    fn fill(&self, matrix: Matrix, border: &mut Border) {
+        let places = || self.nodes.iter().flat_map(|&node| (0..D as u32).map(move |i| node * D as u32 + i));
+        border.column.extend(places().zip(self.column.iter().copied()));
+        border.row.extend(places().zip(self.row[0].iter().copied()));
+        if self.deforms && matrix == Matrix::Whole {
+            border.row.extend(places().map(|at| at + self.n_v as u32).zip(self.row[1].iter().copied()));
+        }
     }
 }
 
@@ -212,6 +239,10 @@ impl<const D: usize> Operator<D> for Outlet<D> {
             Law::Resistance(numbers) => [values.resistance, values.pressure] = numbers(at.time),
             Law::Windkessel(numbers) => {
                 [values.resistance, values.capacitance, values.distal, values.pressure] = numbers(at.time);
+                // Nothing drains through no resistance or a negative one.
+                if values.distal <= 0.0 {
+                    values.distal = f64::NAN;
+                }
             }
             Law::Flow(numbers) => [values.flow] = numbers(at.time),
         }
@@ -282,46 +313,31 @@ impl<const D: usize> Operator<D> for Outlet<D> {
     }
 
     fn borders(&mut self, matrix: Matrix, step: &StepView<'_>, borders: &mut Borders) {
-        let moments = self.moments(step);
-        let coupled = if self.is_flow() { &[][..] } else { &moments };
-        for &(weight, tau, end) in coupled {
+        let is_flow = self.is_flow();
+        for (weight, tau, end) in self.moments(step).filter(|_| !is_flow) {
             let factor = weight * self.at[end as usize].resistance;
             if factor != 0.0 && (tau != 0.0 || (self.deforms && matrix == Matrix::Whole)) {
-                self.derivatives(matrix, step, tau);
-                let border = borders.coupling();
-                border.column.extend(self.column.iter().map(|(&place, &value)| (place, factor * value)));
-                border.row.extend(self.row.iter().map(|(&place, &value)| (place, value)));
+                self.clear_derivatives();
+                self.add_derivatives(matrix, step, tau, [factor, 1.0]);
+                self.fill(matrix, borders.coupling());
             }
         }
         if !self.has_scalar() {
             return;
         }
-        let new = self.at[End::New as usize];
-        let corner = match self.law {
-            Law::Windkessel(_) => {
-                let drained =
-                    moments.iter().map(|&(weight, tau, end)| weight * tau / self.at[end as usize].distal);
-                new.capacitance * step.rule.per_k + drained.sum::<f64>()
-            }
-            _ => 0.0,
-        };
-        let (mut columns, mut rows) = (BTreeMap::new(), BTreeMap::new());
-        for &(weight, tau, _) in &moments {
-            self.derivatives(matrix, step, tau);
-            let sign = if self.is_flow() { 1.0 } else { -weight };
-            for (&place, &value) in &self.column {
-                *columns.entry(place).or_insert(0.0) += weight * tau * value;
-            }
-            if self.is_flow() {
-                self.derivatives(matrix, step, given_at(step));
-            }
-            for (&place, &value) in &self.row {
-                *rows.entry(place).or_insert(0.0) += sign * value;
+        self.clear_derivatives();
+        let mut corner = 0.0;
+        if is_flow {
+            self.add_derivatives(matrix, step, 1.0, [1.0, 0.0]);
+            self.add_derivatives(matrix, step, given_at(step), [0.0, 1.0]);
+        } else {
+            corner = self.at[End::New as usize].capacitance * step.rule.per_k;
+            for (weight, tau, end) in self.moments(step) {
+                corner += weight * tau / self.at[end as usize].distal;
+                self.add_derivatives(matrix, step, tau, [weight * tau, -weight]);
             }
         }
-        let border = borders.scalar(self.scalar.0, corner);
-        border.column.extend(columns);
-        border.row.extend(rows);
+        self.fill(matrix, borders.scalar(self.scalar.0, corner));
     }
 
     fn force_through(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {

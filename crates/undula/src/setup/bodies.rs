@@ -67,10 +67,16 @@ impl Bodies<'_> {
         group
     }
 
-    /// Whether the part has a boundary without traction.
+    /// Whether a boundary of the part determines its pressure.
     fn is_open(&self, number: usize) -> bool {
-        let open = |c: Option<&Condition>| c.is_some_and(Condition::is_natural);
+        let open = |c: Option<&Condition>| c.is_some_and(Condition::gives_pressure);
         self.part(number).boundaries.iter().any(|name| open(self.case.boundary.get(name)))
+    }
+
+    /// A boundary of the part whose flow is given.
+    fn given_flow(&self, number: usize) -> Option<&String> {
+        let given = |name: &&String| matches!(self.case.boundary.get(*name), Some(Condition::Flux(_)));
+        self.part(number).boundaries.iter().find(given)
     }
 
     /// Whether a boundary of the part is given; sides of regions that are left out are, unless a condition says else.
@@ -153,6 +159,12 @@ impl Bodies<'_> {
                      constant only: one boundary needs condition = `traction-free` or `do-nothing`, or give `bulk`"
                 );
                 errors.push((format!("{}.law", self.table(solid)), message));
+            } else if let Some(name) = group.iter().find_map(|&n| self.given_flow(n)) {
+                let message = format!(
+                    "`flux` on `{name}` gives a flow, and nothing determines the pressure but for a constant: one boundary \
+                     needs `pressure`, `do-nothing`, `traction-free`, `traction`, `resistance` or `windkessel`"
+                );
+                errors.push(("boundary".into(), message));
             } else if self.touches(first, Region::Solid) {
                 let subject = self.subject(first, Region::Fluid, "the fluid", "the part of the fluid");
                 let message = format!(

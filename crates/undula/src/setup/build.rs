@@ -86,6 +86,7 @@ impl Case {
         self.check_patches(&space)?;
         self.check_ends(&space).map_err(Error::Case)?;
         self.check_supports(&space)?;
+        self.check_mirrors(&space)?;
         Ok(space)
     }
 
@@ -281,6 +282,11 @@ impl Case {
             }
             _ => None,
         }
+    }
+
+    /// Whether a displacement is given somewhere, so that there is one without a solid, too.
+    pub(super) fn has_displacements(&self) -> bool {
+        self.boundary.values().any(|condition| matches!(condition, Condition::Displacement(_)))
     }
 
     /// Boundaries of `mesh` whose displacement is given.

@@ -33,7 +33,9 @@ impl Case {
                 if matches!(condition, Condition::Displacement(_)) {
                     errors.extend(self.starts_elsewhere(&data_key(name, key), &data, &places));
                 }
-                let fault = find(&data, &places, &self.times(&data, true));
+                let times = self.times(&data, true);
+                errors.extend(self.negative_in_circuit(condition, (name, key), &data[0], &times));
+                let fault = find(&data, &places, &times);
                 errors.extend(fault.map(|f| self.not_finite(space, &data_key(name, key), &data, f)));
             }
         }
@@ -138,7 +140,7 @@ impl Case {
     }
 
     /// Times \[s\] at which `data` are looked at.
-    fn times(&self, data: &[Expression], start: bool) -> Vec<f64> {
+    pub(super) fn times(&self, data: &[Expression], start: bool) -> Vec<f64> {
         let Some(time) = &self.time else { return vec![self.at_time] };
         if !data.iter().any(Expression::depends_on_time) {
             return vec![time.start];

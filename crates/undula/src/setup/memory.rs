@@ -126,9 +126,9 @@ impl Case {
         let per_cell = PER_CELL.iter().find(|(element, _)| *element == velocity).map_or(0.0, |(_, b)| *b);
         let condensed = self.newton.linearization == Linearization::Condensed;
         let factor = [
-            (self.solids.is_empty(), FLUID_ALONE, 1.0),
+            (self.solids.is_empty() && !self.has_displacements(), FLUID_ALONE, 1.0),
             (self.fluids.is_empty(), SOLID_ALONE, 1.0),
-            (!self.solids.is_empty() && !condensed, WHOLE, 1.0),
+            ((!self.solids.is_empty() || self.has_displacements()) && !condensed, WHOLE, 1.0),
             (condensed && self.linear.precision == Precision::Double, DOUBLE, 1.0),
         ];
         let factor: f64 = factor.iter().map(|(holds, yes, no)| if *holds { yes } else { no }).product();

@@ -1,10 +1,10 @@
-//! Rigid motions that the supports of a solid leave free.
+//! Rigid motions that the supports of a solid leave free, and boundaries that mirror the domain.
 
 use super::bodies::extent;
-use crate::case::{Case, Condition};
+use crate::case::{Case, Condition, MotionModel};
 use crate::error::Error;
 use crate::space::normals::normals;
-use crate::space::{Constraints, FsiSpace, Region};
+use crate::space::{Constraints, Directions, FsiSpace, PsiOwner, Region};
 
 /// What of the sum of squares counts as 0.
 const NOTHING: f64 = 1e-12;
@@ -50,6 +50,28 @@ impl Case {
                  condition = `clamped`, or another plane of symmetry or spring"
             );
             return Err(self.refuse("solid", message));
+        }
+        Ok(())
+    }
+}
+
+#[doc(hidden)]
+impl Case {
+    /// Refuses the biharmonic extension beside inclined or curved boundaries with `slip` or `symmetry`: its second unknown
+    /// is mirrored along axes only.
+    ///
+    /// # Errors
+    /// [`Error::Case`] if there is such a boundary of a fluid that deforms.
+    pub(super) fn check_mirrors(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+        if self.motion.model != MotionModel::Biharmonic || !space.deforms || self.fluids.is_empty() {
+            return Ok(());
+        }
+        let constraints = Constraints::new(space, &self.conditions(&space.mesh));
+        let inclined = |at: &Directions<2>| at.v && space.owner[at.node as usize] == PsiOwner::Extension;
+        if constraints.directions.iter().any(inclined) {
+            let message = "a boundary of the fluid with `slip` or `symmetry` is inclined or curved, and this extension is \
+                           mirrored along axes only; take `pseudo-elastic`";
+            return Err(self.refuse("motion.model", message.into()));
         }
         Ok(())
     }

@@ -170,7 +170,7 @@ impl Former {
             v: field("v", space.n_v())?,
             u: field("u", space.n_u())?,
             p: field("p", space.n_p())?,
-            s: vec![],
+            s: self.checkpoint.f64s(&format!("{name}_s")).map_or(vec![], <[f64]>::to_vec),
         })
     }
 
@@ -181,12 +181,14 @@ impl Former {
         if same(&own, space) {
             return Ok((new, self.state("old", &own)?, self.clock[1]));
         }
-        let new = transfer(&own, &new, space).map_err(|error| {
+        let s = new.s.clone();
+        let mut new = transfer(&own, &new, space).map_err(|error| {
             format!(
                 "{}: {error}; expected a run on the same geometry, whose mesh and elements may be others",
                 self.directory.display()
             )
         })?;
+        new.s = s;
         Ok((new.clone(), new, 0.0))
     }
 }
@@ -217,10 +219,15 @@ fn same(a: &FsiSpace<2>, b: &FsiSpace<2>) -> bool {
 /// [`Error::Case`] if the run is on another geometry, or its files do not belong together.
 fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
     let assembler = &simulation.stepper.assembler;
-    let (mut new, old, last_step) = match former.solution(&assembler.space) {
+    let (mut new, mut old, last_step) = match former.solution(&assembler.space) {
         Ok(solution) => solution,
         Err(message) => return Err(simulation.case.refuse("initial.from", message)),
     };
+    let start = assembler.zero().s;
+    let others = new.s.len() != start.len();
+    if others {
+        (new.s, old.s) = (start.clone(), start);
+    }
     let time = simulation.stepper.time;
     assembler.constraints.apply(&assembler.space, time, &mut new.v, &mut new.u);
     let how = if last_step > 0.0 { "copied" } else { "interpolated" };
@@ -230,6 +237,10 @@ fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
         former.clock[0],
         former.step
     ));
+    if others {
+        let note = "initial.from: the run has other outlets with a pressure of their own: these begin with `initial`";
+        simulation.case.record.notes.push(note.into());
+    }
     let clock = Clock { time, last_step, damping: Damping::default() };
     let stepper = time::Memory::of(clock, new, old);
     simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })

@@ -18,6 +18,8 @@ pub struct Constraints<const D: usize> {
     pub data: Vec<(u32, VelocityData<D>)>,
     /// Nodes with a given displacement, and which.
     pub motion: Vec<(u32, MotionData<D>)>,
+    /// Nodes of `Slip` with the axes that are normal there: the extension is mirrored.
+    pub mirrors: Vec<(u32, [bool; D])>,
     /// Nodes at which v or u vanishes in directions that are no axes.
     pub directions: Vec<Directions<D>>,
     /// Factor of the data, for loads that are raised in parts.
@@ -68,9 +70,9 @@ impl<const D: usize> Constraints<D> {
     pub fn new(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Constraints<D> {
         let n = space.nodes.len();
         let (v, u) = (vec![[false; D]; n], vec![[false; D]; n]);
-        let (data, motion, directions) = (vec![], vec![], vec![]);
+        let (data, motion, mirrors, directions) = (vec![], vec![], vec![], vec![]);
         let (load, still, follows) = (1.0, false, false);
-        let mut c = Constraints { v, u, p: vec![], data, motion, directions, load, still, follows };
+        let mut c = Constraints { v, u, p: vec![], data, motion, mirrors, directions, load, still, follows };
         let mut seen = seen(space, conditions);
         for (node, seen) in seen.iter().enumerate() {
             let free = !seen.motion.is_empty() && !seen.fixed;
@@ -88,6 +90,7 @@ impl<const D: usize> Constraints<D> {
         }
         let slips = |facet: &&Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
         for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(slips)) {
+            c.mirrors.push((node, std::array::from_fn(|d| normals.iter().any(|n| n.0[d].abs() == 1.0))));
             c.hold(node as usize, normals, [true, true]);
         }
         for (node, seen) in seen.iter_mut().enumerate() {

@@ -9,6 +9,7 @@
 //! scheme, M (v − v⁻)/k + A(u⁻) = F.
 
 use super::equal_steps;
+use crate::case::expression::Expression;
 use crate::case::{Case, Condition, SolidSpec};
 use crate::error::Error;
 use crate::time::{Scheme, Stepper};
@@ -44,8 +45,20 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
         let message = "Newmark's method is compared under a force that does not depend on t";
         return Err(case.refuse(&format!("{}.body-force", solid.table()), message.into()));
     }
-    let changes =
-        |condition: &Condition| matches!(condition, Condition::Velocity(_)) || condition.depends_on_time();
+    let damped =
+        |solid: &&SolidSpec| [solid.viscosity, solid.damping_mass, solid.damping_stiffness] != [0.0; 3];
+    if let Some(solid) = case.solids.iter().find(damped) {
+        let message = "Newmark's method is compared without damping, as u alone is in its equation";
+        return Err(case.refuse(&solid.table(), message.into()));
+    }
+    let changes = |condition: &Condition| {
+        let damped = |damping: &Expression| damping.constant_value() != Some(0.0);
+        match condition {
+            Condition::Velocity(_) => true,
+            Condition::Spring { damping, .. } if damped(damping) => true,
+            other => other.depends_on_time(),
+        }
+    };
     if case.boundary.values().any(changes) {
         let message =
             "Newmark's method is compared with boundaries that are held, free, or under a constant traction";

@@ -58,6 +58,13 @@ pub fn channel(
     more: &str,
     overrides: &[&str],
 ) -> Case {
+    let traction = |data: [String; 2]| format!("condition = \"traction\"\ntraction = {data:?}");
+    channel_between(cells, [&traction(inlet), &traction(outlet)], more, overrides)
+}
+
+/// The same with what the tables of `left` and `right` say.
+pub fn channel_between(cells: [usize; 2], ends: [&str; 2], more: &str, overrides: &[&str]) -> Case {
+    let [left, right] = ends;
     let text = format!(
         r#"
 [mesh]
@@ -69,11 +76,9 @@ cells = {cells:?}
 density = 1
 kinematic-viscosity = 0.1
 [boundary.left]
-condition = "traction"
-traction = {inlet:?}
+{left}
 [boundary.right]
-condition = "traction"
-traction = {outlet:?}
+{right}
 [boundary.top]
 condition = "no-slip"
 [boundary.bottom]

@@ -272,6 +272,7 @@ fn cases_without_modes_are_refused() {
         ("cfd1", &[][..], "there is no [solid]"),
         ("csm1", &["solid.law=incompressible-neo-hookean"], "not yet available"),
         ("rotor", &[], "nothing holds"),
+        ("csm1", &["boundary.clamp.condition=spring", "boundary.clamp.stiffness=1"], "stiffness of springs"),
     ] {
         let Err(Error::Case(errors)) = of_case(&builtin(name, sets), 1, 1) else { panic!("{name}") };
         assert!(errors.to_string().contains(word), "{name}: {errors}");

@@ -1,43 +1,17 @@
 //! Outlets whose pressure depends on their flow, and solids on springs, against closed forms.
 
-use crate::common::{SCHEMES, sets, wrong};
+use crate::common::{SCHEMES, channel_between, sets, wrong};
 use undula::case::Case;
 use undula::simulation::Simulation;
 use undula::verification::jacobians;
 
 /// A channel of 4 m × 1 m with ρ = 1 and μ = 0.1: p − p_out = 12 μ L Q/H³ = 4.8 Q.
 fn channel(more: &[&str]) -> Case {
-    let text = r#"
-[mesh]
-generator = "box"
-lower = [0, 0]
-upper = [4, 1]
-cells = [4, 2]
-[fluid]
-density = 1
-kinematic-viscosity = 0.1
-[boundary.left]
-condition = "pressure"
-pressure = 3.2
-[boundary.right]
-condition = "resistance"
-resistance = 1.6
-pressure = 0.1
-[boundary.top]
-condition = "no-slip"
-[boundary.bottom]
-condition = "no-slip"
-[functional.out]
-kind = "flux"
-on = ["right"]
-[functional.p]
-kind = "pressure"
-on = ["right"]
-take = "mean"
-[newton]
-tolerance = 1e-12
-"#;
-    Case::from_toml(text, "channel.toml", &sets(more)).unwrap()
+    let left = "condition = \"pressure\"\npressure = 3.2";
+    let right = "condition = \"resistance\"\nresistance = 1.6\npressure = 0.1";
+    let flow = "[functional.out]\nkind = \"flux\"\non = [\"right\"]\n\
+                [functional.p]\nkind = \"pressure\"\non = [\"right\"]\ntake = \"mean\"\n";
+    channel_between([4, 2], [left, right], flow, more)
 }
 
 fn last(case: Case) -> (undula::Row, Simulation) {
@@ -161,6 +135,48 @@ fn outlets_in_motion_have_all_derivatives() {
         let row = simulation.step().unwrap();
         assert!(row.newton_steps < 12, "{condition}: {}", row.newton_steps);
     }
+}
+
+/// Given flows alone leave the pressure open by a constant; an elastic wall that gives way determines it.
+#[test]
+fn flows_alone_do_not_determine_the_pressure() {
+    let flows = [
+        "boundary.left.condition=flux",
+        "boundary.left.flow-rate=-0.5",
+        "boundary.right.condition=flux",
+        "boundary.right.flow-rate=0.5",
+    ];
+    let inflow = ["boundary.left.condition=velocity", "boundary.left.velocity=[\"3*y*(1-y)\", 0]"];
+    for more in [flows, [inflow[0], inflow[1], flows[2], flows[3]]] {
+        for time in [&[][..], &["time.step=0.1", "time.end=1"]] {
+            let case = channel(&[&more[..], time].concat());
+            let message = Simulation::new(case, 1).err().map(|e| e.to_string()).unwrap_or_default();
+            assert!(message.contains("nothing determines the pressure"), "{more:?}: {message}");
+        }
+    }
+    let beam = ["boundary.outflow.condition=flux", "boundary.outflow.flow-rate=0", "mesh.refine=0"];
+    assert!(Simulation::new(crate::common::builtin("fsi3", &beam), 1).is_ok());
+}
+
+/// A resistance that becomes negative is told before anything is computed.
+#[test]
+fn circuits_stay_positive() {
+    let windkessel = [
+        "boundary.right.condition=windkessel",
+        "boundary.right.proximal=1",
+        "boundary.right.capacitance=1",
+        "boundary.right.distal=0.3 - t",
+        "time.step=0.1",
+        "time.end=1",
+    ];
+    let message = Simulation::new(channel(&windkessel), 1).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(
+        message.contains("boundary.right.distal") && message.contains("above 0 at all times"),
+        "{message}"
+    );
+    let falling = ["boundary.right.resistance=0.3 - t", "time.step=0.1", "time.end=1"];
+    let message = Simulation::new(channel(&falling), 1).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains("boundary.right.resistance") && message.contains("0 or above"), "{message}");
 }
 
 /// A bar of length 2 m between planes of symmetry under P₁₁ = t on one end and a spring on the other one: u = −t/k there,

@@ -1,6 +1,6 @@
 //! Prescribed pressure on a boundary, against closed forms.
 
-use crate::common::{SCHEMES, sets, wrong};
+use crate::common::{SCHEMES, channel_between, sets, wrong};
 use undula::case::Case;
 use undula::math::Vector;
 use undula::operators::pressure::pressure;
@@ -13,39 +13,10 @@ use undula::verification::jacobians;
 
 /// Poiseuille's flow between two plates with ρ = 1, ν = 0.1, L = 4 m, H = 1 m: Q = Δp H³/(12 μ L) = 2/3 m²/s for 3.2 Pa.
 fn channel(a: &str, more: &[&str]) -> Case {
-    let text = format!(
-        r#"
-[mesh]
-generator = "box"
-lower = [0, 0]
-upper = [4, 1]
-cells = [4, 2]
-[fluid]
-density = 1
-kinematic-viscosity = 0.1
-[boundary.left]
-condition = "pressure"
-pressure = "3.2*{a} + 7"
-[boundary.right]
-condition = "pressure"
-pressure = 7
-[boundary.top]
-condition = "no-slip"
-[boundary.bottom]
-condition = "no-slip"
-[functional.inlet]
-kind = "force"
-on = ["left"]
-component = "x"
-[functional.walls]
-kind = "force"
-on = ["top", "bottom"]
-component = "x"
-[newton]
-tolerance = 1e-12
-"#
-    );
-    Case::from_toml(&text, "channel.toml", &sets(more)).unwrap()
+    let left = format!("condition = \"pressure\"\npressure = \"3.2*{a} + 7\"");
+    let forces = "[functional.inlet]\nkind = \"force\"\non = [\"left\"]\ncomponent = \"x\"\n\
+                  [functional.walls]\nkind = \"force\"\non = [\"top\", \"bottom\"]\ncomponent = \"x\"\n";
+    channel_between([4, 2], [&left, "condition = \"pressure\"\npressure = 7"], forces, more)
 }
 
 fn finish(simulation: &mut Simulation) {

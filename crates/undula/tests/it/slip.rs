@@ -60,6 +60,12 @@ fn channel(half: bool, angle: f64, in_time: bool, more: &[(&str, &str)]) -> Case
     let turn = |x: [f64; 2]| [c * x[0] - s * x[1], s * x[0] + c * x[1]];
     let region = "min(min(x + 1, 1.5 - x), 0.25 - abs(y))";
     let mesh = mesh([3.0, 1.0], [0.0, lower], [6, if half { 4 } else { 8 }], region, turn);
+    channel_on(mesh, half, angle, in_time, more)
+}
+
+/// The same on any mesh of it.
+fn channel_on(mesh: Mesh<2>, half: bool, angle: f64, in_time: bool, more: &[(&str, &str)]) -> Case {
+    let (s, c) = angle.sin_cos();
     // The height above the axis in the turned system, and the speed along it.
     let height = format!("abs({c}*y - {s}*x)");
     let speed = format!("if({height} > 0.25, ({height} - 0.25)*(1 - {height})*6, 0)");
@@ -95,15 +101,17 @@ fn gap(a: [f64; 2], b: [f64; 2]) -> f64 {
 /// Newton and in time by the condensed system, every motion of the mesh; also where the axis is inclined.
 #[test]
 fn half_and_whole_problem_are_equal() {
-    let models: [&[(&str, &str)]; 3] = [
+    let models: [&[(&str, &str)]; 4] = [
         &[],
         &[("motion.model", "harmonic")],
         &[("newton.linearization", "newton"), ("linear.solver", "faer")],
+        &[("motion.model", "biharmonic")],
     ];
     for in_time in [false, true] {
         for more in models {
             let whole = nodes(channel(false, 0.0, in_time, more));
-            for angle in [0.0f64, 0.4] {
+            let biharmonic = more.iter().any(|(_, value)| *value == "biharmonic");
+            for angle in [0.0f64, 0.4].into_iter().filter(|angle| !biharmonic || *angle == 0.0) {
                 let (s, c) = angle.sin_cos();
                 let back = |x: [f64; 2]| [c * x[0] + s * x[1], c * x[1] - s * x[0]];
                 let half = nodes(channel(true, angle, in_time, more));
@@ -120,6 +128,54 @@ fn half_and_whole_problem_are_equal() {
             }
         }
     }
+}
+
+/// The upper half in triangles, turned by an angle.
+fn triangles(angle: f64) -> Mesh<2> {
+    let (s, c) = angle.sin_cos();
+    let back = |x: [f64; 2]| [c * x[0] + s * x[1], c * x[1] - s * x[0]];
+    let at = |i: u32, j: u32| {
+        let x = [0.5 * f64::from(i), 0.25 * f64::from(j)];
+        [c * x[0] - s * x[1], s * x[0] + c * x[1]]
+    };
+    let points = (0..5).flat_map(|j| (0..7).map(move |i| at(i, j))).collect();
+    let square = |i: u32, j: u32| {
+        let n = |i: u32, j: u32| i + 7 * j;
+        [[n(i, j), n(i + 1, j), n(i + 1, j + 1)], [n(i, j), n(i + 1, j + 1), n(i, j + 1)]]
+    };
+    let cells: Vec<[u32; 3]> = (0..4).flat_map(|j| (0..6).flat_map(move |i| square(i, j))).collect();
+    let region = |x: [f64; 2]| if back(x)[0] < 1.5 && back(x)[1] < 0.25 { "solid" } else { "fluid" };
+    let side = |x: [f64; 2]| match back(x) {
+        [x, _] if x < 1e-9 => "left",
+        [x, _] if x > 3.0 - 1e-9 => "right",
+        [_, y] if y < 1e-9 => "bottom",
+        _ => "top",
+    };
+    Mesh::from_cells(points, &cells, region, side).unwrap()
+}
+
+/// An inclined axis of symmetry is one parallel to x, on triangles, too: stationary and condensed.
+#[test]
+fn an_inclined_axis_is_an_axis_on_triangles() {
+    let (s, c) = 0.4f64.sin_cos();
+    let back = |x: [f64; 2]| [c * x[0] + s * x[1], c * x[1] - s * x[0]];
+    let pair = [("space.velocity", "P2"), ("space.pressure", "P1")];
+    for in_time in [false, true] {
+        let straight = nodes(channel_on(triangles(0.0), true, 0.0, in_time, &pair));
+        for (x, v, u) in nodes(channel_on(triangles(0.4), true, 0.4, in_time, &pair)) {
+            let twin = straight.iter().find(|twin| gap(twin.0, back(x)) < 1e-9).expect("the same node");
+            let worst = gap(twin.1, back(v)).max(gap(twin.2, back(u)));
+            assert!(worst < 1e-9, "in time: {in_time}: {worst:e} at {x:?}");
+        }
+    }
+}
+
+/// The second unknown of the biharmonic extension is mirrored along axes only.
+#[test]
+fn biharmonic_extensions_refuse_inclined_mirrors() {
+    let case = channel(true, 0.4, false, &[("motion.model", "biharmonic")]);
+    let message = Simulation::new(case, 1).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(message.contains("motion.model") && message.contains("inclined or curved"), "{message}");
 }
 
 /// All Jacobians with directions that are no axes.
