@@ -30,6 +30,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 /// # Errors
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
 fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
+    case.needs_plane("inf-sup constants")?;
     // The state is that of the run in `from`.
     let mut simulation = match from {
         Some(_) => Simulation::at_rest(case, 1)?,

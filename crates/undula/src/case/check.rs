@@ -3,6 +3,7 @@
 //! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
 //! `condition`, time and solvers in `solver`. What needs the mesh is in [`crate::setup::fit`].
 
+mod axis;
 mod bodies;
 mod body;
 mod condition;
@@ -110,6 +111,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     if time.is_none() {
         note_steps(checker, &output);
         note_damping(&mut root, &solids);
+        condition::note_still(checker, &boundary);
     }
     let case = Case {
         name,
@@ -132,6 +134,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         output,
         record: Record::default(),
     };
+    axis::refuse(&mut root, &case);
     if case.time.is_none() && at_time.is_none() {
         refuse_time(&case, &mut root);
     }

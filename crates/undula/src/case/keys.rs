@@ -22,7 +22,7 @@ use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
-use crate::space::WALLS;
+use crate::space::{COORDINATES, WALLS};
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::sync::LazyLock;
@@ -65,6 +65,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
     text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
     number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
+    word("mesh.coordinates", &COORDINATES, "cartesian", "what the coordinates of the mesh mean"),
     number("mesh.refine", "", "0", "uniform refinements"),
     number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
     number("mesh.lower", "m", "box: required", "lower left corner of the box, as [0, 0]"),

@@ -20,7 +20,7 @@ use crate::physics::{
     Artery, CarreauYasuda, Damping, Extension, Fluid, Material, Muscle, OwnLaw, Solid, Stabilization,
 };
 pub use crate::physics::{MotionModel, SolidLaw};
-use crate::space::Walls;
+use crate::space::{Coordinates, Walls};
 pub use crate::tangent::{Linearization, Tangent};
 pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
 pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec};
@@ -109,6 +109,8 @@ pub struct MeshSpec {
     pub source: MeshSource,
     /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
     pub scale: f64,
+    /// What the coordinates mean.
+    pub coordinates: Coordinates,
     /// Number of uniform refinements.
     pub refine: u32,
     /// Number of nested rings of half size around the singular corners of the generator.
@@ -132,6 +134,8 @@ pub enum MeshSource {
     Flap,
     /// Unit square over a flexible bottom (Valdés 2007).
     Cavity,
+    /// Half of a section through an elastic tube (Gerbeau and Vidrascu 2003).
+    Tube2d,
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -159,12 +163,13 @@ impl PartialEq for OwnMesh {
 }
 
 /// Generators by their names in a case.
-pub static GENERATORS: [Choice<MeshSource>; 6] = [
+pub static GENERATORS: [Choice<MeshSource>; 7] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
     choice("flap", MeshSource::Flap, "channel with an elastic flap"),
     choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),
+    choice("tube-2d", MeshSource::Tube2d, "half of a section through an elastic tube, in (r, z)"),
     choice(
         "box",
         MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },

@@ -16,7 +16,7 @@ use crate::functional::nodal::FIELDS;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
-use crate::space::WALLS;
+use crate::space::{COORDINATES, WALLS};
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::path::{Component, Path, PathBuf};
@@ -173,6 +173,7 @@ impl Case {
             out.key("upper", pair(upper));
             out.key("cells", format!("{cells:?}"));
         }
+        out.choice("coordinates", &COORDINATES, &self.mesh.coordinates);
         out.key("refine", self.mesh.refine.to_string());
         out.key("grading", self.mesh.grading.to_string());
         if !self.mesh.leave_out.is_empty() {

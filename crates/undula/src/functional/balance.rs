@@ -53,6 +53,8 @@ struct Face<const D: usize> {
 /// A quadrature point; only basis functions of nodes on the facet count there.
 struct Point<const D: usize> {
     weight: f64,
+    /// Distance to the axis \[m\], if there is one.
+    radius: Option<f64>,
     /// From some point of the boundary.
     x: Vector<f64, D>,
     normal: Vector<f64, D>,
@@ -127,20 +129,33 @@ impl<const D: usize> Balance<D> {
     fn swept_elsewhere(&self, state: &State) -> f64 {
         let mut swept = 0.0;
         for Face { nodes, points, .. } in self.faces.iter().filter(|face| !face.at_solid) {
-            for Point { weight, normal, value, grad, .. } in points {
+            for Point { weight, radius, normal, value, grad, .. } in points {
                 let (mut moved, mut grads) = (Vector::zero(), [Tensor::zero(); 2]);
+                let mut outward = [0.0; 2];
                 for ((&node, value), grad) in nodes.iter().zip(value).zip(grad) {
                     for i in 0..D {
                         let entry = node as usize * D + i;
                         let both = [self.u[entry], state.u[entry]];
                         moved.0[i] += value * (both[1] - both[0]);
+                        if i == 0 {
+                            (0..2).for_each(|end| outward[end] += value * both[end]);
+                        }
                         for (sum, u) in grads.iter_mut().zip(both) {
                             (0..D).for_each(|d| sum.0[i][d] += grad[d] * u);
                         }
                     }
                 }
-                let [before, now] = grads.map(|grad| cofactor(&grad) * *normal);
-                swept += 0.5 * weight * moved.dot(before + now);
+                let at = |tau: f64| {
+                    let grad = grads[0] * (1.0 - tau) + grads[1] * tau;
+                    let u_r = (1.0 - tau) * outward[0] + tau * outward[1];
+                    cofactor(&grad) * *normal * stretch(*radius, u_r)
+                };
+                let mean = match radius {
+                    None => (at(0.0) + at(1.0)) * 0.5,
+                    // Quadratic in τ.
+                    Some(_) => (at(0.0) + at(0.5) * 4.0 + at(1.0)) * (1.0 / 6.0),
+                };
+                swept += weight * moved.dot(mean);
             }
         }
         swept
@@ -149,7 +164,7 @@ impl<const D: usize> Balance<D> {
     fn flow(&self, state: &State) -> Flow {
         let mut flow = Flow::default();
         for Face { nodes, points, at_solid } in &self.faces {
-            for Point { weight, x, normal, value, grad } in points {
+            for Point { weight, radius, x, normal, value, grad } in points {
                 let (mut v, mut at, mut grad_u) = (Vector::zero(), *x, Tensor::zero());
                 for ((&node, value), grad) in nodes.iter().zip(value).zip(grad) {
                     for i in 0..D {
@@ -161,16 +176,23 @@ impl<const D: usize> Balance<D> {
                         }
                     }
                 }
-                let n = cofactor(&grad_u) * *normal;
+                let n = cofactor(&grad_u) * *normal * stretch(*radius, at.0[0] - x.0[0]);
                 let through = weight * v.dot(n);
                 flow.net += through;
                 flow.through += 0.5 * through.abs();
                 flow.interface += if *at_solid { through } else { 0.0 };
-                flow.volume += weight * at.dot(n) / D as f64;
+                // The divergence of x is D in the plane; around the axis that of z e_z is 1.
+                flow.volume +=
+                    weight * if radius.is_some() { at.0[1] * n.0[1] } else { at.dot(n) / D as f64 };
             }
         }
         flow
     }
+}
+
+/// (r + u_r)/r around an axis, 1 in the plane.
+fn stretch(radius: Option<f64>, u_r: f64) -> f64 {
+    radius.map_or(1.0, |r| 1.0 + u_r / r)
 }
 
 /// The facets of the boundary of the fluid.
@@ -188,13 +210,17 @@ fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
             };
             Point {
                 weight: p.weight,
+                radius: p.radius.filter(|r| *r > 0.0),
                 x: Vector(p.x) - Vector(from),
                 normal: p.normal,
                 value: on_cell.iter().map(|&a| p.value[a]).collect(),
                 grad: on_cell.iter().map(along).collect(),
             }
         };
-        let points = facet_points(space, &facet.facet(), degree + D - 2).into_iter().map(of).collect();
+        let points = facet_points(space, &facet.facet(), degree + space.coordinates.dimension(D) - 2)
+            .into_iter()
+            .map(of)
+            .collect();
         let nodes = space.facet_nodes(&facet.facet());
         faces.push(Face { nodes, points, at_solid: facet.at_solid });
     }

@@ -3,9 +3,10 @@
 
 use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
-use crate::physics::Kinematics;
+use crate::physics::{Fields, Kinematics, axisymmetric};
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::Region;
+use crate::system::Physics;
 
 /// Which integral.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -57,7 +58,7 @@ impl<const D: usize> Functional<D> for Energy {
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let (mut sum, mut volume) = (0.0, 0.0);
         for_each_point(at.space, at.new, self.quadrature, |point| {
-            if let Some(value) = self.density(at, point) {
+            if let Some(value) = self.value(at, point) {
                 sum += point.weight * value;
                 volume += point.weight;
             }
@@ -68,10 +69,20 @@ impl<const D: usize> Functional<D> for Energy {
 
 impl Energy {
     /// Integrand at a point; `None` in the region that does not count.
-    fn density<const D: usize>(&self, at: &Snapshot<'_, D>, point: &PointValues<'_, D>) -> Option<f64> {
-        let f = &point.fields;
+    fn value<const D: usize>(&self, at: &Snapshot<'_, D>, point: &PointValues<'_, D>) -> Option<f64> {
         let physics = at.physics.of(at.space.material[point.cell]);
-        match (self.integral, point.region) {
+        if self.integral == Integral::Rotation {
+            let (x, u) = (point.x, point.fields.u.0);
+            return (point.region == Region::Solid).then(|| x[0] * u[1] - x[1] * u[0]);
+        }
+        match at.space.coordinates.radius(&point.x) {
+            None => self.density(&physics, point.region, &point.fields),
+            Some(r) => self.density(&physics, point.region, &axisymmetric::fields_at(&point.fields, r)),
+        }
+    }
+
+    fn density<const D: usize>(&self, physics: &Physics, region: Region, f: &Fields<f64, D>) -> Option<f64> {
+        match (self.integral, region) {
             (Integral::FluidKinetic, Region::Fluid) => {
                 Some(0.5 * physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
             }
@@ -85,7 +96,6 @@ impl Energy {
             }
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
             (Integral::Elastic, Region::Solid) => Some(physics.solid?.material.energy(&f.grad_u)),
-            (Integral::Rotation, Region::Solid) => Some(point.x[0] * f.u.0[1] - point.x[1] * f.u.0[0]),
             _ => None,
         }
     }

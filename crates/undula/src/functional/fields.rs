@@ -4,7 +4,7 @@ use super::{Functional, Snapshot};
 use crate::element::{Quadrature, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Located, Locator, MeshError};
-use crate::physics::{Fields as Values, Kinematics};
+use crate::physics::{Fields as Values, Kinematics, axisymmetric};
 use crate::sampling::fields_at;
 use crate::sampling::for_each_point;
 use crate::space::{FsiSpace, Region, State};
@@ -55,6 +55,8 @@ pub struct PointFields {
     pub displacement_gradient: [[f64; 2]; 2],
     /// p \[Pa\]; 0 in a compressible solid.
     pub pressure: f64,
+    /// (r + u_r)/r in the coordinates (r, z), the stretch around the axis; 1 in the plane.
+    pub hoop_stretch: f64,
 }
 
 impl PointFields {
@@ -67,10 +69,11 @@ impl PointFields {
     /// # Ok::<(), undula::Error>(())
     /// ```
     pub fn jacobian(&self) -> f64 {
-        Kinematics::of(&Tensor(self.displacement_gradient)).J
+        Kinematics::of(&Tensor(self.displacement_gradient)).J * self.hoop_stretch
     }
 
-    fn new(x: [f64; 2], region: Region, at: &Values<f64, 2>) -> PointFields {
+    fn new(space: &FsiSpace<2>, x: [f64; 2], region: Region, at: &Values<f64, 2>) -> PointFields {
+        let hoop = |r| 1.0 + axisymmetric::fields_at(at, r).grad_u.0[2][2];
         PointFields {
             x,
             is_solid: region == Region::Solid,
@@ -79,6 +82,7 @@ impl PointFields {
             displacement: at.u.0,
             displacement_gradient: at.grad_u.0,
             pressure: at.p,
+            hoop_stretch: space.coordinates.radius(&x).map_or(1.0, hoop),
         }
     }
 }
@@ -147,16 +151,16 @@ impl<'a> Fields<'a> {
             let basis = pressure.basis(mesh, cell, &xi, &x);
             fields.p = dofs.iter().zip(&basis).map(|(&dof, b)| b * self.state.p[dof as usize]).sum();
         }
-        PointFields::new(x, regions[cell], &fields)
+        PointFields::new(self.space, x, regions[cell], &fields)
     }
 
-    /// ∫ f dx over the reference domain, by one Gauss point per direction more than the degree of the velocity.
+    /// ∫ f dx over the reference domain, the whole body of revolution in (r, z), by one Gauss point per direction more than the degree of the velocity.
     ///
     /// Times [`PointFields::jacobian`] it is the integral over the present domain.
     pub fn integrate(&self, f: impl Fn(&PointFields) -> f64) -> f64 {
         let mut sum = 0.0;
         for_each_point(self.space, self.state, self.space.nodes.degree + 1, |point| {
-            sum += point.weight * f(&PointFields::new(point.x, point.region, &point.fields));
+            sum += point.weight * f(&PointFields::new(self.space, point.x, point.region, &point.fields));
         });
         sum
     }

@@ -5,7 +5,7 @@ use super::{Functional, Snapshot};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Facet, Side};
 use crate::physics::kinematics::cofactor;
-use crate::physics::{Fields, Fluid, Kinematics};
+use crate::physics::{Fields, Fluid, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
 use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
 use std::collections::BTreeMap;
@@ -259,7 +259,14 @@ impl<const D: usize> Tractions<D> {
             let p: f64 = dofs.iter().zip(basis).map(|(&dof, b)| b * at.new.p[dof as usize]).sum();
             let fields = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
             let mut add = |part: f64, fields: &Fields<f64, D>| {
-                sum += weight * part * traction(fluid, fields, p, point.normal);
+                let traction = match point.radius {
+                    None => traction(fluid, fields, p, point.normal),
+                    Some(r) => {
+                        let fields = axisymmetric::fields_at(fields, r);
+                        axisymmetric::plane(&traction(fluid, &fields, p, axisymmetric::vector(&point.normal)))
+                    }
+                };
+                sum += weight * part * traction;
             };
             if at.rule.quadrature.is_empty() {
                 add(theta, &fields(at.new));

@@ -1,5 +1,6 @@
 //! Numbers of interest.
 
+pub mod around_axis;
 pub mod averages;
 pub mod balance;
 pub mod energy;

@@ -7,7 +7,7 @@ use crate::element::{Quadrature, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{green_lagrange, in_space, principal, von_mises};
-use crate::physics::{Fields, Kinematics};
+use crate::physics::{Fields, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FluidBoundary, FsiSpace, Region, State};
 use crate::system::Physics;
@@ -132,7 +132,13 @@ pub fn in_body<const D: usize>(
             let node = space.nodes.cell(point.cell)[visited % per_cell] as usize;
             visited += 1;
             let physics = physics.of(space.material[point.cell]);
-            field.add(&physics, region, &point.fields, &mut values[node * n..(node + 1) * n]);
+            let sum = &mut values[node * n..(node + 1) * n];
+            match space.coordinates.radius(&point.x) {
+                None => field.add(&physics, region, &point.fields, sum),
+                Some(r) => {
+                    field.add(&physics, region, &axisymmetric::fields_at(&point.fields, r), sum);
+                }
+            }
             count[node] += 1.0;
         },
     );
@@ -190,15 +196,21 @@ impl<const D: usize> WallShear<D> {
                 let nodes = space.nodes.cell(facet.cell);
                 let fields = fields_at(nodes, &point.value, &point.grad, state);
                 let area = cofactor(&fields.grad_u) * point.normal;
-                (fields, area * (1.0 / area.dot(area).sqrt()))
+                (fields, area * (1.0 / area.dot(area).sqrt()), point.radius)
             });
-            let at: Vec<(Fields<f64, D>, Vector<f64, D>)> = at.collect();
-            if !facet.at_solid && at.iter().any(|(fields, n)| fields.v.dot(*n).abs() > least) {
+            let at: Vec<(Fields<f64, D>, Vector<f64, D>, Option<f64>)> = at.collect();
+            if !facet.at_solid && at.iter().any(|(fields, n, _)| fields.v.dot(*n).abs() > least) {
                 continue;
             }
             let physics = physics.of(space.material[facet.cell]);
-            for (&node, (fields, n)) in facet.nodes.iter().zip(&at) {
-                let tau = wall_shear(&physics, fields, *n);
+            for (&node, (fields, n, radius)) in facet.nodes.iter().zip(&at) {
+                let tau = match radius {
+                    None => wall_shear(&physics, fields, *n),
+                    Some(r) => {
+                        let fields = axisymmetric::fields_at(fields, *r);
+                        axisymmetric::plane(&wall_shear(&physics, &fields, axisymmetric::vector(n)))
+                    }
+                };
                 (0..D).for_each(|i| values[node as usize * D + i] += tau.0[i]);
                 count[node as usize] += 1.0;
             }

@@ -2,6 +2,7 @@
 
 use crate::choice::{Choice, choice};
 use crate::math::{Tensor, Vector};
+use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{principal, von_mises};
 use crate::physics::{Fields, Kinematics};
 use crate::space::Region;
@@ -44,9 +45,21 @@ pub static COMPONENTS: [Choice<Component>; 10] = [
     choice("xx", Component::Entry(0, 0), "normal stress along x"),
     choice("xy", Component::Entry(0, 1), "shear stress"),
     choice("yy", Component::Entry(1, 1), "normal stress along y"),
-    choice(VON_MISES, Component::VonMises, "equivalent stress after von Mises, with σ_zz of plane strain"),
-    choice("principal-max", Component::PrincipalMax, "largest principal stress in the plane"),
-    choice("principal-min", Component::PrincipalMin, "smallest principal stress in the plane"),
+    choice(
+        VON_MISES,
+        Component::VonMises,
+        "equivalent stress after von Mises, with the stress across the plane",
+    ),
+    choice(
+        "principal-max",
+        Component::PrincipalMax,
+        "largest principal stress in the plane; around an axis of all three",
+    ),
+    choice(
+        "principal-min",
+        Component::PrincipalMin,
+        "smallest principal stress in the plane; around an axis of all three",
+    ),
 ];
 
 impl Component {
@@ -148,6 +161,28 @@ impl Quantity {
         units[d]
     }
 
+    /// The value at a point of a boundary of the fluid with the reference normal `normal`, and |J F⁻ᵀ n|.
+    pub fn on_facet<const D: usize>(
+        self,
+        physics: &Physics,
+        fields: &Fields<f64, D>,
+        normal: Vector<f64, D>,
+    ) -> (f64, f64) {
+        let area = cofactor(&fields.grad_u) * normal;
+        let stretch = area.dot(area).sqrt();
+        (self.at(physics, Region::Fluid, fields, Some(area * (1.0 / stretch))), stretch)
+    }
+
+    /// The value inside of `region`, and J.
+    pub fn inside<const D: usize>(
+        self,
+        physics: &Physics,
+        region: Region,
+        fields: &Fields<f64, D>,
+    ) -> (f64, f64) {
+        (self.at(physics, region, fields, None), (Tensor::identity() + fields.grad_u).det())
+    }
+
     /// The value at a point of `region`, by the equations of its material; 0 of a body that is not there. `normal` is the current normal that points out
     /// of the fluid; without it what needs one is 0.
     pub fn at<const D: usize>(
@@ -179,8 +214,8 @@ impl Quantity {
 impl Component {
     fn of_shear_stress<const D: usize>(self, tau: &Vector<f64, D>, n: &Vector<f64, D>) -> f64 {
         match self {
-            // Along a wall in the plane.
-            Component::Tangential if D == 2 => n.0[0] * tau.0[1] - n.0[1] * tau.0[0],
+            // Along a wall in the plane, or in a section through an axis.
+            Component::Tangential => n.0[0] * tau.0[1] - n.0[1] * tau.0[0],
             _ => self.of(*tau),
         }
     }

@@ -8,7 +8,7 @@ use super::{Functional, Snapshot};
 use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Locator, MeshError};
-use crate::physics::kinematics::cofactor;
+use crate::physics::axisymmetric;
 use crate::sampling::{FacetPoint, facet_points, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FsiSpace, Region, State};
 use std::borrow::Cow;
@@ -114,10 +114,13 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
             for (point, basis) in points.iter().zip(pressure) {
                 let mut fields = fields_at(nodes, &point.value, &point.grad, &state);
                 fields.p = pressure_at(dofs, basis, &state);
-                let area = cofactor(&fields.grad_u) * point.normal;
-                let stretch = area.dot(area).sqrt();
-                let normal = Some(area * (1.0 / stretch));
-                let value = self.quantity.at(&physics, Region::Fluid, &fields, normal);
+                let (value, stretch) = match point.radius {
+                    None => self.quantity.on_facet(&physics, &fields, point.normal),
+                    Some(r) => {
+                        let normal = axisymmetric::vector(&point.normal);
+                        self.quantity.on_facet(&physics, &axisymmetric::fields_at(&fields, r), normal)
+                    }
+                };
                 collected.add(value, point.weight * stretch);
             }
         }
@@ -161,8 +164,13 @@ impl<const D: usize> Functional<D> for InRegion {
         let wanted = |cell: usize| self.place.has(at.space, cell);
         for_each_point_of(at.space, &state, &rule, wanted, |point| {
             let physics = at.physics.of(at.space.material[point.cell]);
-            let J = (Tensor::identity() + point.fields.grad_u).det();
-            let value = self.quantity.at(&physics, self.place.body, &point.fields, None);
+            let (value, J) = match at.space.coordinates.radius(&point.x) {
+                None => self.quantity.inside(&physics, self.place.body, &point.fields),
+                Some(r) => {
+                    let fields = axisymmetric::fields_at(&point.fields, r);
+                    self.quantity.inside(&physics, self.place.body, &fields)
+                }
+            };
             collected.add(value, point.weight * J);
         });
         collected.take(self.take)
@@ -179,6 +187,8 @@ pub struct AtPoint<const D: usize> {
 /// A point in a cell, with the bases there.
 struct InCell<const D: usize> {
     cell: usize,
+    /// Distance to the axis \[m\], if there is one.
+    radius: Option<f64>,
     value: Vec<f64>,
     grad: Vec<[f64; D]>,
     pressure: Vec<f64>,
@@ -249,6 +259,7 @@ fn in_cell<const D: usize>(space: &FsiSpace<D>, cell: usize, xi: [f64; D]) -> In
     let x = mesh.map(cell, xi);
     InCell {
         cell,
+        radius: space.coordinates.radius(&x),
         value: table.value(0).to_vec(),
         grad: (0..table.n_basis).map(along).collect(),
         pressure: pressure.basis(mesh, cell, &xi, &x),
@@ -271,11 +282,15 @@ impl<const D: usize> Functional<D> for AtPoint<D> {
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let state = state_of(self.quantity, at);
-        let value = |InCell { cell, value, grad, pressure }: &InCell<D>| {
+        let value = |InCell { cell, radius, value, grad, pressure }: &InCell<D>| {
             let mut fields = fields_at(at.space.nodes.cell(*cell), value, grad, &state);
             fields.p = pressure_at(at.space.pressure.cell(*cell), pressure, &state);
             let physics = at.physics.of(at.space.material[*cell]);
-            self.quantity.at(&physics, self.region, &fields, None)
+            let inside = match radius {
+                None => self.quantity.inside(&physics, self.region, &fields),
+                Some(r) => self.quantity.inside(&physics, self.region, &axisymmetric::fields_at(&fields, *r)),
+            };
+            inside.0
         };
         self.cells.iter().map(value).sum::<f64>() / self.cells.len() as f64
     }

@@ -34,7 +34,7 @@ pub struct Batches<const D: usize, const L: usize> {
     pub n_pressure: usize,
     /// Quadrature points in a cell.
     pub n_points: usize,
-    /// Position of the points \[m\], `[batch][point]`.
+    /// Position of the points \[m\], `[batch][point]`; in (r, z) they know their distance to the axis.
     pub positions: Vec<Vector<Lanes<L>, D>>,
 }
 
@@ -117,7 +117,8 @@ impl<const D: usize, const L: usize> Batches<D, L> {
                         point.inverse.0[i][j].0[l] = inverse.0[i][j];
                     }
                 }
-                point.weight.0[l] = if l < chunk.len() { rule.weights[q] * det } else { 0.0 };
+                let weight = rule.weights[q] * det * space.coordinates.measure(&x);
+                point.weight.0[l] = if l < chunk.len() { weight } else { 0.0 };
                 point.stiffness.0[l] = stiffness(&x);
                 if self.n_pressure > 0 {
                     for (b, value) in space.pressure.basis(&space.mesh, cells[l], &xi, &x).iter().enumerate()

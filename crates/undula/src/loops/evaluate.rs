@@ -9,7 +9,7 @@ use crate::physics::Tested;
 pub struct Point<const D: usize, const L: usize> {
     /// ∂ξ_d/∂x_j \[1/m\].
     pub inverse: Tensor<Lanes<L>, D>,
-    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\]; zero in padded lanes.
+    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\], times 2π r in (r, z); zero in padded lanes.
     pub weight: Lanes<L>,
     /// Stiffness E_e of the extension.
     pub stiffness: Lanes<L>,

@@ -59,14 +59,10 @@ pub fn pieces(c: &Couplings, dim: usize, deforms: bool) -> Vec<Piece> {
                 add(Test::Psi(i), Trial::U(j), of(c.psi_u));
             }
         }
-        if c.pressure {
-            add(Test::Phi(i), Trial::P, Block::Stiffness);
-        }
-        if c.xi_v {
-            add(Test::Xi, Trial::V(i), Block::Stiffness);
-        }
-        if c.pressure && deforms {
-            add(Test::Xi, Trial::U(i), Block::Stiffness);
+        add(Test::Phi(i), Trial::P, c.pressure);
+        add(Test::Xi, Trial::V(i), c.xi_v);
+        if deforms {
+            add(Test::Xi, Trial::U(i), c.pressure);
         }
     }
     if c.xi_p {
@@ -247,11 +243,12 @@ where
         Lanes::<L>::dispatch(BlockTask::<D, L> { basis, tangent, entries, step, block, out, work });
     }
 
-    /// p against φ: gradients of φ only.
+    /// p against φ: gradients of φ, and values where the block has them.
     #[inline(always)]
     fn pressure(&self, piece: &Piece, out: &mut [Lanes<L>]) {
         let (row, column) = (piece.test.component(D), piece.trial.component(D));
         let (n, m) = (self.n_basis, self.n_pressure);
+        let values = piece.block == Block::Full;
         for q in 0..self.n_points {
             let basis = &self.basis[q * n * (1 + D)..(q + 1) * n * (1 + D)];
             let pressure = &self.pressure[q * m..(q + 1) * m];
@@ -259,6 +256,9 @@ where
                 let mut t = Lanes::zero();
                 for d in 0..D {
                     t.add_product(a[1 + d], self.entry(q, nth::<D>(row, 1 + d), column));
+                }
+                if values {
+                    t.add_product(a[0], self.entry(q, row, column));
                 }
                 for (p, out) in pressure.iter().zip(out) {
                     out.add_product_lanes(*p, t);
@@ -284,11 +284,12 @@ where
         }
     }
 
-    /// v or u against ξ: gradients only.
+    /// v or u against ξ: gradients, and values where the block has them.
     #[inline(always)]
     fn divergence(&self, piece: &Piece, out: &mut [Lanes<L>]) {
         let (row, column) = (piece.test.component(D), piece.trial.component(D));
         let (n, m) = (self.n_basis, self.n_pressure);
+        let values = piece.block == Block::Full;
         for q in 0..self.n_points {
             let basis = &self.basis[q * n * (1 + D)..(q + 1) * n * (1 + D)];
             let pressure = &self.pressure[q * m..(q + 1) * m];
@@ -296,6 +297,9 @@ where
                 let mut t = Lanes::zero();
                 for d in 0..D {
                     t.add_product(b[1 + d], self.entry(q, row, nth::<D>(column, 1 + d)));
+                }
+                if values {
+                    t.add_product(b[0], self.entry(q, row, column));
                 }
                 for (i, p) in pressure.iter().enumerate() {
                     out[i * n + j].add_product_lanes(*p, t);

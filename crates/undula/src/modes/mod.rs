@@ -152,6 +152,7 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         let message = "there is no [solid]: expected an elastic body, whose modes are computed";
         return Err(case.refuse("solid", message.into()));
     }
+    case.needs_plane("modes")?;
     let fluids = &case.fluids[..];
     if let [first, others @ ..] = fluids
         && let Some(other) = others.iter().find(|other| other.density != first.density)

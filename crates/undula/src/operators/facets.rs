@@ -9,6 +9,7 @@ use crate::algebra::SolverError;
 use crate::loops::scatter::DROP;
 use crate::math::Vector;
 use crate::mesh::{Facet, Side};
+use crate::physics::axisymmetric::Seen;
 use crate::physics::{FacetForm, Fields};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
 use crate::space::{FsiSpace, Region, State};
@@ -17,7 +18,7 @@ use crate::tangent::{self, FacetByHand, Linearization, Tangent};
 /// What acts at the points of facets.
 pub trait FacetTerm<const D: usize>: Send + Sync {
     /// The weak form at a point.
-    type Form: FacetByHand<D>;
+    type Form: FacetByHand<D> + FacetByHand<3>;
 
     /// Whether the form takes ∂_t u of the step in place of u. Its term at the old time then depends on the new state, so
     /// that it belongs to the residual.
@@ -130,6 +131,11 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
         }
     }
 
+    /// The form at a point of a facet.
+    fn form(&self, facet: &SeenFacet<D>, q: usize, end: End) -> Seen<T::Form> {
+        Seen { form: self.term.form(facet.first + q, end), radius: facet.points[q].radius }
+    }
+
     /// What stands before φ at a point of a facet, weighed.
     fn traction(
         &self,
@@ -139,7 +145,7 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
     ) -> Vector<f64, D> {
         let point = &facet.points[q];
         let at = fields::<T, D>(&facet.nodes, point, step, tau);
-        self.term.form(facet.first + q, end).traction(&at, &at, &point.normal, weight * point.weight)
+        self.form(facet, q, end).traction(&at, &at, &point.normal, weight * point.weight)
     }
 
     fn add(&self, moment: Moment, step: &StepView<'_>, out: &mut [f64]) {
@@ -198,7 +204,7 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
         let point = &facet.points[q];
         for (weight, tau, end) in moments::<D, T>(step) {
             let at = fields::<T, D>(&facet.nodes, point, step, tau);
-            let form = self.term.form(facet.first + q, end);
+            let form = self.form(facet, q, end);
             columns.add(&self.fields, |w, of_u| {
                 // ∂_t u moves by 1/k where u moves by 1.
                 let share = if of_u && T::RATE { step.rule.per_k } else { tau };
@@ -221,7 +227,7 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
         let mut sum = Vector::zero();
         for (weight, tau, end) in moments::<D, T>(step) {
             let at = fields::<T, D>(&facet.nodes, point, step, tau);
-            let form = self.term.form(facet.first + q, end);
+            let form = self.form(facet, q, end);
             let mut moved = at;
             let (value, grad) = match field {
                 0 => (&mut moved.v, &mut moved.grad_v),

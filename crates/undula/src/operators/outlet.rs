@@ -115,7 +115,7 @@ impl<const D: usize> Outlet<D> {
                 let (old, new) = (of(step.old), of(step.new));
                 let rate = step.rule.per_k * (new.u - old.u);
                 let at = old.lerp(&new, tau);
-                let normal = cofactor(&at.grad_u) * point.normal * point.weight;
+                let normal = cofactor(&at.grad_u) * point.normal * (point.weight * point.stretch(&at.u));
                 visit(facet, q, normal, at.v - rate);
             }
         }
@@ -177,14 +177,18 @@ impl<const D: usize> Outlet<D> {
             }
             let point = &facet.points[q];
             let of = |state: &State| fields_at(&facet.nodes, &point.value, &point.grad, state);
-            let grad_u = with_u.then(|| of(step.old).lerp(&of(step.new), tau).grad_u);
+            let moved = with_u.then(|| of(step.old).lerp(&of(step.new), tau));
             for (a, &node) in self.local[at..seen].iter().enumerate() {
                 for i in 0..D {
                     let (place, value) = (node as usize * D + i, point.value[a] * normal.0[i]);
                     columns[place] += column * value;
                     of_v[place] += row * tau * value;
-                    if let Some(grad_u) = &grad_u {
-                        let slope = normal_slope(grad_u, &point.normal, i, &point.grad[a]) * point.weight;
+                    if let Some(at) = &moved {
+                        let weight = point.weight * point.stretch(&at.u);
+                        let mut slope = normal_slope(&at.grad_u, &point.normal, i, &point.grad[a]) * weight;
+                        if let (Some(r), 0) = (point.radius, i) {
+                            slope += normal * (point.value[a] / (r + at.u.0[0]));
+                        }
                         of_u[place] += row * (tau * relative.dot(slope) - step.rule.per_k * value);
                     }
                 }

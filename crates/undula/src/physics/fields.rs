@@ -54,6 +54,8 @@ pub struct Place<S, const D: usize> {
     pub force_slope: Tensor<S, D>,
     /// Stiffness E_e(x) of the extension.
     pub stiffness: S,
+    /// 1/r \[1/m\], r being the distance to the axis of a body of revolution; 0 where there is none.
+    pub per_radius: S,
 }
 
 impl<S: Scalar, const D: usize> Place<S, D> {
@@ -70,7 +72,12 @@ impl<S: Scalar, const D: usize> Place<S, D> {
 
     /// No force, unit stiffness.
     pub fn plain() -> Self {
-        Place { force: Vector::zero(), force_slope: Tensor::zero(), stiffness: S::one() }
+        Place {
+            force: Vector::zero(),
+            force_slope: Tensor::zero(),
+            stiffness: S::one(),
+            per_radius: S::zero(),
+        }
     }
 }
 

@@ -55,8 +55,8 @@ impl<const D: usize> WeakForm<D> for Fluid {
         Couplings {
             phi_v: Block::Full,
             phi_u: Block::Full,
-            pressure: true,
-            xi_v: true,
+            pressure: Block::Stiffness,
+            xi_v: Block::Stiffness,
             xi_p: false,
             psi_v: Block::Zero,
             psi_u: Block::Stiffness,

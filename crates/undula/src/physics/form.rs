@@ -25,9 +25,9 @@ pub struct Couplings {
     /// Momentum on deformation.
     pub phi_u: Block,
     /// Momentum on pressure, and divergence on deformation.
-    pub pressure: bool,
+    pub pressure: Block,
     /// Divergence on velocity.
-    pub xi_v: bool,
+    pub xi_v: Block,
     /// Divergence on pressure, through values.
     pub xi_p: bool,
     /// Extension or velocity-deformation relation on velocity.

@@ -4,6 +4,7 @@
 //! It knows no mesh, no index, no time step: [`step`] composes a form into the residual of one step.
 #![allow(non_snake_case)]
 
+pub mod axisymmetric;
 pub mod damping;
 pub mod extension;
 pub mod fibres;
@@ -27,6 +28,7 @@ pub mod stress;
 pub mod theorem_5_2;
 pub mod viscosity;
 
+pub use axisymmetric::Axisymmetric;
 pub use damping::Damping;
 pub use extension::{Extension, MotionModel};
 pub use fibres::{Artery, Muscle};

@@ -31,11 +31,12 @@ impl Solid {
 
 impl<const D: usize> WeakForm<D> for Solid {
     fn couplings(&self) -> Couplings {
+        let gradients = |there| if there { Block::Stiffness } else { Block::Zero };
         Couplings {
             phi_v: if self.damping.has_stress() { Block::Full } else { Block::Mass },
             phi_u: Block::Stiffness,
-            pressure: self.material.compliance().is_some(),
-            xi_v: self.material.compliance() == Some(0.0),
+            pressure: gradients(self.material.compliance().is_some()),
+            xi_v: gradients(self.material.compliance() == Some(0.0)),
             xi_p: self.material.compliance().is_some_and(|c| c > 0.0),
             psi_v: Block::Mass,
             psi_u: Block::Mass,

@@ -13,14 +13,25 @@ pub struct FacetPoint<const D: usize> {
     pub xi: [f64; D],
     /// Position \[m\].
     pub x: [f64; D],
+    /// Distance to the axis \[m\], if there is one.
+    pub radius: Option<f64>,
     /// Outer unit normal of the cell.
     pub normal: Vector<f64, D>,
-    /// Quadrature weight times surface element \[m^(D−1)\].
+    /// Quadrature weight times surface element \[m^(D−1)\], that of the body of revolution in (r, z) \[m²\].
     pub weight: f64,
+    /// The same of the facet itself, whatever the coordinates mean \[m^(D−1)\].
+    pub length: f64,
     /// Basis of v and u, `[basis]`.
     pub value: Vec<f64>,
     /// Its gradient with respect to x, `[basis][d]`.
     pub grad: Vec<[f64; D]>,
+}
+
+impl<const D: usize> FacetPoint<D> {
+    /// (r + u_r)/r around an axis, 1 on it and in the plane.
+    pub fn stretch(&self, u: &Vector<f64, D>) -> f64 {
+        self.radius.filter(|r| *r > 0.0).map_or(1.0, |r| 1.0 + u.0[0] / r)
+    }
 }
 
 /// Quadrature points of `facet` with `n` Gauss points per direction.
@@ -41,6 +52,7 @@ pub fn facet_points_of<const D: usize>(
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
+        let x = mesh.map(cell, xi);
         let jacobian = Tensor(mesh.map_gradient(cell, xi));
         let cofactor = jacobian.cofactor();
         let inverse_t = cofactor * (1.0 / jacobian.det());
@@ -54,9 +66,11 @@ pub fn facet_points_of<const D: usize>(
         };
         points.push(FacetPoint {
             xi,
-            x: mesh.map(cell, xi),
+            x,
+            radius: space.coordinates.radius(&x),
             normal: area * (1.0 / size),
-            weight: rule.weights[q] * size,
+            length: rule.weights[q] * size,
+            weight: rule.weights[q] * size * space.coordinates.measure(&x),
             value: table.value(q).to_vec(),
             grad: (0..table.n_basis).map(grad).collect(),
         });

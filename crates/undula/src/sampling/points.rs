@@ -14,7 +14,7 @@ pub struct PointValues<'a, const D: usize> {
     pub region: Region,
     /// Position \[m\].
     pub x: [f64; D],
-    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\].
+    /// Quadrature weight times |det ∂x/∂ξ| \[m^D\], times 2π r in (r, z) \[m³\].
     pub weight: f64,
     /// The fields there.
     pub fields: Fields<f64, D>,
@@ -67,7 +67,7 @@ pub fn for_each_point_of<const D: usize>(
                 cell,
                 region: space.regions[cell],
                 x,
-                weight: rule.weights[q] * det,
+                weight: rule.weights[q] * det * space.coordinates.measure(&x),
                 fields,
                 value: table.value(q),
                 grad: &grad,

@@ -8,6 +8,7 @@ use crate::case::expression::Expression;
 use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
+use crate::functional::around_axis::AroundAxis;
 use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
@@ -73,7 +74,7 @@ impl Case {
         if self.fluids.len() > 1 || self.solids.len() > 1 {
             space = space.with_materials(material, &with_pressure);
         }
-        space.walls = self.motion.walls;
+        (space.walls, space.coordinates) = (self.motion.walls, self.mesh.coordinates);
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
         let in_fluid = |facet: &Facet| space.regions[facet.cell as usize] == Region::Fluid;
@@ -83,6 +84,7 @@ impl Case {
         if space.walls == Walls::Sliding && space.deforms && !self.fluids.is_empty() && !space.slides() {
             return Err(self.refuse("motion.walls", message.into()));
         }
+        self.check_axis(&space.mesh)?;
         self.check_patches(&space)?;
         self.check_ends(&space).map_err(Error::Case)?;
         self.check_supports(&space)?;
@@ -319,6 +321,8 @@ impl Case {
         for (name, spec) in self.functional.iter().filter(|(_, spec)| self.has_body_of(spec)) {
             let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
             let functional = spec.build(self, space, &surfaces).map_err(blame)?;
+            let around = space.coordinates.is_axisymmetric();
+            let functional = if around { Box::new(AroundAxis(functional)) } else { functional };
             list.push((name.clone(), functional));
         }
         Ok(list)

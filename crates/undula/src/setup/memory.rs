@@ -87,6 +87,7 @@ impl Case {
             MeshSource::Rotor => of_mesh(&generate::rotor(0, grading)),
             MeshSource::Flap => of_mesh(&generate::flap(0, grading)),
             MeshSource::Cavity => of_mesh(&generate::cavity(0)),
+            MeshSource::Tube2d => of_mesh(&generate::tube_2d(0)),
             MeshSource::Box { lower, upper, cells } => {
                 let all = cells[0] as f64 * cells[1] as f64;
                 (all, all * self.share_of_box(*lower, *upper))

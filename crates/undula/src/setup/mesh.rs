@@ -62,6 +62,7 @@ impl Case {
             MeshSource::Rotor => (generate::rotor(0, grading), vec![]),
             MeshSource::Flap => (generate::flap(0, grading), vec![]),
             MeshSource::Cavity => (generate::cavity(0), vec![]),
+            MeshSource::Tube2d => (generate::tube_2d(0), vec![]),
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, 0)?, vec![])
             }

@@ -6,6 +6,7 @@
 //! estimates what it takes, `lengths` has the numbers that come from the mesh, and `overview` is what `undula check`
 //! prints.
 
+mod axis;
 mod bodies;
 pub mod build;
 mod data;

@@ -14,6 +14,8 @@ use std::fmt;
 pub struct Overview {
     /// Corners of the box around the mesh \[m\].
     pub extents: [[f64; 2]; 2],
+    /// Whether the coordinates are (r, z).
+    pub around_axis: bool,
     /// Number of cells.
     pub cells: usize,
     /// Square roots of the areas of the smallest and of the largest cell \[m\].
@@ -90,6 +92,7 @@ impl Case {
         let extents = extents(mesh);
         Overview {
             extents,
+            around_axis: space.coordinates.is_axisymmetric(),
             cells: mesh.n_cells(),
             sizes: [size(f64::min, f64::INFINITY), size(f64::max, 0.0)],
             regions: regions.collect(),
@@ -140,28 +143,29 @@ impl Case {
     /// Where most of the fluid comes in, and how fast.
     fn inflow(&self, space: &FsiSpace<2>, smallest: f64) -> Option<Inflow> {
         self.fluids.first()?;
-        let (mut found, mut largest, mut first) = (None::<(f64, String, f64)>, 0.0f64, 0.0f64);
+        let (mut found, mut largest, mut first) = (None::<(f64, String, [f64; 2])>, 0.0f64, 0.0f64);
         let step = self.time.as_ref().map(|time| time.step.eval(&[0.0; 3], time.start));
         for (number, name) in space.mesh.boundaries.iter().enumerate() {
             let Some(Condition::Velocity(data)) = self.boundary.get(name) else { continue };
             let facets = space.mesh.facets.iter().filter(|f| usize::from(f.boundary) == number);
             let points: Vec<_> = facets.flat_map(|facet| facet_points(space, facet, 3)).collect();
-            let whole = points.iter().map(|point| point.weight).sum();
+            let whole = points.iter().map(|point| point.weight).sum::<f64>();
+            let length = points.iter().map(|point| point.length).sum::<f64>();
             let nodes: Vec<[f64; 2]> =
                 space.boundary_nodes(name).iter().map(|&node| space.nodes.points[node as usize]).collect();
             let at = |t: f64| (flow(&points, data, t), largest_speed(&nodes, data, t));
             for (flow, speed) in self.looked_at().into_iter().map(at) {
                 largest = largest.max(speed);
                 if found.as_ref().is_none_or(|(most, ..)| flow > *most) && flow > 0.0 {
-                    found = Some((flow, name.clone(), whole));
+                    found = Some((flow, name.clone(), [whole, length]));
                 }
             }
             if let (Some(time), Some(k)) = (&self.time, step) {
                 first = first.max(at(time.start + k).1);
             }
         }
-        let (flow, name, length) = found?;
-        let mean = flow / length;
+        let (flow, name, [whole, length]) = found?;
+        let mean = flow / whole;
         let scale = match self.mesh.source {
             MeshSource::TurekHron | MeshSource::SchaeferTurek => (DIAMETER, "the diameter of the cylinder"),
             _ => (length, "the length of that boundary"),
@@ -208,7 +212,7 @@ fn extents(mesh: &Mesh<2>) -> [[f64; 2]; 2] {
 }
 
 fn length(space: &FsiSpace<2>, facet: &Facet) -> f64 {
-    facet_points(space, facet, 3).iter().map(|point| point.weight).sum()
+    facet_points(space, facet, 3).iter().map(|point| point.length).sum()
 }
 
 /// The velocity at one place.
@@ -245,7 +249,9 @@ impl fmt::Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [[x0, y0], [x1, y1]] = self.extents.map(|x| x.map(short));
         let [v, u, p] = self.unknowns;
-        writeln!(f, "          x from {x0} to {x1} m, y from {y0} to {y1} m")?;
+        let [x, y, about] =
+            if self.around_axis { ["r", "z", ", around the axis r = 0"] } else { ["x", "y", ""] };
+        writeln!(f, "          {x} from {x0} to {x1} m, {y} from {y0} to {y1} m{about}")?;
         let [smallest, largest] = self.sizes.map(short);
         writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;

@@ -107,6 +107,10 @@ fn free_motion(
     let centre = [0, 1].map(|d| 0.5 * (lower[d] + upper[d]));
     let size = (upper[0] - lower[0]).hypot(upper[1] - lower[1]);
     let mut squares = [[0.0; 3]; 3];
+    if space.coordinates.is_axisymmetric() {
+        // What moves along r is stretched around the axis, and so is what turns.
+        (squares[0][0], squares[2][2]) = (1.0, 1.0);
+    }
     let mut held = |node: u32, n: [f64; 2]| {
         let x = space.nodes.points[node as usize];
         let turn = (n[1] * (x[0] - centre[0]) - n[0] * (x[1] - centre[1])) / size;

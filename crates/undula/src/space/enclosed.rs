@@ -59,10 +59,15 @@ impl<const D: usize> Enclosed<D> {
         for &cell in &cells {
             for (q, (xi, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
                 let xi = std::array::from_fn(|d| xi[d]);
-                let cofactor = Tensor(mesh.map_gradient(cell as usize, xi)).cofactor();
+                let jacobian = Tensor(mesh.map_gradient(cell as usize, xi));
+                let (cofactor, x) = (jacobian.cofactor(), mesh.map(cell as usize, xi));
+                let measure = space.coordinates.measure(&x);
+                // ∫ ∂_i φ, and in (r, z) ∫ φ/r beside.
+                let hoop = space.coordinates.radius(&x).map_or(0.0, |r| measure / r * jacobian.det());
                 for (a, &node) in space.nodes.cell(cell as usize).iter().enumerate() {
                     let slope = cofactor * Vector(std::array::from_fn(|d| table.grad(q)[a * D + d]));
-                    (0..D).for_each(|i| sums[node as usize][i] += weight * slope.0[i]);
+                    (0..D).for_each(|i| sums[node as usize][i] += weight * measure * slope.0[i]);
+                    sums[node as usize][0] += weight * hoop * table.value(q)[a];
                 }
             }
             for &node in mesh.cell(cell as usize) {
@@ -113,8 +118,10 @@ impl<const D: usize> Enclosed<D> {
             }
             for (xi, weight) in rule.points.iter().zip(&rule.weights) {
                 let at = std::array::from_fn(|d| xi[d]);
-                let weight = weight * Tensor(mesh.map_gradient(cell, at)).det();
-                let basis = pressure.basis(mesh, cell, xi, &mesh.map(cell, at));
+                let x = mesh.map(cell, at);
+                let weight =
+                    weight * Tensor(mesh.map_gradient(cell, at)).det() * space.coordinates.measure(&x);
+                let basis = pressure.basis(mesh, cell, xi, &x);
                 dofs.iter().zip(basis).for_each(|(&dof, b)| weights[dof as usize] += weight * b);
                 volume += weight;
             }

@@ -2,6 +2,7 @@
 
 pub mod boundary;
 pub mod conditions;
+pub mod coordinates;
 pub mod dofs;
 pub mod enclosed;
 pub mod ends;
@@ -13,6 +14,7 @@ pub mod state;
 
 pub use boundary::{BoundaryCondition, MotionData, VelocityData, WALLS, Walls};
 pub use conditions::{Constraints, Directions};
+pub use coordinates::{COORDINATES, Coordinates};
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
@@ -49,6 +51,8 @@ pub enum PsiOwner {
 pub struct FsiSpace<const D: usize> {
     /// The mesh, restricted to the regions that take part.
     pub mesh: Mesh<D>,
+    /// What its coordinates mean.
+    pub coordinates: Coordinates,
     /// The coarser meshes that `mesh` was refined from, restricted as it; empty where they are not known.
     pub hierarchy: Hierarchy<D>,
     /// Equations of every cell.
@@ -129,6 +133,7 @@ impl<const D: usize> FsiSpace<D> {
         let material = vec![0; regions.len()];
         FsiSpace {
             mesh,
+            coordinates: Coordinates::Cartesian,
             hierarchy,
             regions,
             material,

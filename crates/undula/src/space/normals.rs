@@ -37,7 +37,7 @@ pub fn normals<'a, const D: usize>(
     found
 }
 
-/// ∫ φ_a n ds of the nodes a of a facet \[m^(D−1)\]; where the integral of φ_a vanishes, as at corners of quadratic
+/// ∫ φ_a n ds of the nodes a of a facet \[m^(D−1)\], with the weight 2π r in (r, z) off the axis; where the integral of φ_a vanishes, as at corners of quadratic
 /// triangles, a small multiple of the normal of the facet.
 fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vector<f64, D>)> {
     let mesh = &space.mesh;
@@ -45,10 +45,15 @@ fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vec
     let rule = Quadrature::facet(mesh.shape, local, space.nodes.degree + D * mesh.degree);
     let table = space.nodes.table(mesh.shape, &rule);
     let reference = mesh.shape.facet_normal(local);
+    let place = |q: usize| mesh.map(cell, std::array::from_fn(|d| rule.points[q][d]));
+    // The axis has no area, but a normal.
+    let measure = |q: usize| space.coordinates.measure(&place(q));
+    let on_axis = (0..rule.points.len()).all(|q| measure(q) == 0.0);
     let area = |q: usize| {
         let xi: [f64; D] = std::array::from_fn(|d| rule.points[q][d]);
+        let weight = if on_axis { 1.0 } else { measure(q) } * rule.weights[q];
         let cofactor = Tensor(mesh.map_gradient(cell, xi)).cofactor();
-        cofactor * Vector(std::array::from_fn(|d| reference[d])) * rule.weights[q]
+        cofactor * Vector(std::array::from_fn(|d| reference[d])) * weight
     };
     let areas: Vec<Vector<f64, D>> = (0..rule.points.len()).map(area).collect();
     let whole = areas.iter().fold(Vector::zero(), |sum, a| sum + *a);

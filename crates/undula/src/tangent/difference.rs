@@ -1,9 +1,10 @@
 //! Derivatives by differences of the residual at a point.
 #![allow(non_snake_case)]
 
+use super::StepForm;
 use crate::choice::{Choice, choice};
 use crate::math::{Scalar, Vector};
-use crate::physics::{FacetForm, Fields, Place, StepRule, Tested, WeakForm};
+use crate::physics::{FacetForm, Fields, Place, StepRule, Tested};
 
 /// (A(U + h W) − A(U)) / h or, central, (A(U + h W) − A(U − h W)) / 2h.
 ///
@@ -99,7 +100,7 @@ impl Difference {
     /// iteration keeps does not move.
     #[allow(clippy::too_many_arguments)]
     #[inline(always)]
-    pub fn derivative<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
+    pub fn derivative<S: Scalar<Value = S>, F: StepForm<D>, const D: usize>(
         &self,
         lagged: bool,
         form: &F,
@@ -117,7 +118,7 @@ impl Difference {
             let mut there = *place;
             there.force += there.force_slope * (lag.u - new.u);
             let mut r = Tested::zero();
-            rule.residual(form, &there, &at, &lag, old, &mut r);
+            form.residual(rule, &there, &at, &lag, old, &mut r);
             add(&mut difference, &r, base, S::one() / h);
         }
         let weight = if self.is_central() { 0.5 } else { 1.0 };

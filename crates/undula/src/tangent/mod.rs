@@ -2,11 +2,14 @@
 #![allow(non_snake_case)]
 
 mod difference;
+mod step_form;
 
 pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};
+pub use step_form::StepForm;
 
 use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
+use crate::physics::axisymmetric::{self, Seen};
 use crate::physics::{
     Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Solid, Spring, StepRule, Tested, WeakForm,
     theorem_5_2,
@@ -94,7 +97,7 @@ pub fn seeded<S: Scalar<Value = S>, const D: usize>(
 
 /// Exact derivative of the step's residual in direction `W` by one dual evaluation.
 #[inline(always)]
-pub fn automatic<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
+pub fn automatic<S: Scalar<Value = S>, F: StepForm<D>, const D: usize>(
     form: &F,
     rule: &StepRule,
     place: &Place<S, D>,
@@ -104,14 +107,14 @@ pub fn automatic<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
 ) -> Tested<S, D> {
     let new = seeded(new, W);
     let mut r = Tested::zero();
-    rule.residual(form, place, &new, &new, old, &mut r);
+    form.residual(rule, place, &new, &new, old, &mut r);
     r.map(|x| x.eps)
 }
 
 /// Derivative in direction `W` of what a fixed-point iteration solves, section 5.2.1: the geometry, the
 /// transport velocity and one factor of the strain stay those of `new`.
 #[inline(always)]
-pub fn fixed_point<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
+pub fn fixed_point<S: Scalar<Value = S>, F: StepForm<D>, const D: usize>(
     form: &F,
     rule: &StepRule,
     place: &Place<S, D>,
@@ -121,7 +124,7 @@ pub fn fixed_point<S: Scalar<Value = S>, F: WeakForm<D>, const D: usize>(
 ) -> Tested<S, D> {
     let at = seeded(new, W);
     let mut r = Tested::zero();
-    rule.residual(form, place, &at, &at.frozen(), old, &mut r);
+    form.residual(rule, place, &at, &at.frozen(), old, &mut r);
     r.map(|x| x.eps)
 }
 
@@ -194,6 +197,24 @@ macro_rules! by_hand {
             }
         }
     };
+}
+
+impl<F: FacetByHand<D> + FacetByHand<3>, const D: usize> FacetByHand<D> for Seen<F> {
+    #[inline(always)]
+    fn by_hand(
+        &self,
+        weight: f64,
+        at: &Fields<f64, D>,
+        normal: &Vector<f64, D>,
+        W: &Fields<f64, D>,
+    ) -> Vector<f64, D> {
+        let Some(r) = self.radius else {
+            return FacetByHand::<D>::by_hand(&self.form, weight, at, normal, W);
+        };
+        let fields = |of| axisymmetric::fields(of, 1.0 / r);
+        let normal = axisymmetric::vector(normal);
+        axisymmetric::plane(&FacetByHand::<3>::by_hand(&self.form, weight, &fields(at), &normal, &fields(W)))
+    }
 }
 
 by_hand!(Outflow, theorem_5_2::outflow);

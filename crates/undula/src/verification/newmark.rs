@@ -39,6 +39,7 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
             "Newmark's method is that of an elastic body alone in time: expected a case such as `csm3`";
         return Err(case.refuse("fluid", message.into()));
     };
+    case.needs_plane("steps of Newmark's method")?;
     let k = equal_steps(case)?.unwrap_or(1.0);
     let changes = |solid: &&SolidSpec| solid.body_force.iter().any(|force| force.depends_on_time());
     if let Some(solid) = case.solids.iter().find(changes) {

@@ -83,6 +83,7 @@ pub struct Errors {
 /// # Errors
 /// [`Error::Case`] if the domain is not the unit square, as [`Case::build_space`], and if Newton's method fails.
 pub fn errors(case: &Case) -> Result<Errors, Error> {
+    case.needs_plane("errors")?;
     let mut mesh = case.build_mesh()?;
     let inside = |x: &[f64; 2]| x.iter().all(|x| (-1e-9..=1.0 + 1e-9).contains(x));
     let corner = |at: [f64; 2]| mesh.nodes.iter().any(|x| (x[0] - at[0]).hypot(x[1] - at[1]) < 1e-9);

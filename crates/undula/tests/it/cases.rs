@@ -13,7 +13,7 @@ use undula::simulation::Simulation;
 
 /// Cases, what is changed in them, and how far their functionals may be from the published ones at this
 /// resolution; `None` where the run is too short to have reached what is published.
-const RUNS: [(&str, &[&str], Option<f64>); 15] = [
+const RUNS: [(&str, &[&str], Option<f64>); 16] = [
     ("cfd1", &["mesh.refine=1"], Some(0.01)),
     ("cfd2", &["mesh.refine=1"], Some(0.06)),
     ("cfd3", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
@@ -29,6 +29,7 @@ const RUNS: [(&str, &[&str], Option<f64>); 15] = [
     ("rotor", &["mesh.refine=0", "time.step=0.1", "time.end=1"], None),
     ("flap", &["time.step=0.02"], Some(0.02)),
     ("cavity", &["mesh.refine=0", "time.step=0.1", "time.end=2"], None),
+    ("tube-2d", &["mesh.refine=0", "time.step=2e-4", "time.end=2e-3"], None),
 ];
 
 /// The last values by functional, with their units.

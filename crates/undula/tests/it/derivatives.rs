@@ -36,7 +36,7 @@ impl Random {
     }
 
     fn place<const D: usize>(&mut self) -> Place<f64, D> {
-        Place { force: 10.0 * self.vector(), force_slope: Tensor::zero(), stiffness: 1.5 + self.next() }
+        Place { force: 10.0 * self.vector(), stiffness: 1.5 + self.next(), ..Place::plain() }
     }
 
     /// The same with a body force that changes with the position; that of the solid does not.
@@ -404,7 +404,7 @@ fn backflow_jacobian() {
 /// The declared couplings are exactly the blocks of the derivative that are not zero.
 #[test]
 fn couplings_are_those_of_the_derivative() {
-    fn run<F: WeakForm<D>, const D: usize>(form: &F) {
+    fn run<F: ByHand<D>, const D: usize>(form: &F) {
         let mut random = Random(5);
         let rule = StepRule::theta(0.01, 0.6);
         // (φ value, φ gradient, ψ value, ψ gradient, ξ) by (v, ∇v, u, ∇u, p).
@@ -441,7 +441,9 @@ fn couplings_are_those_of_the_derivative() {
         assert_eq!(c.psi_v, block(2, 0));
         assert_eq!(c.psi_u, block(2, 2));
         // Pressure: ∇φ on p and ξ on ∇v, ∇u, p; nothing else.
-        let all = [((1, 4), c.pressure), ((4, 1), c.xi_v), ((4, 3), c.pressure), ((4, 4), c.xi_p)];
+        let [pressure, xi_v] = [c.pressure, c.xi_v].map(|block| block == Block::Stiffness);
+        assert!([c.pressure, c.xi_v].iter().all(|b| matches!(b, Block::Zero | Block::Stiffness)));
+        let all = [((1, 4), pressure), ((4, 1), xi_v), ((4, 3), pressure), ((4, 4), c.xi_p)];
         let expected: Vec<(usize, usize)> = all.into_iter().filter(|(_, is)| *is).map(|(at, _)| at).collect();
         for i in 0..5 {
             for j in 0..5 {

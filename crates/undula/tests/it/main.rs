@@ -10,6 +10,7 @@ mod manufactured;
 
 mod apply;
 mod assembly;
+mod axisymmetric;
 mod bars;
 mod bench;
 mod borders;
@@ -63,3 +64,4 @@ mod tables;
 mod traction;
 mod transfer;
 mod viscosity;
+mod womersley;

@@ -266,6 +266,8 @@ fn outlets_and_springs_are_checked() {
     let case = channel(&["boundary.right.condition=spring", "boundary.right.stiffness=1"]);
     let message = Simulation::new(case, 1).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(message.contains("boundary.right.condition") && message.contains("spring"), "{message}");
+    let notes = bar(&["boundary.left.damping=2"]).notes().join("\n");
+    assert!(notes.contains("boundary.left.damping has no effect: the case is stationary"), "{notes}");
     let slack = bar(&["boundary.left.stiffness=0"]);
     let message = Simulation::new(slack, 1).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(message.contains("nothing holds"), "{message}");

@@ -18,13 +18,14 @@ use crate::element::Shape;
 use crate::mesh::gmsh;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
-use crate::space::WALLS;
+use crate::space::{COORDINATES, WALLS};
 use std::collections::BTreeMap;
 
 pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<MeshSpec> {
     let generator = s.choice("generator", &GENERATORS, &[]);
     let file = s.string("file");
     let scale = s.number("scale", 1.0, POSITIVE);
+    let coordinates = s.choice("coordinates", &COORDINATES, &[]).unwrap_or_default();
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
@@ -66,7 +67,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     };
     let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
-    Some(MeshSpec { source, scale, refine, grading, region, leave_out })
+    Some(MeshSpec { source, scale, coordinates, refine, grading, region, leave_out })
 }
 
 /// Keys that say where the mesh comes from, if the program gives it.

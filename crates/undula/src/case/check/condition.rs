@@ -6,7 +6,7 @@ use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
 use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
-use crate::case::read::Section;
+use crate::case::read::{Checker, Section};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
@@ -87,6 +87,18 @@ fn check_lumped(s: &Section<'_, '_>, condition: &Condition) {
             s.wrong(name, "expected a number above 0");
         } else if !["pressure", "initial", "flow-rate"].contains(&name) && number.is_some_and(|x| x < 0.0) {
             s.wrong(name, "expected a number, 0 or above");
+        }
+    }
+}
+
+/// What dashpots do in a stationary case.
+pub(super) fn note_still(checker: &Checker<'_>, boundary: &BTreeMap<String, Condition>) {
+    for (name, condition) in boundary {
+        if let Condition::Spring { damping, .. } = condition
+            && damping.constant_value() != Some(0.0)
+        {
+            let note = format!("boundary.{name}.damping has no effect: the case is stationary");
+            checker.notes.borrow_mut().push(note);
         }
     }
 }

@@ -10,6 +10,7 @@ mod flap;
 mod rectangle;
 mod rotor;
 mod schaefer_turek;
+mod tube;
 mod turek_hron;
 
 pub use cavity::cavity;
@@ -17,6 +18,7 @@ pub use flap::flap;
 pub use rectangle::rectangle;
 pub use rotor::rotor;
 pub use schaefer_turek::schaefer_turek;
+pub use tube::tube_2d;
 pub use turek_hron::turek_hron;
 
 use super::Curve;

@@ -7,9 +7,9 @@ use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Vector};
 use crate::operators::{End, Matrix, StepView};
 use crate::physics::Fields;
-use crate::tangent::{ByHand, automatic};
+use crate::tangent::{StepForm, automatic};
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -44,7 +44,7 @@ struct ApplyTask<'a, F, const D: usize, const L: usize> {
     out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> ApplyTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> ApplyTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -72,7 +72,7 @@ where
     }
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ApplyTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Task for ApplyTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {

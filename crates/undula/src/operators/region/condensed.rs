@@ -16,7 +16,7 @@ use crate::operators::{Blocks, StepView};
 use crate::physics::form::Block;
 use crate::physics::{Couplings, StepRule};
 use crate::space::FsiSpace;
-use crate::tangent::{ByHand, Linearization, Tangent};
+use crate::tangent::{Linearization, StepForm, Tangent};
 
 /// All outer unknowns of a cell are coupled by the elimination of the inner ones.
 pub(super) const CONDENSED: [Pair; 4] = [
@@ -36,11 +36,12 @@ pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece>
                 list.push(Piece { test: Test::Phi(i), trial: Trial::V(j), block });
             }
         }
-        if c.pressure {
-            list.push(Piece { test: Test::Phi(i), trial: Trial::P, block: Block::Stiffness });
+        if c.pressure != Block::Zero {
+            list.push(Piece { test: Test::Phi(i), trial: Trial::P, block: c.pressure });
         }
-        if c.xi_v || (c.pressure && relation) {
-            list.push(Piece { test: Test::Xi, trial: Trial::V(i), block: Block::Stiffness });
+        let divergence = if relation && c.xi_v == Block::Zero { c.pressure } else { c.xi_v };
+        if divergence != Block::Zero {
+            list.push(Piece { test: Test::Xi, trial: Trial::V(i), block: divergence });
         }
     }
     if c.xi_p {
@@ -49,13 +50,13 @@ pub fn condensed_pieces(c: &Couplings, dim: usize, relation: bool) -> Vec<Piece>
     list
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
     /// Whether u follows v by the velocity-deformation relation.
     pub(super) fn relation(&self) -> bool {
-        self.form.couplings().psi_v != Block::Zero
+        self.form.blocks().psi_v != Block::Zero
     }
 
     /// kθ where u moves with v, else 0 \[s\].
@@ -79,7 +80,7 @@ where
                 interior.blocks.extend(with.map(|(n, _)| (batch as u32, lane as u32, n as u32)));
             }
         }
-        self.condensed = condensed_pieces(&self.form.couplings(), D, self.relation());
+        self.condensed = condensed_pieces(&self.form.blocks(), D, self.relation());
         self.interior = Some(interior);
     }
 

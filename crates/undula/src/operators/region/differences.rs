@@ -7,9 +7,9 @@ use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Vector};
 use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place};
-use crate::tangent::{ByHand, Difference, Linearization};
+use crate::tangent::{Difference, Linearization, StepForm};
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -47,6 +47,7 @@ where
                     force: place.force.map(|x| x.0[l]),
                     force_slope: place.force_slope.map(|x| x.0[l]),
                     stiffness: place.stiffness.0[l],
+                    per_radius: place.per_radius.0[l],
                 },
                 new: Fields::zero(),
                 old: Fields { v, grad_v, u, grad_u, p: 0.0 },

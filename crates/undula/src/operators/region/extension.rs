@@ -8,9 +8,9 @@ use crate::loops::test_functions::{Test, Trial};
 use crate::loops::width::Width;
 use crate::math::Lanes;
 use crate::operators::StepView;
-use crate::tangent::{ByHand, Linearization, Tangent};
+use crate::tangent::{Linearization, StepForm, Tangent};
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {

@@ -12,9 +12,9 @@ use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place, Tested};
-use crate::tangent::ByHand;
+use crate::tangent::StepForm;
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -27,7 +27,9 @@ where
     #[inline(always)]
     pub(super) fn place(&self, end: End, point: usize) -> Place<Lanes<L>, D> {
         let (force, force_slope) = self.body_force.at(end, point);
-        Place { force, force_slope, stiffness: self.batches.points[point].stiffness }
+        let per_radius =
+            if F::HAS_AXIS { Lanes::one() / self.batches.positions[point].0[0] } else { Lanes::zero() };
+        Place { force, force_slope, stiffness: self.batches.points[point].stiffness, per_radius }
     }
 
     /// Gather both ends of the step; with `new`, its fields are about to be read, else those of the old time alone.

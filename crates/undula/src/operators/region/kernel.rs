@@ -14,7 +14,7 @@ use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Vector};
 use crate::physics::Fields;
 use crate::space::{FsiSpace, PsiOwner, Region};
-use crate::tangent::ByHand;
+use crate::tangent::StepForm;
 
 /// Coefficients of the direction in the cells of a batch.
 #[derive(Default)]
@@ -113,7 +113,7 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     threads: usize,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -150,7 +150,7 @@ where
         drop(writes);
         Ok(Kernel {
             min_j: vec![f64::INFINITY; batches.len() * L],
-            pieces: pieces(&form.couplings(), D, space.deforms),
+            pieces: pieces(&form.blocks(), D, space.deforms),
             form,
             region,
             material,

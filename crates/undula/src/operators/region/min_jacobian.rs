@@ -8,9 +8,9 @@ use crate::loops::scatter::Shared;
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Tensor, Vector};
 use crate::space::FsiSpace;
-use crate::tangent::ByHand;
+use crate::tangent::StepForm;
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {

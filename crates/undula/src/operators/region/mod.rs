@@ -28,8 +28,10 @@ use crate::loops::width::Width;
 #[cfg(not(test))]
 use crate::loops::width::{available, best_lanes, compiled};
 use crate::math::Lanes;
+#[cfg(not(test))]
+use crate::physics::Axisymmetric;
 use crate::space::{FsiSpace, Region};
-use crate::tangent::{ByHand, Tangent};
+use crate::tangent::{StepForm, Tangent};
 use condensed::CONDENSED;
 use current_force::CurrentForce;
 use kernel::Kernel;
@@ -54,10 +56,10 @@ pub(crate) fn regions(
     let there = compiled(options.lanes) && available(options.lanes);
     match if there { options.lanes } else { best_lanes() } {
         #[cfg(lanes_8)]
-        8 => in_lanes::<2, 8>(space, physics, stiffness, options),
+        8 => Making::<2, 8> { space, stiffness, options }.all(physics),
         #[cfg(lanes_4)]
-        4 => in_lanes::<2, 4>(space, physics, stiffness, options),
-        _ => in_lanes::<2, 1>(space, physics, stiffness, options),
+        4 => Making::<2, 4> { space, stiffness, options }.all(physics),
+        _ => Making::<2, 1> { space, stiffness, options }.all(physics),
     }
 }
 
@@ -72,36 +74,60 @@ pub(crate) fn regions(
     unimplemented!("unit tests have no kernels")
 }
 
-fn in_lanes<const D: usize, const L: usize>(
-    space: &FsiSpace<D>,
-    physics: &Physics,
-    stiffness: &dyn Fn(&[f64; D]) -> f64,
-    options: &Options,
-) -> Result<Regions<D>, SolverError>
+/// What the operators of all regions are made with.
+struct Making<'a, const D: usize, const L: usize> {
+    space: &'a FsiSpace<D>,
+    stiffness: &'a dyn Fn(&[f64; D]) -> f64,
+    options: &'a Options,
+}
+
+impl<const D: usize, const L: usize> Making<'_, D, L>
 where
     Lanes<L>: Width,
 {
-    let batches = |(region, material)| {
-        let here = |&c: &usize| space.regions[c] == region && space.material[c] == material;
+    /// The operator of the cells of one material.
+    fn region<F: StepForm<D> + Send + 'static>(
+        &self,
+        body: (Region, u16),
+        form: F,
+        guards: bool,
+    ) -> Result<Box<dyn RegionOperator<D>>, SolverError> {
+        let Making { space, stiffness, options } = *self;
+        let here = |&c: &usize| (space.regions[c], space.material[c]) == body;
         let list: Vec<usize> = (0..space.mesh.n_cells()).filter(here).collect();
         let with_pressure = list.first().is_some_and(|&c| !space.pressure.cell(c).is_empty());
-        Batches::<D, L>::new(space, &list, with_pressure, options.quadrature, stiffness)
-    };
-    let (threads, mut list): (usize, Regions<D>) = (options.threads, vec![]);
-    for (material, form) in physics.fluids() {
-        let body = (Region::Fluid, material);
-        list.push(Box::new(Kernel::new(form, space, body, true, batches(body), threads)?));
+        let batches = Batches::<D, L>::new(space, &list, with_pressure, options.quadrature, stiffness);
+        Ok(Box::new(Kernel::new(form, space, body, guards, batches, options.threads)?))
     }
-    for (material, form) in physics.solids() {
-        // While it iterates a solid may fold where its law does not mind; not at the end of a step.
-        let guards = physics.fluid.is_none() || form.material.needs_positive_volume();
-        let body = (Region::Solid, material);
-        list.push(Box::new(Kernel::new(form, space, body, guards, batches(body), threads)?));
-    }
-    Ok(list)
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+#[cfg(not(test))]
+impl<const L: usize> Making<'_, 2, L>
+where
+    Lanes<L>: Width,
+{
+    /// The operators of all materials.
+    fn all(&self, physics: &Physics) -> Result<Regions<2>, SolverError> {
+        let around = self.space.coordinates.is_axisymmetric();
+        let fluids = physics.fluids().map(|(material, form)| {
+            let body = (Region::Fluid, material);
+            if around { self.region(body, Axisymmetric(form), true) } else { self.region(body, form, true) }
+        });
+        let solids = physics.solids().map(|(material, form)| {
+            let body = (Region::Solid, material);
+            // While it iterates a solid may fold where its law does not mind; not at the end of a step.
+            let guards = physics.fluid.is_none() || form.material.needs_positive_volume();
+            if around {
+                self.region(body, Axisymmetric(form), guards)
+            } else {
+                self.region(body, form, guards)
+            }
+        });
+        fluids.chain(solids).collect()
+    }
+}
+
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -122,7 +148,7 @@ where
     }
 }
 
-impl<F: ByHand<D> + Send, const D: usize, const L: usize> Operator<D> for Kernel<F, D, L>
+impl<F: StepForm<D> + Send, const D: usize, const L: usize> Operator<D> for Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -195,7 +221,7 @@ where
     }
 }
 
-impl<F: ByHand<D> + Send, const D: usize, const L: usize> RegionOperator<D> for Kernel<F, D, L>
+impl<F: StepForm<D> + Send, const D: usize, const L: usize> RegionOperator<D> for Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {

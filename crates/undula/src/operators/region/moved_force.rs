@@ -5,10 +5,10 @@ use super::kernel::{Kernel, Scratch};
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Tensor, Vector};
 use crate::operators::{End, StepView};
-use crate::tangent::{ByHand, Difference, Tangent};
+use crate::tangent::{Difference, StepForm, Tangent};
 use std::array::from_fn;
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -53,7 +53,7 @@ struct ForceTask<'a, F, const D: usize, const L: usize> {
     slopes: &'a mut [Tensor<Lanes<L>, D>],
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ForceTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Task for ForceTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {

@@ -7,8 +7,8 @@
 #![allow(non_snake_case)]
 
 use crate::math::{Lanes, Tensor, Vector};
-use crate::physics::{Fields, Place, StepRule, Tested, WeakForm};
-use crate::tangent::Tangent;
+use crate::physics::{Fields, Place, StepRule, Tested};
+use crate::tangent::{StepForm, Tangent};
 
 /// Work space of one thread; empty until it is needed.
 #[derive(Default)]
@@ -101,7 +101,7 @@ impl<const D: usize> Cell<D> {
 
     /// A(U)(Φ) of the present unknowns for all test functions of the cell.
     #[inline(never)]
-    pub(super) fn residual<F: WeakForm<D>>(&mut self, of: &Equations<'_, F>) {
+    pub(super) fn residual<F: StepForm<D>>(&mut self, of: &Equations<'_, F>) {
         let (n, m) = (self.v.len(), self.p.len());
         let mut rows = std::mem::take(&mut self.rows);
         rows.fill(0.0);
@@ -111,7 +111,7 @@ impl<const D: usize> Cell<D> {
             let mut place = point.place;
             place.force += place.force_slope * (lag.u - point.new.u);
             let mut r = Tested::zero();
-            of.rule.residual(of.form, &place, &new, &lag, &point.old, &mut r);
+            of.form.residual(of.rule, &place, &new, &lag, &point.old, &mut r);
             let (inverse_t, w) = (point.inverse.t(), point.weight);
             let (phi, psi) = (r.grad_phi * inverse_t, r.grad_psi * inverse_t);
             for (a, b) in basis.chunks_exact(1 + D).enumerate() {

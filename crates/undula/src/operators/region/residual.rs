@@ -7,12 +7,12 @@ use crate::loops::scatter::Shared;
 use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
 use crate::loops::width::{Task, Width};
-use crate::math::{Lanes, Tensor};
+use crate::math::Lanes;
 use crate::operators::{End, StepView};
 use crate::physics::Tested;
-use crate::tangent::{ByHand, Linearization, Tangent};
+use crate::tangent::{Linearization, StepForm, Tangent};
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -84,7 +84,7 @@ pub(super) struct ResidualTask<'a, F, const D: usize, const L: usize> {
     pub(super) min_j: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Task for ResidualTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -99,8 +99,8 @@ where
             let (new, old) = k.fields(batch, q, s);
             let place = k.place(End::New, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.residual(&k.form, &place, &new, &new, &old, &mut r);
-            let j = (Tensor::identity() + new.grad_u).det();
+            k.form.residual(&self.step.rule, &place, &new, &new, &old, &mut r);
+            let j = k.form.volume_ratio(&place, &new);
             for l in 0..L {
                 min_j[l] = min_j[l].min(j.0[l]);
             }
@@ -121,7 +121,7 @@ pub(super) struct ExplicitTask<'a, F, const D: usize, const L: usize> {
     pub(super) out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> Task for ExplicitTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -135,7 +135,7 @@ where
             let (_, old) = k.fields(batch, q, s);
             let place = k.place(End::Old, batch * b.n_points + q);
             let mut r = Tested::zero();
-            self.step.rule.explicit(&k.form, &place, &old, &mut r);
+            k.form.explicit(&self.step.rule, &place, &old, &mut r);
             k.test(batch, q, &r, s);
         }
         k.finish_tests(batch, k.deforms, s, self.out);
@@ -153,7 +153,7 @@ pub(super) struct JacobianTask<'a, F, const D: usize, const L: usize> {
     pub(super) out: &'a Shared<'a>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> JacobianTask<'_, F, D, L>
 where
     Lanes<L>: Width,
 {

@@ -6,7 +6,7 @@ use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor};
 use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place, StepRule, Tested};
-use crate::tangent::{ByHand, Difference, Linearization, Tangent, automatic, fixed_point};
+use crate::tangent::{Difference, Linearization, StepForm, Tangent, automatic, fixed_point};
 
 /// In which directions tangents are computed.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -33,7 +33,7 @@ pub(super) struct TangentTasks<'a, F, const D: usize, const L: usize> {
     pub(super) scratch: &'a mut Scratch<D, L>,
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> TangentTasks<'_, F, D, L>
+impl<F: StepForm<D>, const D: usize, const L: usize> TangentTasks<'_, F, D, L>
 where
     Lanes<L>: Width,
 {
@@ -75,7 +75,7 @@ trait How<F, const D: usize, const L: usize> {
 /// Dual numbers, in all lanes at a time.
 struct Automatic;
 
-impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for Automatic {
+impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for Automatic {
     #[inline(always)]
     fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
         automatic(at.form, at.rule, at.place, at.new, at.old, direction)
@@ -103,7 +103,7 @@ struct Single<'a, F, const D: usize> {
     old: Fields<f64, D>,
 }
 
-impl<F: ByHand<D>, const D: usize> Single<'_, F, D> {
+impl<F: StepForm<D>, const D: usize> Single<'_, F, D> {
     #[inline(never)]
     fn tangent(&self, how: ByLane, direction: &Fields<f64, D>) -> Tested<f64, D> {
         match how {
@@ -115,7 +115,7 @@ impl<F: ByHand<D>, const D: usize> Single<'_, F, D> {
 
     #[inline(never)]
     fn analytic(&self, direction: &Fields<f64, D>) -> Tested<f64, D> {
-        self.form.by_hand(self.rule, &self.place, &self.new, &self.old, direction)
+        self.form.analytic(self.rule, &self.place, &self.new, &self.old, direction)
     }
 
     #[inline(never)]
@@ -126,14 +126,14 @@ impl<F: ByHand<D>, const D: usize> Single<'_, F, D> {
     #[inline(never)]
     fn difference(&self, by: &Difference, lagged: bool, direction: &Fields<f64, D>) -> Tested<f64, D> {
         let mut base = Tested::zero();
-        self.rule.residual(self.form, &self.place, &self.new, &self.new, &self.old, &mut base);
+        self.form.residual(self.rule, &self.place, &self.new, &self.new, &self.old, &mut base);
         let h = perturbation(by, direction);
         let ends = (&self.new, &self.old);
         by.derivative(lagged, self.form, self.rule, &self.place, ends, &base, (direction, h))
     }
 }
 
-impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
+impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
     #[inline(always)]
     fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
         let mut all = Tested::zero();
@@ -145,6 +145,7 @@ impl<F: ByHand<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
                     force: at.place.force.map(|x| x.0[l]),
                     force_slope: at.place.force_slope.map(|x| x.0[l]),
                     stiffness: at.place.stiffness.0[l],
+                    per_radius: at.place.per_radius.0[l],
                 },
                 new: at.new.map(|x| x.0[l]),
                 old: at.old.map(|x| x.0[l]),
@@ -197,7 +198,7 @@ struct TangentTask<'a, F, H, const D: usize, const L: usize> {
     how: H,
 }
 
-impl<F: ByHand<D>, H: How<F, D, L>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
+impl<F: StepForm<D>, H: How<F, D, L>, const D: usize, const L: usize> Task for TangentTask<'_, F, H, D, L>
 where
     Lanes<L>: Width,
 {

@@ -1,0 +1,32 @@
+//! What a case around an axis cannot have.
+
+use crate::case::functionals::FunctionalSpec;
+use crate::case::read::Section;
+use crate::case::schema::Case;
+use crate::physics::{MotionModel, PressureTerm, TransportTerm};
+
+/// Refuses what is written for the plane alone.
+pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
+    if !case.mesh.coordinates.is_axisymmetric() {
+        return;
+    }
+    let only = "is not available with mesh.coordinates = \"axisymmetric\"";
+    if case.motion.model == MotionModel::Biharmonic && !case.fluids.is_empty() {
+        root.section("motion").wrong("model", format!("{only}; expected `pseudo-elastic` or another model"));
+    }
+    let how = &case.stabilization;
+    let pair = "take a stable pair such as Q2 with P1dc, or P2 with P1";
+    if how.pressure != PressureTerm::None {
+        root.section("stabilization").wrong("pressure", format!("{only}: {pair}"));
+    }
+    if how.transport != TransportTerm::None {
+        root.section("stabilization").wrong("transport", format!("{only}; expected `off`"));
+    }
+    for (name, functional) in &case.functional {
+        if matches!(functional, FunctionalSpec::Rotation) {
+            root.section("functional")
+                .section(name)
+                .wrong("kind", "nothing turns around the axis".to_string());
+        }
+    }
+}

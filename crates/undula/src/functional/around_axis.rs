@@ -1,0 +1,33 @@
+//! Numbers of a whole body of revolution.
+
+use super::{Functional, Snapshot};
+
+/// A functional whose integrals are those over a body of revolution: the units of space instead of those per depth.
+pub struct AroundAxis<const D: usize>(pub Box<dyn Functional<D>>);
+
+impl<const D: usize> Functional<D> for AroundAxis<D> {
+    fn unit(&self) -> &'static str {
+        match self.0.unit() {
+            "m²" => "m³",
+            "m²/s" => "m³/s",
+            "m³/s" => "m⁴/s",
+            "N/m" => "N",
+            "N" => "N m",
+            "J/m" => "J",
+            "W/m" => "W",
+            other => other,
+        }
+    }
+
+    fn at_force_time(&self) -> bool {
+        self.0.at_force_time()
+    }
+
+    fn residual_nodes(&self) -> &[u32] {
+        self.0.residual_nodes()
+    }
+
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
+        self.0.evaluate(at)
+    }
+}

@@ -1,0 +1,403 @@
+//! Bodies of revolution in (r, z), against closed forms and against the plane.
+
+use crate::common::{SCHEMES, builtin, sets, wrong, wrong_builtin};
+use std::f64::consts::PI;
+use undula::CaseBuilder;
+use undula::case::Case;
+use undula::math::Tensor;
+use undula::physics::SolidLaw;
+use undula::simulation::{Row, Simulation};
+use undula::verification::jacobians::{At, compare};
+
+fn finish(simulation: &mut Simulation) -> Row {
+    let mut row = simulation.step().unwrap();
+    while !simulation.finished() {
+        row = simulation.step().unwrap();
+    }
+    row
+}
+
+fn case(text: &str, more: &[&str]) -> Case {
+    Case::from_toml(text, "round.toml", &sets(more)).unwrap_or_else(|e| panic!("{more:?}\n{e}"))
+}
+
+/// A pipe of radius 1 m and length 4 m, ρ = 2, ν = 0.05, from 3.2 Pa to 0: v_z = Δp (R² − r²)/(4 μ L).
+const PIPE: &str = r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [1, 4]
+cells = [2, 4]
+coordinates = "axisymmetric"
+[fluid]
+density = 2
+kinematic-viscosity = 0.05
+[boundary.left]
+condition = "symmetry"
+[boundary.right]
+condition = "no-slip"
+[boundary.bottom]
+condition = "pressure"
+pressure = 10.2
+[boundary.top]
+condition = "pressure"
+pressure = 7
+[newton]
+tolerance = 1e-12
+[functional.flow]
+kind = "flux"
+on = ["top"]
+[functional.wall]
+kind = "force"
+on = ["right"]
+component = "y"
+[functional.wall_by_surface]
+kind = "force"
+on = ["right"]
+component = "y"
+method = "surface-integral"
+[functional.heat]
+kind = "energy"
+term = "dissipation"
+[functional.kinetic]
+kind = "energy"
+term = "fluid-kinetic"
+[functional.shear]
+kind = "wall-shear-stress"
+on = ["right"]
+component = "magnitude"
+take = "mean"
+[functional.volume]
+kind = "volume"
+region = "fluid"
+[functional.mean_p]
+kind = "pressure"
+region = "fluid"
+take = "mean"
+"#;
+
+#[test]
+fn poiseuille_in_a_pipe_is_exact() {
+    let elements: [&[&str]; 4] = [
+        &[],
+        &["space.velocity=Q3", "space.pressure=P2dc"],
+        &["space.velocity=P2", "space.pressure=P1"],
+        &["space.pressure=Q1", "boundary.bottom.at=reference"],
+    ];
+    // Δp π R⁴/(8 μ L) with μ = 0.1.
+    let q = 3.2 * PI / (8.0 * 0.1 * 4.0);
+    for more in elements {
+        let mut simulation = Simulation::new(case(PIPE, more), 1).unwrap();
+        let row = simulation.step().unwrap();
+        let fields = simulation.fields();
+        for (x, v) in fields.coordinates().iter().zip(fields.velocity()) {
+            let gap = (v[1] - 2.0 * (1.0 - x[0] * x[0])).abs().max(v[0].abs());
+            // Rows near the axis weigh little.
+            assert!(gap < 1e-9, "{more:?}: {v:?} at {x:?}");
+        }
+        let values = [
+            ("flow", q),
+            ("wall", 3.2 * PI),
+            ("wall_by_surface", 3.2 * PI),
+            ("heat", 3.2 * q),
+            // ½ ρ ∫ v² = ρ π L v_m²/6.
+            ("kinetic", 2.0 * PI * 4.0 * 4.0 / 6.0),
+            ("shear", 0.4),
+            ("volume", 4.0 * PI),
+            ("mean_p", 8.6),
+        ];
+        for (name, value) in values {
+            assert!((row[name] / value - 1.0).abs() < 1e-9, "{more:?}: {name} {} for {value}", row[name]);
+        }
+    }
+    let units = Simulation::new(case(PIPE, &[]), 1).unwrap().units();
+    assert_eq!(units, ["m³/s", "N", "N", "W", "J", "Pa", "m³", "Pa"]);
+}
+
+/// A cylinder, or a hollow one, that is drawn by 30 %: F = diag(a, b) with P_rr = 0, homogeneous around the axis, too.
+#[test]
+fn a_cylinder_of_every_law_is_drawn() {
+    let (mu, lambda, c2, stretch) = (3.0, 4.0, 0.4, 1.3f64);
+    let laws = [
+        SolidLaw::StVenantKirchhoff,
+        SolidLaw::Linear,
+        SolidLaw::NeoHookean,
+        SolidLaw::MooneyRivlin,
+        SolidLaw::IncompressibleNeoHookean,
+        SolidLaw::IncompressibleMooneyRivlin,
+    ];
+    for (law, inner) in laws.into_iter().flat_map(|law| [(law, 0.0), (law, 0.5)]) {
+        let stress = |a: f64| {
+            let diagonal = [a - 1.0, stretch - 1.0, a - 1.0];
+            let grad = Tensor(std::array::from_fn(|i| {
+                std::array::from_fn(|j| if i == j { diagonal[i] } else { 0.0 })
+            }));
+            law.material(mu, lambda, c2).stress::<3>(&grad)
+        };
+        let (a, end) = if law.is_incompressible() {
+            // σ_zz − σ_rr = 2 (λ² − λ⁻¹)(c₁ + c₂/λ), μ = 2 (c₁ + c₂).
+            let c2 = if law.is_mooney_rivlin() { c2 } else { 0.0 };
+            let sigma = 2.0 * (stretch.powi(2) - 1.0 / stretch) * (0.5 * mu - c2 + c2 / stretch);
+            (stretch.powf(-0.5), sigma)
+        } else {
+            let (mut low, mut high) = (0.5, 1.5);
+            for _ in 0..100 {
+                let middle = 0.5 * (low + high);
+                if stress(middle).0[0][0] < 0.0 { low = middle } else { high = middle }
+            }
+            let density = if law == SolidLaw::Linear { 1.0 } else { low * low };
+            (low, stress(low).0[1][1] / density)
+        };
+        let side = if inner == 0.0 { "symmetry" } else { "traction-free" };
+        let mut text = format!(
+            "[mesh]\ngenerator = \"box\"\nlower = [{inner}, 0]\nupper = [1, 2]\ncells = [2, 2]\nregion.solid = \"1\"\n\
+             coordinates = \"axisymmetric\"\n[solid]\ndensity = 1\nlaw = \"{}\"\nmu = {mu}\n[boundary.left]\n\
+             condition = \"{side}\"\n[boundary.right]\ncondition = \"traction-free\"\n[boundary.bottom]\n\
+             condition = \"symmetry\"\n[boundary.top]\ncondition = \"displacement\"\ndisplacement = [\"free\", {}]\n\
+             [newton]\ntolerance = 1e-12\n[functional.sigma]\nkind = \"stress\"\nregion = \"solid\"\ncomponent = \"yy\"\n\
+             take = \"mean\"\n[functional.volume]\nkind = \"volume\"\nregion = \"solid\"\n[functional.energy]\n\
+             kind = \"energy\"\nterm = \"elastic\"\n",
+            law.name(),
+            2.0 * (stretch - 1.0)
+        );
+        if !law.is_incompressible() {
+            text = text.replace("[boundary.left]", &format!("lambda = {lambda}\n[boundary.left]"));
+        }
+        if law.is_mooney_rivlin() {
+            text = text.replace("[boundary.left]", &format!("c2 = {c2}\n[boundary.left]"));
+        }
+        for more in [&[][..], &["space.velocity=Q3", "space.pressure=P2dc"]] {
+            let mut simulation = Simulation::new(case(&text, more), 1).unwrap();
+            let row = simulation.step().unwrap();
+            let u = simulation.fields().at([1.0, 1.3]).unwrap().displacement;
+            assert!((u[0] - (a - 1.0)).abs() < 1e-9, "{}: {u:?}, {a}", law.name());
+            assert!((u[1] - 1.3 * (stretch - 1.0)).abs() < 1e-9, "{}: {u:?}", law.name());
+            assert!((row["sigma"] / end - 1.0).abs() < 1e-8, "{}: {} for {end}", law.name(), row["sigma"]);
+            let volume = 2.0 * PI * (1.0 - inner * inner) * stretch * a * a;
+            assert!((row["volume"] / volume - 1.0).abs() < 1e-9, "{}: {}", law.name(), row["volume"]);
+        }
+    }
+}
+
+/// The quarter of a hollow sphere between the radii 1 and 2, turned around the axis.
+fn sphere(n: usize) -> Case {
+    let text = "[mesh]\ngenerator = \"box\"\nlower = [1, 0]\nupper = [2, 1]\n[solid]\ndensity = 1\nmu = 1\nlambda = 1\n";
+    let sides = ["left", "right", "bottom", "top"].map(|side| format!("boundary.{side}.condition=clamped"));
+    let cells = [format!("mesh.cells=[{n},{}]", 2 * n), "mesh.region.solid=1".into()];
+    let mut mesh =
+        Case::from_toml(text, "box.toml", &[&sides[..], &cells].concat()).unwrap().build_mesh().unwrap();
+    for x in &mut mesh.nodes {
+        *x = [x[0] * (0.5 * PI * x[1]).cos(), x[0] * (0.5 * PI * x[1]).sin()];
+    }
+    CaseBuilder::new("sphere")
+        .mesh(mesh)
+        .set("mesh.coordinates", "axisymmetric")
+        .set("solid.density", 1.0)
+        .set("solid.law", "linear")
+        .set("solid.mu", 3.0)
+        .set("solid.lambda", 4.0)
+        .set("boundary.left.condition", "pressure")
+        .set("boundary.left.pressure", 1e-6)
+        .set("boundary.right.condition", "traction-free")
+        .set("boundary.bottom.condition", "symmetry")
+        .set("boundary.top.condition", "symmetry")
+        .set("newton.tolerance", 1e-12)
+        .build()
+        .unwrap()
+}
+
+/// u = C R + D/R² with (3λ + 2μ) C = p a³/(b³ − a³) and 4 μ D = p a³ b³/(b³ − a³): all directions take part.
+#[test]
+fn a_hollow_sphere_is_that_of_lame() {
+    let (mu, lambda, p) = (3.0, 4.0, 1e-6);
+    let factor = p / 7.0;
+    let exact = factor / (3.0 * lambda + 2.0 * mu) + factor * 8.0 / (4.0 * mu);
+    let error = |n| {
+        let mut simulation = Simulation::new(sphere(n), 1).unwrap();
+        simulation.step().unwrap();
+        let at = |x: [f64; 2]| simulation.fields().at(x).unwrap().displacement;
+        let (pole, equator) = (at([0.0, 1.0]), at([1.0, 0.0]));
+        assert!(pole[0].abs() < 1e-18 && equator[1].abs() < 1e-18, "{pole:?} {equator:?}");
+        (pole[1] - exact).abs().max((equator[0] - exact).abs()) / exact
+    };
+    let errors = [error(2), error(4), error(8)];
+    assert!((errors[0] / errors[1]).log2() > 3.0 && (errors[1] / errors[2]).log2() > 3.3, "{errors:?}");
+    assert!(errors[2] < 3e-5, "{errors:?}");
+}
+
+/// A channel with an elastic wall, (left, right, bottom, top) = (plane of symmetry or axis, outside, ends).
+fn walled(radius: f64, around: bool, more: &[&str]) -> Case {
+    let text = format!(
+        r#"
+[mesh]
+generator = "box"
+lower = [{radius}, 0]
+upper = [{}, 3]
+cells = [3, 4]
+coordinates = "{}"
+region.solid = "x - {radius} - 0.8"
+[fluid]
+density = 2
+kinematic-viscosity = 0.1
+[solid]
+density = 3
+law = "neo-hookean"
+young = 200
+poisson = 0.3
+[boundary.left]
+condition = "symmetry"
+[boundary.right]
+condition = "traction-free"
+[boundary.bottom]
+condition = "pressure"
+pressure = "8*sin(3*t)"
+[boundary.top]
+condition = "do-nothing"
+[time]
+step = 0.05
+end = 0.25
+[newton]
+tolerance = 1e-11
+[functional.flow]
+kind = "flux"
+on = ["top"]
+[functional.push]
+kind = "force"
+on = ["interface"]
+component = "x"
+[functional.elastic]
+kind = "energy"
+term = "elastic"
+[functional.p]
+kind = "pressure"
+point = [{}, 1.3]
+[functional.u]
+kind = "displacement"
+point = [{}, 1.5]
+component = "x"
+"#,
+        radius + 1.2,
+        if around { "axisymmetric" } else { "cartesian" },
+        radius + 0.3,
+        radius + 0.8,
+    );
+    let ends = ["boundary.right.condition=traction-free"];
+    case(&text, &[&ends, more].concat())
+}
+
+/// 1e5 m from the axis the ring is a plane channel; integrals are 2π r times as large.
+#[test]
+fn far_from_the_axis_is_the_plane() {
+    let schemes = SCHEMES.iter().map(|scheme| vec![*scheme]);
+    let others: [&[&str]; 5] = [
+        &["motion.model=harmonic", "newton.linearization=newton"],
+        &[
+            "motion.model=jacobian-stiffened",
+            "boundary.top.condition=resistance",
+            "boundary.top.resistance=2",
+        ],
+        &[
+            "boundary.top.condition=windkessel",
+            "boundary.top.proximal=1",
+            "boundary.top.distal=3",
+            "boundary.top.capacitance=0.02",
+        ],
+        &["solid.law=incompressible-neo-hookean", "solid.young=none", "solid.poisson=none", "solid.mu=70"],
+        &["space.velocity=P2", "space.pressure=P1", "newton.linearization=fixed-point"],
+    ];
+    for more in schemes.chain(others.iter().map(|more| more.to_vec())) {
+        let radius = 1e5;
+        let plane = walled(0.0, false, &more);
+        // Resistances are those of the whole ring.
+        let mut ring = more.clone();
+        let circuit = [
+            "boundary.top.resistance",
+            "boundary.top.proximal",
+            "boundary.top.distal",
+            "boundary.top.capacitance",
+        ];
+        let scaled: Vec<String> = more
+            .iter()
+            .filter_map(|set| {
+                let (key, value) = set.split_once('=')?;
+                let value: f64 = value.parse().ok().filter(|_| circuit.contains(&key))?;
+                let length = 2.0 * PI * radius;
+                Some(format!(
+                    "{key}={}",
+                    if key.ends_with("capacitance") { value * length } else { value / length }
+                ))
+            })
+            .collect();
+        ring.extend(scaled.iter().map(String::as_str));
+        let run = |case| finish(&mut Simulation::new(case, 1).unwrap());
+        let (plane, ring) = (run(plane), run(walled(radius, true, &ring)));
+        for (name, whole) in [("flow", true), ("push", true), ("elastic", true), ("p", false), ("u", false)] {
+            let value = ring[name] / if whole { 2.0 * PI * radius } else { 1.0 };
+            let gap = (value / plane[name] - 1.0).abs();
+            assert!(gap < 1e-4, "{more:?}: {name} {value:e} for {:e}, {gap:e}", plane[name]);
+            assert!(plane[name].abs() > 1e-7, "{name}");
+        }
+    }
+}
+
+#[test]
+fn all_jacobians_agree_around_an_axis() {
+    let cases: [&[&str]; 5] = [
+        &[],
+        &["motion.model=harmonic", "boundary.top.condition=resistance", "boundary.top.resistance=2"],
+        &["motion.model=jacobian-stiffened", "motion.jacobian=implicit", "boundary.top.backflow=directional"],
+        &[
+            "space.velocity=P2",
+            "space.pressure=P1",
+            "boundary.right.condition=spring",
+            "boundary.right.stiffness=3",
+        ],
+        &["solid.law=incompressible-neo-hookean", "solid.young=none", "solid.poisson=none", "solid.mu=70"],
+    ];
+    for (more, radius) in cases.iter().flat_map(|more| [(more, 0.0), (more, 0.5)]) {
+        let cells = ["mesh.cells=[3,2]"];
+        let mut simulation = Simulation::new(walled(radius, true, &[more, &cells[..]].concat()), 1).unwrap();
+        let report = compare(&mut simulation, At::Random { seed: 3 }).unwrap();
+        assert!(report.agrees(), "{more:?}, radius {radius}\n{report}");
+    }
+}
+
+/// As much flows in as the volume grows by, on the moving ring as in the plane; threads change nothing.
+#[test]
+fn volume_and_flow_balance_around_an_axis() {
+    let mut ends = vec![];
+    for threads in [1, 2] {
+        let more = ["time.scheme=crank-nicolson", "time.step=0.01"];
+        let mut simulation = Simulation::new(walled(0.0, true, &more), threads).unwrap();
+        finish(&mut simulation);
+        let balance = simulation.balance.as_ref().unwrap();
+        let (mass, swept) = (balance.mass().unwrap(), balance.swept().unwrap());
+        assert!(mass < 1e-9 && swept < 1e-3, "{mass:e} {swept:e}");
+        ends.push(simulation.stepper.new.v.iter().map(|v| v.to_bits()).collect::<Vec<_>>());
+    }
+    assert_eq!(ends[0], ends[1]);
+}
+
+#[test]
+fn what_an_axis_cannot_have_is_refused() {
+    let refused = |more: &[&str]| {
+        let text = wrong(PIPE, more);
+        assert!(text.starts_with("own.toml") || text.starts_with("--set"), "{text}");
+        text
+    };
+    let said = refused(&["space.velocity=Q2", "space.pressure=Q2"]);
+    assert!(said.contains("stabilization.pressure") && said.contains("axisymmetric"), "{said}");
+    let rotor = ["mesh.coordinates=axisymmetric", "motion.model=pseudo-elastic"];
+    let said = wrong_builtin("rotor", &rotor);
+    assert!(said.contains("rotation.kind"), "{said}");
+    let of_mesh = |more: &[&str]| match Simulation::new(case(PIPE, more), 1) {
+        Ok(_) => panic!("{more:?}"),
+        Err(e) => e.to_string(),
+    };
+    let said = of_mesh(&["mesh.lower=[-1,0]"]);
+    assert!(said.contains("mesh") && said.contains("r = -1"), "{said}");
+    let said = of_mesh(&["boundary.left.condition=do-nothing"]);
+    assert!(said.contains("boundary.left.condition") && said.contains("symmetry"), "{said}");
+    let tube = builtin("tube-2d", &["motion.model=pseudo-elastic"]);
+    assert!(undula::modes::of_case(&tube, 2, 1).is_err_and(|e| e.to_string().contains("mesh.coordinates")));
+}

@@ -1,0 +1,378 @@
+//! A wave in a thick elastic tube, the exact solution of the linear problem (Womersley 1955, with a wall of finite
+//! thickness): all fields are Re f(r) e^{i(ωt − kz)}.
+//!
+//! With s² = k² + iω/ν the fluid has p = I₀(kr), v_z = k I₀(kr)/(ρω) + B I₀(sr), v_r = ik I₁(kr)/(ρω) + ikB I₁(sr)/s. The
+//! wall is elastic in small strain; its profile is a polynomial in r, found by collocation. Velocity and traction are
+//! continuous at the wall and its outside is free; all this holds together for one wave number k.
+
+use crate::common::{SCHEMES, sets};
+use faer::prelude::Solve;
+use faer::{Col, Mat, c64};
+use undula::case::Case;
+use undula::simulation::Simulation;
+
+/// Inner radius, thickness \[m\]; densities \[kg/m³\], μ of the fluid \[Pa s\], E \[Pa\], ν of the wall, ω \[1/s\].
+const RADIUS: f64 = 1.0;
+const WALL: f64 = 0.1;
+const RHO: f64 = 1000.0;
+const MU: f64 = 5.0;
+const YOUNG: f64 = 20e3;
+const POISSON: f64 = 0.3;
+const OMEGA: f64 = 0.02 * std::f64::consts::TAU;
+/// Of the pressure \[Pa\].
+const AMPLITUDE: f64 = 1e-6;
+/// Degree of the profile in the wall, and terms of the series in the fluid.
+const N: usize = 9;
+const TERMS: usize = 16;
+
+fn i() -> c64 {
+    c64::new(0.0, 1.0)
+}
+
+fn re(x: f64) -> c64 {
+    c64::new(x, 0.0)
+}
+
+/// μ and λ of the wall \[Pa\].
+fn lame() -> (c64, c64) {
+    let mu = YOUNG / (2.0 * (1.0 + POISSON));
+    (re(mu), re(2.0 * mu * POISSON / (1.0 - 2.0 * POISSON)))
+}
+
+/// ζ as an expression of x.
+fn zeta() -> String {
+    format!("((x - {RADIUS})*{} - 1)", 2.0 / WALL)
+}
+
+/// I₀ and I₁, by their series.
+fn bessel(x: c64) -> [c64; 2] {
+    let square = x * x * re(0.25);
+    let (mut term, mut sums) = (re(1.0), [re(0.0); 2]);
+    for n in 0..40 {
+        sums[0] += term;
+        sums[1] += term * re(1.0 / f64::from(n + 1));
+        term *= square * re(1.0 / f64::from((n + 1) * (n + 1)));
+    }
+    [sums[0], sums[1] * x * re(0.5)]
+}
+
+/// The wave of one wave number: complex profiles for p = 1 Pa.
+struct Wave {
+    k: c64,
+    s: c64,
+    b: c64,
+    /// Coefficients of u_r and u_z of the wall in ζⁿ, ζ = 2 (r − R)/h − 1.
+    wall: [Vec<c64>; 2],
+    /// What is left of the balance of σ_rr at the wall.
+    gap: c64,
+}
+
+impl Wave {
+    /// All conditions but one.
+    fn new(k: c64) -> Wave {
+        let s = (k * k + i() * re(OMEGA * RHO / MU)).sqrt();
+        let (mu, lambda) = lame();
+        let m = 2 * (N + 1) + 1;
+        let (mut a, mut right) = (Mat::<c64>::zeros(m, m), Col::<c64>::zeros(m));
+        let zeta = |r: f64| 2.0 * (r - RADIUS) / WALL - 1.0;
+        let ik = i() * k;
+        // ζⁿ and its derivatives with respect to r.
+        let powers = |r: f64, n: usize| {
+            let (x, n, slope) = (zeta(r), n as i32, 2.0 / WALL);
+            let power = |n: i32| if n < 0 { 0.0 } else { x.powi(n) };
+            let n_f = f64::from(n);
+            [power(n), n_f * power(n - 1) * slope, n_f * (n_f - 1.0) * power(n - 2) * slope * slope].map(re)
+        };
+        // σ_rr and σ_rz of u_r = ζⁿ, and of u_z = ζⁿ.
+        let stress = |r: f64, n: usize| {
+            let ([f, df, _], r) = (powers(r, n), re(1.0 / r));
+            let radial = [(lambda + mu + mu) * df + lambda * f * r, -mu * ik * f];
+            let axial = [-lambda * ik * f, mu * df];
+            [radial, axial]
+        };
+        let mut row = 0;
+        for point in 1..N {
+            let x = -(std::f64::consts::PI * point as f64 / N as f64).cos();
+            let r = RADIUS + 0.5 * WALL * (x + 1.0);
+            for n in 0..=N {
+                let ([f, df, ddf], p) = (powers(r, n), re(1.0 / r));
+                let inertia = re(RHO * OMEGA * OMEGA) * f;
+                let two = lambda + mu + mu;
+                // (λ + 2μ)(f'' + f'/r − f/r²) + μ (−k²) f, and of u_z.
+                a[(row, n)] = two * (ddf + df * p - f * p * p) - mu * k * k * f + inertia;
+                a[(row, N + 1 + n)] = -(lambda + mu) * ik * df;
+                a[(row + 1, n)] = -(lambda + mu) * ik * (df + f * p);
+                a[(row + 1, N + 1 + n)] = mu * (ddf + df * p) - two * k * k * f + inertia;
+            }
+            row += 2;
+        }
+        for n in 0..=N {
+            let [radial, axial] = stress(RADIUS + WALL, n);
+            for c in 0..2 {
+                a[(row + c, n)] = radial[c];
+                a[(row + c, N + 1 + n)] = axial[c];
+            }
+        }
+        row += 2;
+        let [of_k, of_s] = [k, s].map(|x| bessel(x * re(RADIUS)));
+        let density = re(1.0 / (RHO * OMEGA));
+        let v = [ik * of_k[1] * density, k * of_k[0] * density];
+        let of_b = [ik * of_s[1] / s, of_s[0]];
+        for n in 0..=N {
+            let [f, ..] = powers(RADIUS, n);
+            for c in 0..2 {
+                a[(row + c, c * (N + 1) + n)] = i() * re(OMEGA) * f;
+            }
+        }
+        for c in 0..2 {
+            a[(row + c, m - 1)] = -of_b[c];
+            right[row + c] = v[c];
+        }
+        row += 2;
+        // Derivatives of both along r.
+        let slope = |x: c64, [i_0, i_1]: [c64; 2]| i_0 - i_1 / (x * re(RADIUS));
+        let dv = [ik * k * slope(k, of_k) * density, k * k * of_k[1] * density];
+        let db = [ik * slope(s, of_s), s * of_s[1]];
+        for n in 0..=N {
+            let [radial, axial] = stress(RADIUS, n);
+            (a[(row, n)], a[(row, N + 1 + n)]) = (radial[1], axial[1]);
+        }
+        a[(row, m - 1)] = -re(MU) * (db[1] - ik * of_b[0]);
+        right[row] = re(MU) * (dv[1] - ik * v[0]);
+        assert_eq!(row + 1, m);
+        let x = a.partial_piv_lu().solve(&right);
+        let b = x[m - 1];
+        let mut gap = of_k[0] - re(2.0 * MU) * (dv[0] + b * db[0]);
+        for n in 0..=N {
+            let [radial, axial] = stress(RADIUS, n);
+            gap += radial[0] * x[n] + axial[0] * x[N + 1 + n];
+        }
+        let wall = [0, N + 1].map(|first| (0..=N).map(|n| x[first + n]).collect());
+        Wave { k, s, b, wall, gap }
+    }
+
+    /// The wave that travels along the tube: secants from the published wave length.
+    fn travelling() -> Wave {
+        let mut ends = [c64::new(0.1440, -0.0207), c64::new(0.1441, -0.0208)].map(Wave::new);
+        for _ in 0..30 {
+            let [old, new] = &ends;
+            if (new.k - old.k).norm() < 1e-15 {
+                break;
+            }
+            let k = new.k - new.gap * (new.k - old.k) / (new.gap - old.gap);
+            ends.swap(0, 1);
+            ends[1] = Wave::new(k);
+        }
+        let [_, found] = ends;
+        found
+    }
+
+    /// Coefficients of v_r/r and v_z of the fluid in r²ⁿ.
+    fn fluid(&self) -> [Vec<c64>; 2] {
+        let (density, mut terms) = (re(1.0 / (RHO * OMEGA)), [re(1.0); 2]);
+        let mut out = [vec![], vec![]];
+        for n in 0..TERMS {
+            let next = re(1.0 / (n + 1) as f64);
+            let ik = i() * self.k * re(0.5);
+            out[0].push(ik * next * (terms[0] * self.k * density + terms[1] * self.b));
+            out[1].push(terms[0] * self.k * density + terms[1] * self.b);
+            for (term, x) in terms.iter_mut().zip([self.k, self.s]) {
+                *term *= x * x * re(0.25) * next * next;
+            }
+        }
+        out
+    }
+
+    /// Re f e^{i(ωt − kz)} with f = Σ cₙ xⁿ as an expression, `x` being one, and `factor`.
+    fn expression(&self, coefficients: &[c64], x: &str, factor: &str) -> String {
+        let horner = |part: fn(&c64) -> f64| {
+            let mut terms = coefficients.iter().rev().map(|c| format!("({:e})", AMPLITUDE * part(c)));
+            let first = terms.next().unwrap();
+            terms.fold(first, |sum, term| format!("({sum}*{x} + {term})"))
+        };
+        let (k_re, k_im) = (self.k.re, self.k.im);
+        let phase = format!("({OMEGA:e}*t - {k_re:e}*y)");
+        format!(
+            "{factor}*exp({k_im:e}*y)*({}*cos{phase} - {}*sin{phase})",
+            horner(|c| c.re),
+            horner(|c| c.im)
+        )
+    }
+
+    /// ∫ v dt of the fluid and u of the wall, and v of both, as expressions.
+    fn expressions(&self) -> [[[String; 2]; 2]; 2] {
+        let [r, z] = self.fluid();
+        [i() * re(OMEGA), re(1.0)].map(|over| {
+            // The wall has u, the fluid v.
+            let of = |list: &[c64], by: c64| list.iter().map(|c| *c * by).collect::<Vec<c64>>();
+            let fluid = [(&r, "x"), (&z, "1")]
+                .map(|(list, factor)| self.expression(&of(list, re(1.0) / over), "x^2", factor));
+            let wall =
+                [0, 1].map(|c| self.expression(&of(&self.wall[c], i() * re(OMEGA) / over), &zeta(), "1"));
+            [fluid, wall]
+        })
+    }
+
+    /// σ_rz and σ_zz of the fluid and of the wall, as expressions.
+    fn stresses(&self) -> [[String; 2]; 2] {
+        let ([r, z], ik) = (self.fluid(), i() * self.k);
+        let mut p = vec![re(1.0)];
+        (1..TERMS).for_each(|n| p.push(p[n - 1] * self.k * self.k * re(0.25 / (n * n) as f64)));
+        let shear = |n: usize| {
+            let next = z.get(n + 1).map_or(re(0.0), |next| *next * re(2.0 * (n + 1) as f64));
+            re(MU) * (next - ik * r[n])
+        };
+        let shear: Vec<c64> = (0..TERMS).map(shear).collect();
+        let axial: Vec<c64> = (0..TERMS).map(|n| -p[n] - re(2.0 * MU) * ik * z[n]).collect();
+        let fluid = [self.expression(&shear, "x^2", "x"), self.expression(&axial, "x^2", "1")];
+        let (mu, lambda) = lame();
+        let slope =
+            |of: &[c64], n: usize| of.get(n + 1).map_or(re(0.0), |a| *a * re(2.0 / WALL * (n + 1) as f64));
+        let [r, z] = &self.wall;
+        let list = |f: &dyn Fn(usize) -> c64| (0..=N).map(f).collect::<Vec<c64>>();
+        let shear = list(&|n| mu * (slope(z, n) - ik * r[n]));
+        let axial = list(&|n| -(lambda + mu + mu) * ik * z[n] + lambda * slope(r, n));
+        let zeta = zeta();
+        let axial = [
+            self.expression(&axial, &zeta, "1"),
+            self.expression(&list(&|n| lambda * r[n]), &zeta, "(1/max(x, 0.5))"),
+        ];
+        [fluid, [self.expression(&shear, &zeta, "1"), axial.join(" + ")]]
+    }
+
+    /// v of the fluid or u of the wall at (r, z) and t.
+    fn at(&self, [r, z]: [f64; 2], t: f64) -> [f64; 2] {
+        let wave = (i() * (re(OMEGA * t) - self.k * re(z))).exp() * re(AMPLITUDE);
+        if r > RADIUS {
+            let zeta = re(2.0 * (r - RADIUS) / WALL - 1.0);
+            return [0, 1].map(|c| {
+                let sum = self.wall[c].iter().rev().fold(re(0.0), |sum, a| sum * zeta + *a);
+                (sum * wave).re
+            });
+        }
+        let square = re(r * r);
+        let [of_r, of_z] = self.fluid().map(|c| c.iter().rev().fold(re(0.0), |sum, a| sum * square + *a));
+        [(of_r * re(r) * wave).re, (of_z * wave).re]
+    }
+}
+
+/// The tube between z = 0 and `length` with the wave at its ends and at the start.
+fn tube(wave: &Wave, length: f64, cells: [usize; 2], more: &[&str]) -> Case {
+    let inside = format!("step({} - x)", RADIUS + 1e-9);
+    let both = |[fluid, wall]: [[String; 2]; 2]| {
+        [0, 1].map(|c: usize| format!("{inside}*{} + (1 - {inside})*({})", fluid[c], wall[c]))
+    };
+    let [u, v] = wave.expressions().map(both);
+    let traction = both(wave.stresses());
+    // The lower end moves with the flow, which changes nothing to first order; the upper one is drawn as the wave draws it.
+    let text = format!(
+        r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [{}, {length}]
+cells = {cells:?}
+coordinates = "axisymmetric"
+region.solid = "x - {RADIUS}"
+[fluid]
+density = {RHO}
+kinematic-viscosity = {}
+[solid]
+density = {RHO}
+law = "linear"
+young = {YOUNG}
+poisson = {POISSON}
+[boundary.left]
+condition = "symmetry"
+[boundary.right]
+condition = "traction-free"
+[boundary.bottom]
+condition = "displacement"
+displacement = {u:?}
+[boundary.top]
+condition = "traction"
+traction = {traction:?}
+[initial]
+velocity = {v:?}
+displacement = {u:?}
+[newton]
+tolerance = 1e-11
+floor = 0
+[time]
+scheme = "crank-nicolson"
+step = 0.5
+end = 5
+"#,
+        RADIUS + WALL,
+        MU / RHO,
+    );
+    Case::from_toml(&text, "wave.toml", &sets(more)).unwrap_or_else(|e| panic!("{e}"))
+}
+
+#[test]
+fn the_exact_wave_is_that_of_the_literature() {
+    let wave = Wave::travelling();
+    assert!(wave.gap.norm() < 1e-9, "{:?}", wave.gap);
+    assert!((OMEGA / wave.k.re - 0.8728).abs() < 5e-5, "{}", OMEGA / wave.k.re);
+    let length = std::f64::consts::TAU / wave.k.re;
+    assert!(
+        (length - 43.64).abs() < 5e-3 && ((wave.k.im * length).exp() - 0.405).abs() < 5e-4,
+        "{:?}",
+        wave.k
+    );
+    // |u_r| and |u_z| of the inner wall per Pa, solids4foam's tutorial: 0.53 and 0.73 mm.
+    let sizes = [0, 1].map(|c| wave.wall[c].iter().rev().fold(re(0.0), |sum, a| *a - sum).norm());
+    assert!((sizes[0] - 0.53e-3).abs() < 5e-6 && (sizes[1] - 0.73e-3).abs() < 5e-6, "{sizes:?}");
+}
+
+/// ‖v − v_exact‖/‖v_exact‖ of the fluid and the same of u of the wall, at the end.
+fn errors(wave: &Wave, case: Case) -> [f64; 2] {
+    let mut simulation = Simulation::new(case, 1).unwrap();
+    while !simulation.finished() {
+        simulation.step().unwrap();
+    }
+    let t = simulation.time();
+    let fields = simulation.fields();
+    [false, true].map(|solid| {
+        let norm = |part: &dyn Fn(&undula::PointFields) -> [f64; 2]| {
+            let square = |at: &undula::PointFields| {
+                let [r, z] = part(at);
+                if at.is_solid == solid { r * r + z * z } else { 0.0 }
+            };
+            fields.integrate(square).sqrt()
+        };
+        let exact = |at: &undula::PointFields| wave.at(at.x, t);
+        let gap = |at: &undula::PointFields| {
+            let (exact, found) = (exact(at), if solid { at.displacement } else { at.velocity });
+            [found[0] - exact[0], found[1] - exact[1]]
+        };
+        norm(&gap) / norm(&exact)
+    })
+}
+
+/// Of third order in the mesh with Q2 and P1dc; in time of the order of the scheme.
+#[test]
+fn the_wave_converges_in_space_and_time() {
+    let wave = Wave::travelling();
+    let run = |cells: [usize; 2], end: f64, steps: usize, more: &[&str]| {
+        let sets = [format!("time.end={end}"), format!("time.step={}", end / steps as f64)];
+        let sets: Vec<&str> = sets.iter().map(String::as_str).chain(more.iter().copied()).collect();
+        errors(&wave, tube(&wave, 3.0, cells, &sets))
+    };
+    let order = |[coarse, fine]: [f64; 2]| (coarse / fine).log2();
+    let (coarse, fine) = (run([11, 2], 5.0, 40, &[]), run([22, 4], 5.0, 80, &[]));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        assert!(order([coarse, fine]) > 2.9 && fine < 5e-5, "{coarse:e} {fine:e}");
+    }
+    let cubic = run([11, 3], 5.0, 120, &["space.velocity=Q3", "space.pressure=P2dc"]);
+    assert!(cubic.iter().all(|error| *error < 1e-5), "{cubic:?}");
+    // Half a period.
+    for (scheme, of_scheme) in [(SCHEMES[0], 1.0), (SCHEMES[1], 2.0), (SCHEMES[6], 2.0)] {
+        let cells = if of_scheme == 1.0 { [11, 2] } else { [22, 4] };
+        let errors = [10, 20].map(|steps| run(cells, 25.0, steps, &[scheme]));
+        for field in [0, 1] {
+            let errors = errors.map(|both| both[field]);
+            assert!((order(errors) - of_scheme).abs() < 0.15, "{scheme}: {errors:?}");
+        }
+    }
+}
