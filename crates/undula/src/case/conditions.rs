@@ -31,6 +31,8 @@ pub enum Condition {
     Slip,
     /// The same on a plane of symmetry.
     Symmetry,
+    /// v, u and a continuous pressure are those of another boundary, of which this one is a translation.
+    Periodic(String),
     /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
     Traction(Pair),
     /// ρν ∇v n − p n = −P n for the fluid, whose boundary moves as with `DoNothing`; σ n = −P n for the solid.
@@ -76,7 +78,7 @@ pub enum Condition {
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 14] = [
+pub static CONDITIONS: [Choice<Condition>; 15] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
@@ -93,6 +95,11 @@ pub static CONDITIONS: [Choice<Condition>; 14] = [
         "n·v = 0, n·u = 0, no traction along the boundary: a wall without friction",
     ),
     choice("symmetry", Condition::Symmetry, "the same as `slip`, on a plane of symmetry"),
+    choice(
+        "periodic",
+        Condition::Periodic(String::new()),
+        "one with another boundary, of which this one is a translation: the domain repeats",
+    ),
     choice("traction", Condition::Traction(EMPTY), "prescribed force per area of the reference boundary"),
     choice(
         "pressure",
@@ -124,7 +131,7 @@ pub static CONDITIONS: [Choice<Condition>; 14] = [
 ];
 
 /// Keys of their data.
-pub static DATA: [Key; 14] = [
+pub static DATA: [Key; 15] = [
     Key::data(
         "boundary.NAME.velocity",
         "m/s",
@@ -136,6 +143,12 @@ pub static DATA: [Key; 14] = [
         "m",
         "displacement: required",
         "two expressions of x, y, t at the reference position, or \"free\", as [\"0.1*sin(t)\", \"free\"]",
+    ),
+    Key::data(
+        "boundary.NAME.with",
+        "",
+        "periodic: required",
+        "the boundary that is one with this one; its own table may be left out",
     ),
     Key::data(
         "boundary.NAME.traction",
@@ -191,6 +204,8 @@ pub enum Datum<'a> {
     Components(&'a mut [Option<Expression>; 2]),
     /// One expression.
     Scalar(&'a mut Expression),
+    /// The name of a boundary.
+    Name(&'a mut String),
     /// A word.
     Word(&'static [Choice<bool>], &'a mut bool),
 }
@@ -202,7 +217,7 @@ impl<'a> Datum<'a> {
             Datum::Pair(pair) => pair.iter_mut().collect(),
             Datum::Components(pair) => pair.iter_mut().flatten().collect(),
             Datum::Scalar(one) => vec![one],
-            Datum::Word(..) => vec![],
+            Datum::Name(_) | Datum::Word(..) => vec![],
         }
     }
 }
@@ -239,6 +254,7 @@ impl Condition {
                 ("initial", Datum::Scalar(initial)),
             ],
             Condition::Flux(flow) => vec![("flow-rate", Datum::Scalar(flow))],
+            Condition::Periodic(with) => vec![("with", Datum::Name(with))],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
@@ -274,7 +290,8 @@ impl Condition {
             | Condition::TractionFree
             | Condition::Clamped
             | Condition::Slip
-            | Condition::Symmetry => vec![],
+            | Condition::Symmetry
+            | Condition::Periodic(_) => vec![],
         }
     }
 
@@ -304,7 +321,7 @@ impl Condition {
 
     /// Whether velocity and displacement are given, or some of their components.
     pub fn is_given(&self) -> bool {
-        !self.is_natural()
+        !self.is_natural() && !self.is_periodic()
     }
 
     /// Whether the traction is what is given: velocity and displacement are free there, and an outlet may be there.
@@ -312,6 +329,11 @@ impl Condition {
         use Condition::{DoNothing, Pressure, Spring, Traction, TractionFree};
         self.is_lumped()
             || matches!(self, DoNothing | TractionFree | Traction(_) | Pressure { .. } | Spring { .. })
+    }
+
+    /// Whether it makes one of two boundaries.
+    pub fn is_periodic(&self) -> bool {
+        matches!(self, Condition::Periodic(_))
     }
 
     /// Whether a spring may hold the solid.

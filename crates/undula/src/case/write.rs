@@ -336,6 +336,7 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
                 out.key(name, format!("[{}, {}]", text(&pair[0]), text(&pair[1])));
             }
             Datum::Scalar(one) => out.key(name, expression(one)),
+            Datum::Name(of_boundary) => out.key(name, string(of_boundary)),
             Datum::Word(choices, value) => out.word(name, name_of(choices, value)),
         }
     }

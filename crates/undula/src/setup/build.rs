@@ -73,6 +73,8 @@ impl Case {
         if self.fluids.len() > 1 || self.solids.len() > 1 {
             space = space.with_materials(material, &with_pressure);
         }
+        let seams = self.seams(&space.mesh)?;
+        space = space.joined(seams);
         space.walls = self.motion.walls;
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
@@ -87,6 +89,7 @@ impl Case {
         self.check_ends(&space).map_err(Error::Case)?;
         self.check_supports(&space)?;
         self.check_mirrors(&space)?;
+        self.check_drift(&space)?;
         Ok(space)
     }
 
@@ -208,6 +211,8 @@ impl Case {
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
             Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
+            // The domain goes on: the space knows it.
+            Some(Condition::Periodic(_)) => BoundaryCondition::Free,
             Some(condition) if condition.is_lumped() || has_correction(condition) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
@@ -305,7 +310,11 @@ impl Case {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
         let distance = FacetDistance::new(&space.mesh, &moving)?;
-        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance.distance(*x));
+        let shifts = space.shifts();
+        let value = move |x: &[f64; 2]| {
+            let to = |shift: &[f64; 2]| distance.distance([x[0] + shift[0], x[1] + shift[1]]);
+            model.stiffness_at(&numbers, shifts.iter().map(to).fold(f64::INFINITY, f64::min))
+        };
         Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
 

@@ -47,6 +47,7 @@ mod output_fields;
 mod output_vtu;
 mod own_problems;
 mod patch;
+mod periodic;
 mod pressure;
 mod references;
 mod reproducible;

@@ -24,7 +24,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "periodic"];
+        let later = ["sliding"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         let condition = read_data(&mut s, condition);
         s.require_choice("condition", &CONDITIONS);
@@ -33,15 +33,46 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         if against == Some(true) && outlet {
             directional.insert(name.clone());
         } else if against == Some(true) {
-            let note = format!(
-                "boundary.{name}.backflow has no effect: the velocity is given, so that the boundary is no outlet"
-            );
+            let why = match condition {
+                Some(Condition::Periodic(_)) => "the flow goes on behind it",
+                _ => "the velocity is given",
+            };
+            let note =
+                format!("boundary.{name}.backflow has no effect: {why}, so that the boundary is no outlet");
             s.checker.notes.borrow_mut().push(note);
         }
         s.finish();
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
     }
+    partners(&mut boundary, &mut all);
     (boundary, directional)
+}
+
+/// Two boundaries that are one name each other; one of the two tables may be left out.
+fn partners(boundary: &mut BTreeMap<String, Condition>, all: &mut Section<'_, '_>) {
+    for (name, condition) in boundary.clone() {
+        let Condition::Periodic(with) = condition else { continue };
+        let message = match boundary.get(&with) {
+            // Told before.
+            _ if with.is_empty() => continue,
+            _ if with == name || with == INTERFACE => {
+                "expected the name of another outer boundary, of which this one is a translation".to_string()
+            }
+            None => {
+                boundary.insert(with, Condition::Periodic(name));
+                continue;
+            }
+            Some(Condition::Periodic(back)) if *back == name || back.is_empty() => continue,
+            Some(Condition::Periodic(back)) => {
+                format!("`{with}` is one with `{back}`: expected two boundaries that name each other")
+            }
+            Some(other) => format!(
+                "`{with}` has condition = `{}`: expected `periodic` with `{name}`, or no table of its own",
+                other.name()
+            ),
+        };
+        all.section(&name).wrong("with", message);
+    }
 }
 
 /// The condition with its data. Data of other conditions have no effect.
@@ -97,6 +128,7 @@ fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
         Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
         Datum::Components(pair) => *pair = s.components(name).unwrap_or_default(),
         Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
+        Datum::Name(name_of) => *name_of = s.string(name).unwrap_or_default(),
         Datum::Word(choices, value) => *value = s.choice(name, choices, &[]).unwrap_or(*value),
     }
 }

@@ -163,7 +163,7 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>, number: &[u32], n_v: usize) -> 
 fn constants<const D: usize>(space: &FsiSpace<D>) -> Vec<Vec<f64>> {
     let continuous = matches!(space.pressure.kind, PressureKind::Continuous(_));
     let mut list: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-    for (cell, part) in space.mesh.components().into_iter().enumerate() {
+    for (cell, part) in space.mesh.components_by(&space.inner_facets()).into_iter().enumerate() {
         let dofs = space.pressure.cell(cell);
         let ones = if continuous { dofs } else { &dofs[..dofs.len().min(1)] };
         for &dof in ones {
