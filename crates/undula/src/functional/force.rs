@@ -24,8 +24,11 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     pub fn new(space: &'a FsiSpace<D>, conditions: &[BoundaryCondition<D>], n: usize) -> Self {
         let boundary = FluidBoundary::new(space);
         let outflow = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { .. });
-        let natural =
-            boundary.facets.iter().map(|f| f.at_seam || !f.at_solid && f.boundary.is_some_and(outflow)).collect();
+        let natural = boundary
+            .facets
+            .iter()
+            .map(|f| f.at_seam || !f.at_solid && f.boundary.is_some_and(outflow))
+            .collect();
         Surfaces { space, boundary, natural, quadrature: n }
     }
 

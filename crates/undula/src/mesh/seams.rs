@@ -42,12 +42,14 @@ impl<const D: usize> Mesh<D> {
             }
         }
         let [one, two] = facets.map(|facets| facets.iter().map(|f| self.place(f)).collect::<Vec<_>>());
-        let size = |place: &Place<D>| place.nodes.iter().map(|x| distance(*x, place.centre)).fold(0.0, f64::max);
+        let size =
+            |place: &Place<D>| place.nodes.iter().map(|x| distance(*x, place.centre)).fold(0.0, f64::max);
         let close = CLOSE * one.iter().chain(&two).map(size).fold(f64::INFINITY, f64::min);
         let ends = [&one, &two].map(|list| bounds(list.iter().flat_map(|place| place.nodes.iter().copied())));
         let shift = minus(ends[1].0, ends[0].0);
         if !(distance(plus(ends[0].1, shift), ends[1].1) <= close) {
-            let extent = ends.map(|(lower, upper)| format!("{} to {}", self.shown(&lower), self.shown(&upper)));
+            let extent =
+                ends.map(|(lower, upper)| format!("{} to {}", self.shown(&lower), self.shown(&upper)));
             return Err(format!(
                 "`{}` is no translation of `{}`: they extend over {} and {}; expected two boundaries of one shape and \
                  direction (rotations are not yet available)",
@@ -75,7 +77,8 @@ impl<const D: usize> Mesh<D> {
         let (mut seams, mut taken) = (vec![], HashSet::new());
         // Sorted along the longest side, those near a place stand together.
         let (lower, upper) = bounds(two.iter().map(|place| place.centre));
-        let along = (0..D).max_by(|&a, &b| (upper[a] - lower[a]).total_cmp(&(upper[b] - lower[b]))).unwrap_or(0);
+        let along =
+            (0..D).max_by(|&a, &b| (upper[a] - lower[a]).total_cmp(&(upper[b] - lower[b]))).unwrap_or(0);
         let mut order: Vec<&Place<D>> = two.iter().collect();
         order.sort_by(|a, b| a.centre[along].total_cmp(&b.centre[along]));
         for place in one {

@@ -53,7 +53,9 @@ impl Bodies<'_> {
         for name in &self.part(number).boundaries {
             let Some(Condition::Periodic(with)) = self.case.boundary.get(name) else { continue };
             let beyond = |&other: &usize| {
-                other != number && self.body(other) == self.body(number) && self.part(other).boundaries.contains(with)
+                other != number
+                    && self.body(other) == self.body(number)
+                    && self.part(other).boundaries.contains(with)
             };
             touched.extend((0..self.names.components.len()).filter(beyond));
         }

@@ -29,7 +29,8 @@ impl Case {
             let key = self.partner_key(name, with);
             let found = mesh.seams([name, with]).map_err(|message| self.refuse(&key, message))?;
             for Seam { sides, .. } in &found {
-                let body = |cell: u32| self.body_in(&mesh.regions[usize::from(mesh.cell_region[cell as usize])]);
+                let body =
+                    |cell: u32| self.body_in(&mesh.regions[usize::from(mesh.cell_region[cell as usize])]);
                 let [one, two] = sides.map(|side| body(side.cell));
                 if one != two {
                     let nodes = mesh.facet_nodes(sides[0].cell as usize, sides[0].local as usize);
@@ -73,7 +74,13 @@ impl Case {
             places.dedup();
             for (key, data) in condition.expressions() {
                 let times = self.times(&data, true);
-                errors.extend(self.differing(space, &format!("boundary.{name}.{key}"), &data, &places, &times));
+                errors.extend(self.differing(
+                    space,
+                    &format!("boundary.{name}.{key}"),
+                    &data,
+                    &places,
+                    &times,
+                ));
             }
         }
         let start = self.time.as_ref().map_or(self.at_time, |time| time.start);
@@ -107,7 +114,8 @@ impl Case {
                 at(*one).iter().zip(at(*two)).any(|(a, b)| (a - b).abs() > EQUAL * size)
             })?;
             let shown = |place: usize| {
-                let value = at(place).iter().map(|x| shortest(rounded(*x, size, 4))).collect::<Vec<_>>().join(", ");
+                let value =
+                    at(place).iter().map(|x| shortest(rounded(*x, size, 4))).collect::<Vec<_>>().join(", ");
                 format!("({value}) at {}", space.mesh.shown(&points[place]))
             };
             let message = format!(
@@ -126,7 +134,8 @@ impl Case {
         }
         let constraints = Constraints::new(space, &self.conditions(&space.mesh));
         let component = space.components_by(&space.inner_facets());
-        let mut parts: Vec<u32> = space.seams.iter().map(|seam| component[seam.sides[0].cell as usize]).collect();
+        let mut parts: Vec<u32> =
+            space.seams.iter().map(|seam| component[seam.sides[0].cell as usize]).collect();
         parts.sort_unstable();
         parts.dedup();
         for part in parts {
@@ -141,7 +150,8 @@ impl Case {
                 continue;
             }
             let mut squares = [[0.0; 2]; 2];
-            let mut held = |n: [f64; 2]| (0..2).for_each(|i| (0..2).for_each(|j| squares[i][j] += n[i] * n[j]));
+            let mut held =
+                |n: [f64; 2]| (0..2).for_each(|i| (0..2).for_each(|j| squares[i][j] += n[i] * n[j]));
             for &node in &nodes {
                 let given = constraints.v[node];
                 (0..2).filter(|&i| given[i]).for_each(|i| held(std::array::from_fn(|j| f64::from(i == j))));

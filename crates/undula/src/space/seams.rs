@@ -33,7 +33,9 @@ impl<const D: usize> FsiSpace<D> {
         };
         let of = classes(self.nodes.len(), &pairs(self.nodes.degree, &|c| self.nodes.cell(c).to_vec()));
         let pressures = match self.pressure.kind {
-            PressureKind::Continuous(k) => classes(self.pressure.n, &pairs(k, &|c| self.pressure.cell(c).to_vec())),
+            PressureKind::Continuous(k) => {
+                classes(self.pressure.n, &pairs(k, &|c| self.pressure.cell(c).to_vec()))
+            }
             PressureKind::Pdc(_) => (0..self.pressure.n as u32).collect(),
         };
         let mut nodes = self.nodes.clone();
