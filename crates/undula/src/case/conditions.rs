@@ -3,6 +3,7 @@
 use super::choices::{PRESSURE_AT, SPRING_DIRECTIONS};
 use super::expression::Expression;
 use super::key::Key;
+use super::profile::Profile;
 use crate::choice::{Choice, choice, row_of};
 
 /// Two components, expressions of x, y, t.
@@ -73,8 +74,17 @@ pub enum Condition {
         /// P_c at the start \[Pa\].
         initial: Expression,
     },
-    /// The pressure of an outlet is that with which the given flow leaves.
-    Flux(Expression),
+    /// A given flow leaves: with the pressure that it needs, or with a profile of the velocity.
+    Flux {
+        /// Q \[m²/s\].
+        flow: Expression,
+        /// The velocity on the boundary.
+        profile: Profile,
+        /// a_n and b_n \[m²/s\] of Q of [`Profile::Womersley`].
+        fourier: Vec<[f64; 2]>,
+        /// Its period \[s\].
+        period: f64,
+    },
 }
 
 /// Their names in a case.
@@ -127,7 +137,11 @@ pub static CONDITIONS: [Choice<Condition>; 15] = [
         },
         "outlet with an RCR circuit: p = R_p Q + P_c, C dP_c/dt = Q − (P_c − P)/R_d",
     ),
-    choice("flux", Condition::Flux(ZERO), "inlet or outlet with a given flow and one pressure on all of it"),
+    choice(
+        "flux",
+        Condition::Flux { flow: ZERO, profile: Profile::Free, fourier: vec![], period: 0.0 },
+        "inlet or outlet with a given flow, and one pressure on all of it or a profile of the velocity",
+    ),
 ];
 
 /// Keys of their data.
@@ -185,7 +199,7 @@ pub static DATA: [Key; 15] = [
         "boundary.NAME.flow-rate",
         "m²/s",
         "flux: required",
-        "flow out of the fluid, negative into it; expression of t",
+        "flow out of the fluid, negative into it; expression of t; of a profile `womersley` in `fourier`",
     ),
     Key {
         key: "boundary.NAME.at",
@@ -206,6 +220,12 @@ pub enum Datum<'a> {
     Scalar(&'a mut Expression),
     /// The name of a boundary.
     Name(&'a mut String),
+    /// A number above 0.
+    Number(&'a mut f64),
+    /// Pairs of numbers.
+    Series(&'a mut Vec<[f64; 2]>),
+    /// A profile.
+    Profile(&'a mut Profile),
     /// A word.
     Word(&'static [Choice<bool>], &'a mut bool),
 }
@@ -217,7 +237,7 @@ impl<'a> Datum<'a> {
             Datum::Pair(pair) => pair.iter_mut().collect(),
             Datum::Components(pair) => pair.iter_mut().flatten().collect(),
             Datum::Scalar(one) => vec![one],
-            Datum::Name(_) | Datum::Word(..) => vec![],
+            _ => vec![],
         }
     }
 }
@@ -253,7 +273,12 @@ impl Condition {
                 ("pressure", Datum::Scalar(pressure)),
                 ("initial", Datum::Scalar(initial)),
             ],
-            Condition::Flux(flow) => vec![("flow-rate", Datum::Scalar(flow))],
+            Condition::Flux { flow, profile, fourier, period } => vec![
+                ("flow-rate", Datum::Scalar(flow)),
+                ("profile", Datum::Profile(profile)),
+                ("fourier", Datum::Series(fourier)),
+                ("period", Datum::Number(period)),
+            ],
             Condition::Periodic(with) => vec![("with", Datum::Name(with))],
             Condition::NoSlip
             | Condition::DoNothing
@@ -284,7 +309,8 @@ impl Condition {
                 ("pressure", vec![pressure]),
                 ("initial", vec![initial]),
             ],
-            Condition::Flux(flow) => vec![("flow-rate", vec![flow])],
+            Condition::Flux { flow, .. } if self.has_effect("flow-rate") => vec![("flow-rate", vec![flow])],
+            Condition::Flux { .. } => vec![],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
@@ -312,7 +338,7 @@ impl Condition {
             | Condition::DoNothing
             | Condition::Resistance { .. }
             | Condition::Windkessel { .. }
-            | Condition::Flux(_) => fluid,
+            | Condition::Flux { .. } => fluid,
             Condition::Clamped => solid,
             Condition::Spring { .. } => solid && !fluid,
             _ => true,
@@ -343,11 +369,27 @@ impl Condition {
 
     /// Whether it determines the pressure: a given flow alone leaves it open by a constant.
     pub fn gives_pressure(&self) -> bool {
-        self.is_natural() && !matches!(self, Condition::Flux(_))
+        self.is_natural() && !matches!(self, Condition::Flux { .. })
     }
 
     /// Whether one pressure acts on all of an outlet, which depends on the flow.
     pub fn is_lumped(&self) -> bool {
-        matches!(self, Condition::Resistance { .. } | Condition::Windkessel { .. } | Condition::Flux(_))
+        use Condition::{Flux, Resistance, Windkessel};
+        matches!(self, Resistance { .. } | Windkessel { .. } | Flux { profile: Profile::Free, .. })
+    }
+
+    /// Whether it is a given flow whose velocity is given, too.
+    pub fn has_profile(&self) -> bool {
+        matches!(self, Condition::Flux { .. }) && !self.is_lumped()
+    }
+
+    /// Whether a datum of it has an effect: that of another profile has none.
+    pub(super) fn has_effect(&self, name: &str) -> bool {
+        let Condition::Flux { profile, .. } = self else { return true };
+        match name {
+            "flow-rate" => *profile != Profile::Womersley,
+            "fourier" | "period" => *profile == Profile::Womersley,
+            _ => true,
+        }
     }
 }

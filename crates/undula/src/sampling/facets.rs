@@ -2,9 +2,9 @@
 
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, Mesh};
 use crate::physics::Fields;
-use crate::space::{FsiSpace, State};
+use crate::space::{FsiSpace, Nodes, State};
 
 /// One quadrature point on a facet.
 #[derive(Clone, Debug)]
@@ -35,9 +35,18 @@ pub fn facet_points_of<const D: usize>(
     facet: &Facet,
     rule: &Quadrature,
 ) -> Vec<FacetPoint<D>> {
-    let mesh = &space.mesh;
+    facet_points_on(&space.mesh, &space.nodes, facet, rule)
+}
+
+/// The same for the basis of `nodes` on `mesh`.
+pub fn facet_points_on<const D: usize>(
+    mesh: &Mesh<D>,
+    nodes: &Nodes<D>,
+    facet: &Facet,
+    rule: &Quadrature,
+) -> Vec<FacetPoint<D>> {
     let (cell, local) = (facet.cell as usize, facet.local as usize);
-    let table = space.nodes.table(mesh.shape, rule);
+    let table = nodes.table(mesh.shape, rule);
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);

@@ -90,7 +90,9 @@ impl Bodies<'_> {
 
     /// A boundary of the part whose flow is given.
     fn given_flow(&self, number: usize) -> Option<&String> {
-        let given = |name: &&String| matches!(self.case.boundary.get(*name), Some(Condition::Flux(_)));
+        let given = |name: &&String| {
+            self.case.boundary.get(*name).is_some_and(|c| c.is_lumped() && !c.gives_pressure())
+        };
         self.part(number).boundaries.iter().find(given)
     }
 

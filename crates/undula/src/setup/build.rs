@@ -18,7 +18,8 @@ use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::Projection;
 use crate::space::{
-    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
+    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, VelocityData, Walls,
+    enclosed,
 };
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
@@ -90,6 +91,7 @@ impl Case {
         self.check_supports(&space)?;
         self.check_mirrors(&space)?;
         self.check_drift(&space)?;
+        self.check_profiles(&space)?;
         Ok(space)
     }
 
@@ -211,6 +213,11 @@ impl Case {
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
             Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
+            Some(flux) if flux.has_profile() => {
+                let still: VelocityData<2> = Arc::new(|_, _| [0.0; 2]);
+                // A profile that cannot be is refused with the space.
+                BoundaryCondition::Velocity(self.profile(mesh, name).unwrap_or(still))
+            }
             // The domain goes on: the space knows it.
             Some(Condition::Periodic(_)) => BoundaryCondition::Free,
             Some(condition) if condition.is_lumped() || has_correction(condition) => {
@@ -309,12 +316,8 @@ impl Case {
         if !model.is_stiffened(&numbers) || !space.deforms || moving.is_empty() {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
-        let distance = FacetDistance::new(&space.mesh, &moving)?;
-        let shifts = space.shifts();
-        let value = move |x: &[f64; 2]| {
-            let to = |shift: &[f64; 2]| distance.distance([x[0] + shift[0], x[1] + shift[1]]);
-            model.stiffness_at(&numbers, shifts.iter().map(to).fold(f64::INFINITY, f64::min))
-        };
+        let distance = super::periodic::nearest(space, FacetDistance::new(&space.mesh, &moving)?);
+        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance(x));
         Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
 

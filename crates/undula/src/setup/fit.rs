@@ -71,7 +71,7 @@ impl Fit<'_> {
         (has(self.case.fluid_regions()), has(self.case.solid_regions()))
     }
 
-    fn boundaries(&mut self) {
+    fn absent_boundaries(&mut self) {
         for name in self.case.boundary.keys() {
             if !self.names.boundaries.iter().any(|(n, _)| n == name) {
                 let message = self.absent_boundary(name);
@@ -85,6 +85,10 @@ impl Fit<'_> {
                 self.error(&key, message);
             }
         }
+    }
+
+    fn boundaries(&mut self) {
+        self.absent_boundaries();
         for (name, regions) in &self.names.boundaries {
             let (fluid, solid) = self.touches(regions);
             if name == INTERFACE || !(fluid || solid) {

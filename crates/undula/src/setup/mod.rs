@@ -21,5 +21,6 @@ pub mod names;
 mod outlets;
 pub mod overview;
 mod periodic;
+pub mod profile;
 mod regions;
 mod supports;

@@ -6,11 +6,20 @@ use crate::case::expression::Expression;
 use crate::case::{Case, Condition, Initial};
 use crate::error::Error;
 use crate::math::{rounded, shortest};
-use crate::mesh::{Mesh, Seam};
+use crate::mesh::{FacetDistance, Mesh, Seam};
 use crate::space::{Constraints, FsiSpace, Region};
 
 /// Data at two places of one node may differ by this part of their largest value.
 const EQUAL: f64 = 1e-9;
+
+/// The distance \[m\] from a place to the nearest of the facets, those beyond seams among them.
+pub(super) fn nearest(space: &FsiSpace<2>, facets: FacetDistance<2>) -> impl Fn(&[f64; 2]) -> f64 + use<> {
+    let shifts = space.shifts();
+    move |x| {
+        let to = |shift: &[f64; 2]| facets.distance([x[0] + shift[0], x[1] + shift[1]]);
+        shifts.iter().map(to).fold(f64::INFINITY, f64::min)
+    }
+}
 
 impl Case {
     /// The facets of `mesh` that are one, those of each pair of boundaries once.

@@ -49,6 +49,7 @@ mod own_problems;
 mod patch;
 mod periodic;
 mod pressure;
+mod profiles;
 mod references;
 mod reproducible;
 mod resume;
