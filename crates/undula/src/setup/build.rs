@@ -18,8 +18,7 @@ use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::Projection;
 use crate::space::{
-    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, VelocityData, Walls,
-    enclosed,
+    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
@@ -213,11 +212,7 @@ impl Case {
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
             Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
-            Some(flux) if flux.has_profile() => {
-                let still: VelocityData<2> = Arc::new(|_, _| [0.0; 2]);
-                // A profile that cannot be is refused with the space.
-                BoundaryCondition::Velocity(self.profile(mesh, name).unwrap_or(still))
-            }
+            Some(flux) if flux.has_profile() => BoundaryCondition::Velocity(self.profile_or_rest(mesh, name)),
             // The domain goes on: the space knows it.
             Some(Condition::Periodic(_)) => BoundaryCondition::Free,
             Some(condition) if condition.is_lumped() || has_correction(condition) => {

@@ -238,7 +238,7 @@ impl Case {
     ///
     /// # Errors
     /// If its profile cannot be computed.
-    pub(super) fn profile(&self, mesh: &Mesh<2>, name: &str) -> Result<VelocityData<2>, SolverError> {
+    fn profile(&self, mesh: &Mesh<2>, name: &str) -> Result<VelocityData<2>, SolverError> {
         let Some(Condition::Flux { flow, profile, fourier, period }) = self.boundary.get(name) else {
             return Ok(Arc::new(|_, _| [0.0; 2]));
         };
@@ -270,6 +270,11 @@ impl Case {
             }
             sum
         }))
+    }
+
+    /// The same; at rest where it cannot be computed, which [`Case::check_profiles`] refuses.
+    pub(super) fn profile_or_rest(&self, mesh: &Mesh<2>, name: &str) -> VelocityData<2> {
+        self.profile(mesh, name).unwrap_or_else(|_| Arc::new(|_, _| [0.0; 2]))
     }
 
     /// Refuses profiles that do not exist.
