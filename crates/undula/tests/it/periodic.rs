@@ -657,3 +657,146 @@ fn walls_slide_beside_seams() {
     }
     assert!(moved > 1e-5, "{moved}");
 }
+
+/// An elastic block in a flow without walls, in the middle or across all four corners.
+fn block(corner: bool, more: &[&str]) -> Case {
+    let s = if corner { 0.5 } else { 0.0 };
+    let text = format!(
+        r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [1, 1]
+cells = [8, 8]
+region = {{ solid = "0.25 - max(abs(x + {s} - floor(x + {s}) - 0.5), abs(y + {s} - floor(y + {s}) - 0.5))" }}
+[fluid]
+density = 1
+kinematic-viscosity = 0.1
+body-force = ["4*sin(2*pi*(y + {s})) + 1", "3*cos(2*pi*(x + {s} - 0.1))"]
+[solid]
+density = 2
+mu = 2
+lambda = 4
+[boundary.left]
+condition = "periodic"
+with = "right"
+[boundary.top]
+condition = "periodic"
+with = "bottom"
+[motion]
+offset = 0.1
+[time]
+step = 0.05
+end = 0.2
+[newton]
+tolerance = 1e-12
+[linear]
+precision = "double"
+"#
+    );
+    Case::from_toml(&text, "block.toml", &sets(more)).unwrap()
+}
+
+/// A body does not know where the seams are, be it cut by them or not.
+#[test]
+fn a_body_across_the_seams_is_one() {
+    let settings: [&[&str]; 4] = [
+        &["mesh.cells=[4,4]"],
+        &["mesh.cells=[4,4]", "motion.model=biharmonic", "newton.linearization=newton", "time.scheme=bdf2"],
+        &["mesh.cells=[4,4]", "motion.model=jacobian-stiffened", "space.velocity=Q3", "space.pressure=Q2"],
+        &["space.velocity=Q1", "space.pressure=Q1", "motion.model=stiffened-harmonic"],
+    ];
+    for more in settings {
+        let [middle, corner] = [false, true].map(|corner| run(block(corner, more)));
+        let (one, two) = (middle.fields(), corner.fields());
+        let (mut worst, mut size) = (0.0f64, [f64::MAX, 0.0f64]);
+        for i in 0..64 {
+            let x = [f64::from(i % 8), f64::from(i / 8)].map(|x| (x + 0.37) / 8.0);
+            let (a, b) = (one.at(x).unwrap(), two.at(x.map(|x| (x + 0.5).fract())).unwrap());
+            assert_eq!(a.is_solid, b.is_solid);
+            size = [size[0].min(a.displacement[0]), size[1].max(a.displacement[0])];
+            worst = worst.max((a.pressure - b.pressure).abs());
+            for i in 0..2 {
+                worst = worst.max((a.velocity[i] - b.velocity[i]).abs());
+                worst = worst.max((a.displacement[i] - b.displacement[i]).abs());
+            }
+        }
+        assert!(size[1] > 5e-3 && size[1] - size[0] > 1e-3, "{more:?}: {size:?}");
+        assert!(worst < 1e-9, "{more:?}: {worst:e}");
+    }
+}
+
+/// Walls that move, with a wave that repeats; a wave that does not is refused.
+#[test]
+fn moving_walls_repeat() {
+    let case = |periods: usize, wave: f64| {
+        let text = format!(
+            "[mesh]\ngenerator = \"box\"\nlower = [0,0]\nupper = [{periods},1]\ncells = [{},3]\n[fluid]\ndensity = 1\n\
+             kinematic-viscosity = 0.1\n[boundary.left]\ncondition = \"periodic\"\nwith = \"right\"\n\
+             [boundary.bottom]\ncondition = \"no-slip\"\n[boundary.top]\ncondition = \"displacement\"\n\
+             displacement = [0, \"0.1*sin(2*pi*({wave}*x - t)) - 0.1*sin(2*pi*{wave}*x)\"]\n[motion]\noffset = 0.1\n\
+             [time]\nstep = 0.05\nend = 0.3\n[newton]\ntolerance = 1e-12\n[linear]\nprecision = \"double\"\n",
+            4 * periods
+        );
+        Case::from_toml(&text, "wave.toml", &[]).unwrap()
+    };
+    let [one, two] = [1, 2].map(|periods| run(case(periods, 1.0)));
+    let (short, long) = (one.fields(), two.fields());
+    let mut size = 0.0f64;
+    for i in 0..40 {
+        let x = [f64::from(i % 8) / 4.0 + 0.01, (f64::from(i / 8) + 0.3) / 6.0];
+        let (a, b) = (short.at([x[0].fract(), x[1]]).unwrap(), long.at(x).unwrap());
+        let gap = |i: usize| {
+            (a.velocity[i] - b.velocity[i]).abs().max((a.displacement[i] - b.displacement[i]).abs())
+        };
+        assert!(gap(0).max(gap(1)) < 1e-9, "{:e} at {x:?}", gap(0).max(gap(1)));
+        size = size.max(a.velocity[0].abs());
+    }
+    assert!(size > 0.05, "{size}");
+    let message = Simulation::new(case(1, 0.8), 1).err().map_or(String::new(), |e| e.to_string());
+    assert!(
+        message.contains("boundary.top.displacement") && message.contains("expected data that repeat"),
+        "{message}"
+    );
+}
+
+/// Ends that are not straight: Poiseuille's flow on triangles whose seam is bent.
+#[test]
+fn seams_may_be_bent() {
+    let mut case =
+        on_triangles(channel([4, 3], &["space.velocity=P2", "space.pressure=P1"]), [4, 3], [2.0, 1.0], false);
+    let MeshSource::Own(OwnMesh(mesh)) = &case.mesh.source else { panic!() };
+    let mut mesh = undula::Mesh::clone(mesh);
+    mesh.nodes.iter_mut().for_each(|x| x[0] += 0.8 * x[1] * (1.0 - x[1]) + 0.2 * x[1]);
+    case.mesh.source = MeshSource::Own(OwnMesh(mesh.into()));
+    case.functional.retain(|(name, _)| name != "p");
+    case.mesh.refine = 1;
+    let mut simulation = Simulation::new(case, 1).unwrap();
+    let row = simulation.step().unwrap();
+    for (x, v) in simulation.fields().coordinates().iter().zip(simulation.fields().velocity()) {
+        let gap = (v[0] - 4.0 * x[1] * (1.0 - x[1])).abs().max(v[1].abs());
+        assert!(gap < 1e-10, "{v:?} at {x:?}");
+    }
+    assert!((row["out"] - 2.0 / 3.0).abs() < 1e-10 && (row["drag"] - 1.6).abs() < 1e-9);
+}
+
+/// A run starts from another one on another mesh, and in equilibrium.
+#[test]
+fn runs_start_from_others() {
+    let directory = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("periodic-former");
+    let _ = std::fs::remove_dir_all(&directory);
+    let options =
+        RunOptions { directory: directory.clone(), threads: 1, force: true, resume: false, commit: None };
+    let pair = ["space.velocity=Q4", "space.pressure=Q3"];
+    run_in(torus([6, 6], VORTICES, &pair), &options, &mut Stop(0)).unwrap();
+    let from = format!("initial.from={}", directory.display());
+    for pressure in ["space.pressure=Q1", "space.pressure=P1dc"] {
+        let more = ["initial.velocity=none", &from, "time.end=0.05", pressure];
+        let error = errors(&Simulation::new(torus([16, 16], VORTICES, &more), 1).unwrap(), 0.025);
+        assert!(error[0] < 2e-3 && error[1] < 1.5e-2, "{pressure}: {error:?}");
+    }
+    let force = ["time.step=0.1", "time.end=0.2", "initial.static=true"];
+    let steady = run(channel([2, 2], &force));
+    let v = steady.fields().at([1.3, 0.5]).unwrap().velocity;
+    assert!((v[0] - 1.0).abs() < 1e-9, "{v:?}");
+}

@@ -265,3 +265,29 @@ fn wrong_profiles_are_refused() {
     let message = Simulation::new(case, 1).err().map_or(String::new(), |e| e.to_string());
     assert!(message.contains("boundary.left.profile") && message.contains("constant viscosity"), "{message}");
 }
+
+/// Elastic walls that begin at an inlet with a profile: they are held there, and the flow is the given one at all times.
+#[test]
+fn elastic_walls_begin_at_a_profile() {
+    for more in [&[][..], &["newton.linearization=newton", "time.scheme=bdf2"], &["motion.model=biharmonic"]]
+    {
+        let text = "[mesh]\ngenerator = \"box\"\nlower = [0,0]\nupper = [2,1.5]\ncells = [4,6]\n\
+                    region = { solid = \"abs(y - 0.75) - 0.5\" }\n[fluid]\ndensity = 1\nkinematic-viscosity = 0.1\n\
+                    [solid]\ndensity = 2\nmu = 8\nlambda = 16\n[boundary.left]\ncondition = \"do-nothing\"\n\
+                    [boundary.right]\ncondition = \"flux\"\nprofile = \"womersley\"\nperiod = 0.8\n\
+                    fourier = [[-0.5, 0], [0.5, 0]]\n[boundary.top]\ncondition = \"traction-free\"\n\
+                    [boundary.bottom]\ncondition = \"traction-free\"\n[time]\nstep = 0.05\nend = 0.4\n\
+                    [functional.in]\nkind = \"flux\"\non = [\"right\"]\n[newton]\ntolerance = 1e-10\n";
+        let case = Case::from_toml(text, "walls.toml", &sets(more)).unwrap();
+        let mut simulation = Simulation::new(case, 1).unwrap();
+        while !simulation.finished() {
+            let row = simulation.step().unwrap();
+            let flow = -0.5 + 0.5 * (TAU * row.time / 0.8).cos();
+            assert!((row["in"] - flow).abs() < 1e-10, "{more:?}: {} for {flow}", row["in"]);
+        }
+        let fields = simulation.fields();
+        let u = |x: [f64; 2]| fields.at(x).unwrap().displacement;
+        assert!(u([2.0, 0.1]) == [0.0; 2] && u([2.0, 0.8]) == [0.0; 2]);
+        assert!(u([1.0, 1.25])[1] > 1e-4, "{more:?}: {:?}", u([1.0, 1.25]));
+    }
+}
