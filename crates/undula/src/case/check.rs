@@ -14,7 +14,9 @@ mod solver;
 mod stabilization;
 
 use super::builtin::{builtin_case, builtin_cases};
+use super::conditions::Condition;
 use super::error::{CaseErrors, suggestion};
+use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
 use super::schema::{Case, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
@@ -186,6 +188,9 @@ fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
     let message =
         "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
     for (name, condition) in &case.boundary {
+        if matches!(condition, Condition::Flux { profile: Profile::Womersley, .. }) {
+            root.section("boundary").section(name).wrong("profile", message);
+        }
         for (key, data) in condition.expressions() {
             if data.iter().any(super::expression::Expression::depends_on_time) {
                 root.section("boundary").section(name).wrong(key, message);

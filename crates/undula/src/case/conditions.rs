@@ -3,6 +3,7 @@
 use super::choices::{PRESSURE_AT, SPRING_DIRECTIONS};
 use super::expression::Expression;
 use super::key::Key;
+use super::profile::Profile;
 use crate::choice::{Choice, choice, row_of};
 
 /// Two components, expressions of x, y, t.
@@ -31,6 +32,8 @@ pub enum Condition {
     Slip,
     /// The same on a plane of symmetry.
     Symmetry,
+    /// v, u and a continuous pressure are those of another boundary, of which this one is a translation.
+    Periodic(String),
     /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
     Traction(Pair),
     /// ρν ∇v n − p n = −P n for the fluid, whose boundary moves as with `DoNothing`; σ n = −P n for the solid.
@@ -71,12 +74,21 @@ pub enum Condition {
         /// P_c at the start \[Pa\].
         initial: Expression,
     },
-    /// The pressure of an outlet is that with which the given flow leaves.
-    Flux(Expression),
+    /// A given flow leaves: with the pressure that it needs, or with a profile of the velocity.
+    Flux {
+        /// Q \[m²/s\].
+        flow: Expression,
+        /// The velocity on the boundary.
+        profile: Profile,
+        /// a_n and b_n \[m²/s\] of Q of [`Profile::Womersley`].
+        fourier: Vec<[f64; 2]>,
+        /// Its period \[s\].
+        period: f64,
+    },
 }
 
 /// Their names in a case.
-pub static CONDITIONS: [Choice<Condition>; 14] = [
+pub static CONDITIONS: [Choice<Condition>; 15] = [
     choice("velocity", Condition::Velocity(EMPTY), "prescribed velocity; the boundary does not move"),
     choice("no-slip", Condition::NoSlip, "v = 0, u = 0: a wall"),
     choice("do-nothing", Condition::DoNothing, "ρν ∂v/∂n − p n = 0: outflow; of the solid a free surface"),
@@ -93,6 +105,11 @@ pub static CONDITIONS: [Choice<Condition>; 14] = [
         "n·v = 0, n·u = 0, no traction along the boundary: a wall without friction",
     ),
     choice("symmetry", Condition::Symmetry, "the same as `slip`, on a plane of symmetry"),
+    choice(
+        "periodic",
+        Condition::Periodic(String::new()),
+        "one with another boundary, of which this one is a translation: the domain repeats",
+    ),
     choice("traction", Condition::Traction(EMPTY), "prescribed force per area of the reference boundary"),
     choice(
         "pressure",
@@ -120,11 +137,15 @@ pub static CONDITIONS: [Choice<Condition>; 14] = [
         },
         "outlet with an RCR circuit: p = R_p Q + P_c, C dP_c/dt = Q − (P_c − P)/R_d",
     ),
-    choice("flux", Condition::Flux(ZERO), "inlet or outlet with a given flow and one pressure on all of it"),
+    choice(
+        "flux",
+        Condition::Flux { flow: ZERO, profile: Profile::Free, fourier: vec![], period: 0.0 },
+        "inlet or outlet with a given flow, and one pressure on all of it or a profile of the velocity",
+    ),
 ];
 
 /// Keys of their data.
-pub static DATA: [Key; 14] = [
+pub static DATA: [Key; 15] = [
     Key::data(
         "boundary.NAME.velocity",
         "m/s",
@@ -136,6 +157,12 @@ pub static DATA: [Key; 14] = [
         "m",
         "displacement: required",
         "two expressions of x, y, t at the reference position, or \"free\", as [\"0.1*sin(t)\", \"free\"]",
+    ),
+    Key::data(
+        "boundary.NAME.with",
+        "",
+        "periodic: required",
+        "the boundary that is one with this one; its own table may be left out",
     ),
     Key::data(
         "boundary.NAME.traction",
@@ -172,7 +199,7 @@ pub static DATA: [Key; 14] = [
         "boundary.NAME.flow-rate",
         "m²/s",
         "flux: required",
-        "flow out of the fluid, negative into it; expression of t",
+        "flow out of the fluid, negative into it; expression of t; of a profile `womersley` in `fourier`",
     ),
     Key {
         key: "boundary.NAME.at",
@@ -191,6 +218,14 @@ pub enum Datum<'a> {
     Components(&'a mut [Option<Expression>; 2]),
     /// One expression.
     Scalar(&'a mut Expression),
+    /// The name of a boundary.
+    Name(&'a mut String),
+    /// A number above 0.
+    Number(&'a mut f64),
+    /// Pairs of numbers.
+    Series(&'a mut Vec<[f64; 2]>),
+    /// A profile.
+    Profile(&'a mut Profile),
     /// A word.
     Word(&'static [Choice<bool>], &'a mut bool),
 }
@@ -202,7 +237,7 @@ impl<'a> Datum<'a> {
             Datum::Pair(pair) => pair.iter_mut().collect(),
             Datum::Components(pair) => pair.iter_mut().flatten().collect(),
             Datum::Scalar(one) => vec![one],
-            Datum::Word(..) => vec![],
+            _ => vec![],
         }
     }
 }
@@ -238,7 +273,13 @@ impl Condition {
                 ("pressure", Datum::Scalar(pressure)),
                 ("initial", Datum::Scalar(initial)),
             ],
-            Condition::Flux(flow) => vec![("flow-rate", Datum::Scalar(flow))],
+            Condition::Flux { flow, profile, fourier, period } => vec![
+                ("flow-rate", Datum::Scalar(flow)),
+                ("profile", Datum::Profile(profile)),
+                ("fourier", Datum::Series(fourier)),
+                ("period", Datum::Number(period)),
+            ],
+            Condition::Periodic(with) => vec![("with", Datum::Name(with))],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
@@ -268,13 +309,15 @@ impl Condition {
                 ("pressure", vec![pressure]),
                 ("initial", vec![initial]),
             ],
-            Condition::Flux(flow) => vec![("flow-rate", vec![flow])],
+            Condition::Flux { flow, .. } if self.has_effect("flow-rate") => vec![("flow-rate", vec![flow])],
+            Condition::Flux { .. } => vec![],
             Condition::NoSlip
             | Condition::DoNothing
             | Condition::TractionFree
             | Condition::Clamped
             | Condition::Slip
-            | Condition::Symmetry => vec![],
+            | Condition::Symmetry
+            | Condition::Periodic(_) => vec![],
         }
     }
 
@@ -295,7 +338,7 @@ impl Condition {
             | Condition::DoNothing
             | Condition::Resistance { .. }
             | Condition::Windkessel { .. }
-            | Condition::Flux(_) => fluid,
+            | Condition::Flux { .. } => fluid,
             Condition::Clamped => solid,
             Condition::Spring { .. } => solid && !fluid,
             _ => true,
@@ -304,7 +347,7 @@ impl Condition {
 
     /// Whether velocity and displacement are given, or some of their components.
     pub fn is_given(&self) -> bool {
-        !self.is_natural()
+        !self.is_natural() && !self.is_periodic()
     }
 
     /// Whether the traction is what is given: velocity and displacement are free there, and an outlet may be there.
@@ -314,6 +357,11 @@ impl Condition {
             || matches!(self, DoNothing | TractionFree | Traction(_) | Pressure { .. } | Spring { .. })
     }
 
+    /// Whether it makes one of two boundaries.
+    pub fn is_periodic(&self) -> bool {
+        matches!(self, Condition::Periodic(_))
+    }
+
     /// Whether a spring may hold the solid.
     pub fn is_elastic(&self) -> bool {
         matches!(self, Condition::Spring { stiffness, .. } if stiffness.constant_value() != Some(0.0))
@@ -321,11 +369,27 @@ impl Condition {
 
     /// Whether it determines the pressure: a given flow alone leaves it open by a constant.
     pub fn gives_pressure(&self) -> bool {
-        self.is_natural() && !matches!(self, Condition::Flux(_))
+        self.is_natural() && !matches!(self, Condition::Flux { .. })
     }
 
     /// Whether one pressure acts on all of an outlet, which depends on the flow.
     pub fn is_lumped(&self) -> bool {
-        matches!(self, Condition::Resistance { .. } | Condition::Windkessel { .. } | Condition::Flux(_))
+        use Condition::{Flux, Resistance, Windkessel};
+        matches!(self, Resistance { .. } | Windkessel { .. } | Flux { profile: Profile::Free, .. })
+    }
+
+    /// Whether it is a given flow whose velocity is given, too.
+    pub fn has_profile(&self) -> bool {
+        matches!(self, Condition::Flux { .. }) && !self.is_lumped()
+    }
+
+    /// Whether a datum of it has an effect: that of another profile has none.
+    pub(super) fn has_effect(&self, name: &str) -> bool {
+        let Condition::Flux { profile, .. } = self else { return true };
+        match name {
+            "flow-rate" => *profile != Profile::Womersley,
+            "fourier" | "period" => *profile == Profile::Womersley,
+            _ => true,
+        }
     }
 }

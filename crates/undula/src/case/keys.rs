@@ -12,6 +12,7 @@ use super::initial::INITIAL;
 pub use super::key::Key;
 use super::key::NAME;
 use super::material_keys::{OF_FLUID, OF_SOLID};
+use super::profile::PROFILE_KEYS;
 use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -48,6 +49,7 @@ const fn word(
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
     let data = |key: &Key| match key.key {
         "boundary.NAME.condition" => &DATA[..],
+        "boundary.NAME.backflow" => &PROFILE_KEYS[..],
         "time.adaptive.safety" => &INITIAL[..],
         "fluid.density" => &OF_FLUID[..],
         "solid.poisson" => &OF_SOLID[..],

@@ -3,7 +3,7 @@
 //! [`Case`] and its parts stand in `schema`. On the way from a text to a case, `raw` reads TOML with the overrides,
 //! `read` one table, `check` the whole case, so that all mistakes are told at once (`error`); `write` is the way back,
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
-//! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `functionals` the kinds of
+//! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `profile` profiles of flows, `functionals` the kinds of
 //! functionals, `bodies` fluids and solids, `expression` the
 //! formulas in x, y and t with tables of values, `expressions` those of a case, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
@@ -23,6 +23,7 @@ pub(crate) mod key;
 pub mod keys;
 pub(crate) mod literal;
 mod material_keys;
+pub mod profile;
 mod raw;
 mod read;
 pub mod schema;
@@ -36,6 +37,7 @@ pub use conditions::{CONDITIONS, Condition};
 pub use element::{PressureElement, VelocityElement};
 pub use functionals::{FUNCTIONALS, FunctionalSpec, Site};
 pub use initial::Initial;
+pub use profile::Profile;
 pub use schema::{
     AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, GMRES, Integral, KRYLOV, LinearSolverKind,
     LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec, OutputSpec,

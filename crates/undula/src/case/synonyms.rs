@@ -41,7 +41,7 @@ const SYNONYMS: &[(&str, &str, &[&str])] = &[
     ("solid", "body-force", &["gravity", "force", "acceleration", "volume-force"]),
     ("motion", "model", &["type", "method", "extension"]),
     ("boundary", "condition", &["type", "kind", "bc"]),
-    ("boundary", "velocity", &["value", "values", "v", "profile", "u"]),
+    ("boundary", "velocity", &["value", "values", "v", "u"]),
     ("time", "step", &["dt", "time-step", "timestep", "delta-t", "step-size", "k"]),
     ("time", "end", &["t-end", "end-time", "final-time", "t-final", "tmax", "t-max", "final", "stop"]),
     ("time", "start", &["t-start", "start-time", "t0", "begin", "initial-time"]),

@@ -8,6 +8,7 @@ use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::initial::Initial;
 use super::literal::{number, pair, string};
+use super::profile::PROFILES;
 use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
@@ -329,7 +330,9 @@ fn relative(file: &Path, directory: &Path) -> Option<PathBuf> {
 
 fn write_condition(out: &mut Lines, condition: &Condition) {
     out.word("condition", condition.name());
-    for (name, datum) in condition.clone().data_mut() {
+    for (name, datum) in
+        condition.clone().data_mut().into_iter().filter(|(name, _)| condition.has_effect(name))
+    {
         match datum {
             Datum::Pair(pair) => out.key(name, expressions(pair)),
             Datum::Components(pair) => {
@@ -337,6 +340,13 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
                 out.key(name, format!("[{}, {}]", text(&pair[0]), text(&pair[1])));
             }
             Datum::Scalar(one) => out.key(name, expression(one)),
+            Datum::Name(of_boundary) => out.key(name, string(of_boundary)),
+            Datum::Number(value) => out.key(name, number(*value)),
+            Datum::Series(list) => {
+                let list: Vec<String> = list.iter().map(pair).collect();
+                out.key(name, format!("[{}]", list.join(", ")));
+            }
+            Datum::Profile(profile) => out.choice(name, &PROFILES, profile),
             Datum::Word(choices, value) => out.word(name, name_of(choices, value)),
         }
     }

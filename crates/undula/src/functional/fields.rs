@@ -93,9 +93,9 @@ impl<'a> Fields<'a> {
         Fields { space, state, locator: OnceCell::new() }
     }
 
-    /// Reference coordinates of the nodes \[m\], those of all arrays.
+    /// Reference coordinates of the nodes \[m\], those of all arrays. Nodes of periodic boundaries are on both of them.
     pub fn coordinates(&self) -> Vec<[f64; 2]> {
-        self.space.nodes.points[..self.n_nodes()].to_vec()
+        self.space.places().points[..self.n_nodes()].to_vec()
     }
 
     /// Velocity at the nodes \[m/s\].
@@ -114,7 +114,7 @@ impl<'a> Fields<'a> {
         let of = |region| nodal_pressure(self.space, self.state, region);
         let [fluid, solid] = [Region::Fluid, Region::Solid].map(of);
         let value = |node: usize| fluid[node].or(solid[node]).unwrap_or(0.0);
-        (0..self.n_nodes()).map(value).collect()
+        (0..self.n_nodes()).map(|place| value(self.space.node_at(place))).collect()
     }
 
     /// The solution at the reference position `x` \[m\]. On the side of several cells it is that in the cell with the
@@ -165,9 +165,9 @@ impl<'a> Fields<'a> {
         sum
     }
 
-    /// Nodes with a place of their own; bubbles have none.
+    /// Places of nodes; bubbles have none.
     fn n_nodes(&self) -> usize {
-        self.space.nodes.n_lagrange
+        self.space.places().n_lagrange
     }
 
     /// A vector field at the nodes; 0 where it is not computed.
@@ -175,7 +175,7 @@ impl<'a> Fields<'a> {
         if values.is_empty() {
             return vec![[0.0; 2]; self.n_nodes()];
         }
-        values.as_chunks::<2>().0[..self.n_nodes()].to_vec()
+        self.space.at_places(values.as_chunks::<2>().0, 1)
     }
 }
 
@@ -189,9 +189,9 @@ pub(crate) fn nodal_pressure(space: &FsiSpace<2>, state: &State, region: Region)
             continue;
         }
         let nodes = &space.nodes.cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)];
-        for (a, &node) in nodes.iter().enumerate() {
+        for ((a, &node), &place) in nodes.iter().enumerate().zip(space.places().cell(cell)) {
             let xi = lagrange::node(space.mesh.shape, space.nodes.degree, a);
-            let x = space.nodes.points[node as usize];
+            let x = space.places().points[place as usize];
             let basis = space.pressure.basis(&space.mesh, cell, &xi, &x);
             sum[node as usize] += dofs.iter().zip(&basis).map(|(&d, b)| b * state.p[d as usize]).sum::<f64>();
             count[node as usize] += 1.0;

@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 pub struct Surfaces<'a, const D: usize> {
     space: &'a FsiSpace<D>,
     boundary: FluidBoundary,
-    /// By facet: whether the traction is given there, and not the velocity.
+    /// By facet: whether the traction is given there, or the fluid goes on behind it, and the velocity is not given.
     natural: Vec<bool>,
     quadrature: usize,
 }
@@ -24,8 +24,11 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     pub fn new(space: &'a FsiSpace<D>, conditions: &[BoundaryCondition<D>], n: usize) -> Self {
         let boundary = FluidBoundary::new(space);
         let outflow = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Outflow { .. });
-        let natural =
-            boundary.facets.iter().map(|f| !f.at_solid && f.boundary.is_some_and(outflow)).collect();
+        let natural = boundary
+            .facets
+            .iter()
+            .map(|f| f.at_seam || !f.at_solid && f.boundary.is_some_and(outflow))
+            .collect();
         Surfaces { space, boundary, natural, quadrature: n }
     }
 
@@ -68,9 +71,10 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     /// The same, tested with the basis functions of some of its nodes, times factors.
     fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
         let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
-        let place = |node: u32| nodes.iter().position(|&of_cell| of_cell == node);
+        // A cell between two sides of a seam has a node twice.
+        let places = |node: u32| (0..nodes.len()).filter(move |&a| nodes[a] == node);
         let terms: Vec<(usize, f64)> =
-            at.iter().filter_map(|&(node, factor)| Some((place(node)?, factor))).collect();
+            at.iter().flat_map(|&(node, factor)| places(node).map(move |a| (a, factor))).collect();
         self.tractions(n, |point| terms.iter().map(|&(a, factor)| factor * point.value[a]).sum())
     }
 
@@ -93,7 +97,14 @@ impl<'a, const D: usize> Surfaces<'a, D> {
 
     /// Those of the facets `on` that have an outflow condition.
     fn natural_among(&self, on: &[bool]) -> Vec<Side> {
-        (0..on.len()).filter(|&n| on[n] && self.natural[n]).map(|n| self.boundary.facets[n].side).collect()
+        let facets = self.boundary.facets.iter().enumerate().filter(|(n, f)| on[*n] && !f.at_seam);
+        facets.filter(|(n, _)| self.natural[*n]).map(|(_, facet)| facet.side).collect()
+    }
+
+    /// The tractions on those at seams, of which residuals contain nothing.
+    fn at_seams(&self, on: &[bool]) -> impl Iterator<Item = Tractions<D>> {
+        let facets = (0..on.len()).filter(|&n| on[n] && self.boundary.facets[n].at_seam);
+        facets.map(|n| self.tractions(n, |_| 1.0))
     }
 
     /// Length or area of the facet of number `n` on the reference domain.
@@ -112,7 +123,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
 /// facet takes its own integral, and a part of the rest d_a in proportion to its size. So forces on parts add up
 /// to that on the whole to rounding, they are exact where the discrete solution is, and elsewhere the last facet
 /// alone errs as the surface integral does. A facet with an outflow condition takes the traction that the
-/// condition gives it, of which R_a contains nothing.
+/// condition gives it, of which R_a contains nothing. A facet of a periodic boundary takes its surface integral.
 ///
 /// A residual over fluid and solid would contain the inertia of the body, which is force only when steady.
 pub struct ForceByResidual<const D: usize> {
@@ -164,7 +175,10 @@ impl<const D: usize> ForceByResidual<D> {
             nodes: at_node.keys().copied().collect(),
             whole,
             shared,
-            tractions: integrals.iter().map(|(&n, at)| surfaces.tested(n, at)).collect(),
+            tractions: {
+                let tested = integrals.iter().map(|(&n, at)| surfaces.tested(n, at));
+                tested.chain(surfaces.at_seams(&on)).collect()
+            },
             outflow: surfaces.natural_among(&on),
             component,
             factor,

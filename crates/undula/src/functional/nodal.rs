@@ -182,7 +182,8 @@ impl<const D: usize> WallShear<D> {
                 at_solid: facet.at_solid,
             }
         };
-        WallShear { facets: FluidBoundary::new(space).facets.iter().map(of).collect() }
+        let boundary = FluidBoundary::new(space);
+        WallShear { facets: boundary.facets.iter().filter(|facet| !facet.at_seam).map(of).collect() }
     }
 
     /// −(I − n ⊗ n) σ n \[Pa\] at the nodes, `n_nodes × D`, n pointing out of the fluid: the mean over the facets of

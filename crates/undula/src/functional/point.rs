@@ -204,23 +204,25 @@ fn patch_around<const D: usize>(space: &FsiSpace<D>, cell: usize, x: [f64; D]) -
 
 /// The cells of `place` at `x` and their neighbours, all of the material of the first.
 fn patch_in<const D: usize>(space: &FsiSpace<D>, place: Place, cell: usize, x: [f64; D]) -> Vec<usize> {
+    // A cell beyond a seam lies elsewhere.
+    let places = space.places();
     let inside = |c: &usize| place.has(space, *c);
     let near = |&node: &u32| {
-        let at = space.nodes.points[node as usize];
+        let at = places.points[node as usize];
         (0..D).all(|d| (at[d] - x[d]).abs() < 1e-9)
     };
     let touching = |nodes: &[u32]| -> Vec<usize> {
-        let shares = |c: &usize| space.nodes.cell(*c).iter().any(|n| nodes.contains(n));
+        let shares = |c: &usize| places.cell(*c).iter().any(|n| nodes.contains(n));
         (0..space.mesh.n_cells()).filter(inside).filter(shares).collect()
     };
-    let at_node: Vec<u32> = space.nodes.cell(cell).iter().copied().filter(near).collect();
+    let at_node: Vec<u32> = places.cell(cell).iter().copied().filter(near).collect();
     let inner =
         if at_node.is_empty() { vec![cell].into_iter().filter(inside).collect() } else { touching(&at_node) };
     let inner: Vec<usize> = inner;
     let Some(&first) = inner.first() else { return vec![] };
     let of_material = |c: &usize| space.material[*c] == space.material[first];
     let inner = inner.iter().filter(|c| of_material(c));
-    let nodes: Vec<u32> = inner.flat_map(|&c| space.nodes.cell(c).to_vec()).collect();
+    let nodes: Vec<u32> = inner.flat_map(|&c| places.cell(c).to_vec()).collect();
     touching(&nodes).into_iter().filter(of_material).collect()
 }
 

@@ -1,7 +1,7 @@
 //! A solution on the spaces of another mesh.
 
 use super::fields::{Fields, PointFields};
-use crate::element::Quadrature;
+use crate::element::{Quadrature, lagrange};
 use crate::math::Tensor;
 use crate::mesh::{Locator, MeshError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region, State};
@@ -98,12 +98,13 @@ fn continuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<()
     let mut count = vec![0.0; p.len()];
     for cell in 0..to.mesh.n_cells() {
         let centre = to.mesh.map(cell, to.mesh.reference_centre());
-        for &dof in to.pressure.cell(cell) {
+        for (a, &dof) in to.pressure.cell(cell).iter().enumerate() {
             let dof = dof as usize;
             if one_valued && count[dof] > 0.0 {
                 continue;
             }
-            let x = to.pressure.points[dof];
+            let [s, t, _] = lagrange::node(to.mesh.shape, to.pressure.kind.degree(), a);
+            let x = to.mesh.map(cell, [s, t]);
             let part = if one_valued { 0.0 } else { DRAWN_IN };
             let inside = [0, 1].map(|d| x[d] + part * (centre[d] - x[d]));
             p[dof] += source.at(inside, to.regions[cell])?.pressure;

@@ -18,6 +18,7 @@ mod place;
 mod quality;
 mod refine;
 mod regions;
+mod seams;
 mod topology;
 mod triangulate;
 
@@ -28,6 +29,7 @@ pub use hierarchy::{Child, Hierarchy};
 pub use locate::{Located, Locator};
 pub use quality::Quality;
 pub use regions::INTERFACE;
+pub use seams::Seam;
 pub use topology::{Facets, Side};
 
 use crate::element::Shape;

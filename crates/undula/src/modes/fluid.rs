@@ -139,7 +139,7 @@ impl AddedMass {
     /// If L cannot be factorised.
     pub(super) fn new(setting: &Setting<'_>, body: &Body, rho: f64) -> Result<AddedMass, SolverError> {
         let space = setting.space;
-        let inner = space.mesh.facets_of_cells().inner;
+        let inner = space.inner_facets();
         let pressures = Pressures::new(setting, &inner);
         let matrix = pressures.potential(setting, rho);
         let mut potential = MultifrontalLu::definite(Options::default());

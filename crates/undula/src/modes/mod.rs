@@ -118,7 +118,7 @@ impl Setting<'_> {
     /// The box around a part of the body that nothing holds \[m\]: fewer than three components of its nodes are given.
     pub fn unheld(&self) -> Option<([f64; 2], [f64; 2])> {
         let FsiSpace { mesh, nodes, regions, .. } = self.space;
-        let parts = self.space.components_by(&mesh.facets_of_cells().inner);
+        let parts = self.space.components_by(&self.space.inner_facets());
         let n_parts = parts.iter().max().map_or(0, |&last| last as usize + 1);
         (0..n_parts).find_map(|part| {
             let of_part = |&cell: &usize| parts[cell] as usize == part && regions[cell] == Region::Solid;

@@ -24,13 +24,12 @@ pub fn write(path: &Path, space: &FsiSpace<2>, modes: &Modes, curved: bool) -> R
     write_atomic(path.join("modes.csv"), |file| file.write_all(table(modes).as_bytes()))?;
     let rest = State::zero(space.n_v(), space.n_u(), space.n_p());
     let mut fields = snapshot(space, &rest, false);
-    let n = 2 * space.nodes.n_lagrange;
     let lists = [("vacuum", Some(&modes.vacuum)), ("added_mass", modes.with_fluid.as_ref())];
     fields.point_data.clear();
     for (name, list) in lists.into_iter().filter_map(|(name, list)| list.map(|list| (name, list))) {
         let shapes = list.iter().enumerate();
         let field = |(i, mode): (usize, &Mode)| {
-            Field::new(format!("mode_{}_{name}", i + 1), 2, scaled(&mode.shape[..n]))
+            Field::new(format!("mode_{}_{name}", i + 1), 2, scaled(&space.at_places(&mode.shape, 2)))
         };
         fields.point_data.extend(shapes.map(field));
     }

@@ -29,11 +29,12 @@ pub fn fields(space: &FsiSpace<2>, physics: &Physics, state: &State, output: &Ou
             let without = field == NodalField::Jacobian && !space.deforms;
             if field.is_derived_in(region) && space.regions.contains(&region) && !without {
                 let values = in_body(space, physics, state, field, region);
+                let values = space.at_places(&values, field.components());
                 snapshot.point_data.push(Field::new(format!("{body}-{name}"), field.components(), values));
             }
         }
         if field == NodalField::WallShearStress && physics.fluid.is_some() {
-            let values = WallShear::new(space).at_nodes(space, physics, state);
+            let values = space.at_places(&WallShear::new(space).at_nodes(space, physics, state), 2);
             snapshot.point_data.push(Field::new(name, field.components(), values));
         }
     }
@@ -47,22 +48,22 @@ const DEFORMATION: &str = "deformation";
 /// Fields at the nodes of v and u, on the deformed mesh or on the reference domain.
 pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnapshot {
     // Bubbles have no value of their own at a point.
-    let n = space.nodes.n_lagrange;
+    let n = space.places().n_lagrange;
     let u = |node: usize, i: usize| if state.u.is_empty() { 0.0 } else { state.u[2 * node + i] };
-    let point = |node: usize| {
-        let x = space.nodes.points[node];
+    let point = |place: usize| {
+        let (x, node) = (space.places().points[place], space.node_at(place));
         let move_by = |i| if deformed { u(node, i) } else { 0.0 };
         [x[0] + move_by(0), x[1] + move_by(1), 0.0]
     };
-    let mut point_data = vec![Field::new(VELOCITY, 2, state.v[..2 * n].to_vec())];
+    let mut point_data = vec![Field::new(VELOCITY, 2, space.at_places(&state.v, 2))];
     if space.deforms {
-        point_data.push(Field::new(DEFORMATION, 2, state.u[..2 * n].to_vec()));
+        point_data.push(Field::new(DEFORMATION, 2, space.at_places(&state.u, 2)));
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
         let values = nodal_pressure(space, state, region);
         if values.iter().any(Option::is_some) {
-            let values = values.into_iter().map(|value| value.unwrap_or(0.0)).collect();
-            point_data.push(Field::new(name, 1, values));
+            let values: Vec<f64> = values.into_iter().map(|value| value.unwrap_or(0.0)).collect();
+            point_data.push(Field::new(name, 1, space.at_places(&values, 1)));
         }
     }
     let solid = space.regions.iter().map(|r| if *r == Region::Solid { 1.0 } else { 0.0 }).collect();
@@ -95,7 +96,7 @@ fn material(space: &FsiSpace<2>) -> Option<Field> {
     several.then(|| Field::new("material", 1, values()))
 }
 
-/// The nodes of `cell` that are points.
+/// The points of `cell`.
 fn points_of(space: &FsiSpace<2>, cell: usize) -> &[u32] {
-    &space.nodes.cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
+    &space.places().cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
 }

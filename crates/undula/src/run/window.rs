@@ -99,7 +99,7 @@ impl Window {
         let output = &simulation.case.output;
         let mut fields = snapshot(space, &state, output.deformed);
         let list = |from: usize, components: usize, values: &[f64]| {
-            values[from * n..(from + components) * n].to_vec()
+            space.at_places(&values[from * n..(from + components) * n], components)
         };
         let (tau, magnitude) = (list(4, 2, mean), list(MAGNITUDE, 1, mean));
         let index =

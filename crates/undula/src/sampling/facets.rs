@@ -2,9 +2,9 @@
 
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
-use crate::mesh::Facet;
+use crate::mesh::{Facet, Mesh};
 use crate::physics::Fields;
-use crate::space::{FsiSpace, State};
+use crate::space::{Coordinates, FsiSpace, Nodes, State};
 
 /// One quadrature point on a facet.
 #[derive(Clone, Debug)]
@@ -46,9 +46,18 @@ pub fn facet_points_of<const D: usize>(
     facet: &Facet,
     rule: &Quadrature,
 ) -> Vec<FacetPoint<D>> {
-    let mesh = &space.mesh;
+    facet_points_on((&space.mesh, space.coordinates), &space.nodes, facet, rule)
+}
+
+/// The same for the basis of `nodes` on `mesh`, whose coordinates mean `coordinates`.
+pub fn facet_points_on<const D: usize>(
+    (mesh, coordinates): (&Mesh<D>, Coordinates),
+    nodes: &Nodes<D>,
+    facet: &Facet,
+    rule: &Quadrature,
+) -> Vec<FacetPoint<D>> {
     let (cell, local) = (facet.cell as usize, facet.local as usize);
-    let table = space.nodes.table(mesh.shape, rule);
+    let table = nodes.table(mesh.shape, rule);
     let mut points = vec![];
     for (q, xi) in rule.points.iter().enumerate() {
         let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
@@ -67,10 +76,10 @@ pub fn facet_points_of<const D: usize>(
         points.push(FacetPoint {
             xi,
             x,
-            radius: space.coordinates.radius(&x),
+            radius: coordinates.radius(&x),
             normal: area * (1.0 / size),
             length: rule.weights[q] * size,
-            weight: rule.weights[q] * size * space.coordinates.measure(&x),
+            weight: rule.weights[q] * size * coordinates.measure(&x),
             value: table.value(q).to_vec(),
             grad: (0..table.n_basis).map(grad).collect(),
         });

@@ -47,6 +47,21 @@ impl Bodies<'_> {
         })
     }
 
+    /// Parts that a part touches, those beyond its periodic boundaries among them.
+    fn touched(&self, number: usize) -> Vec<usize> {
+        let mut touched = self.part(number).touches.clone();
+        for name in &self.part(number).boundaries {
+            let Some(Condition::Periodic(with)) = self.case.boundary.get(name) else { continue };
+            let beyond = |&other: &usize| {
+                other != number
+                    && self.body(other) == self.body(number)
+                    && self.part(other).boundaries.contains(with)
+            };
+            touched.extend((0..self.names.components.len()).filter(beyond));
+        }
+        touched
+    }
+
     /// Whether two parts that touch each other are of bodies of one kind, so that they move alike.
     fn are_bonded(&self, one: usize, other: usize) -> bool {
         self.body(one).is_some() && self.body(one) == self.body(other)
@@ -57,7 +72,7 @@ impl Bodies<'_> {
         let mut group = vec![number];
         let mut next = 0;
         while next < group.len() {
-            for &other in &self.part(group[next]).touches {
+            for other in self.touched(group[next]) {
                 if self.are_bonded(group[next], other) && !group.contains(&other) {
                     group.push(other);
                 }
@@ -75,7 +90,9 @@ impl Bodies<'_> {
 
     /// A boundary of the part whose flow is given.
     fn given_flow(&self, number: usize) -> Option<&String> {
-        let given = |name: &&String| matches!(self.case.boundary.get(*name), Some(Condition::Flux(_)));
+        let given = |name: &&String| {
+            self.case.boundary.get(*name).is_some_and(|c| c.is_lumped() && !c.gives_pressure())
+        };
         self.part(number).boundaries.iter().find(given)
     }
 
@@ -129,7 +146,7 @@ impl Bodies<'_> {
         let mut group = vec![number];
         let mut next = 0;
         while next < group.len() {
-            for &other in &self.part(group[next]).touches {
+            for other in self.touched(group[next]) {
                 let passes = self.case.time.is_some() || self.are_bonded(group[next], other);
                 if passes && self.is_constant(other) && !group.contains(&other) {
                     group.push(other);

@@ -74,6 +74,8 @@ impl Case {
         if self.fluids.len() > 1 || self.solids.len() > 1 {
             space = space.with_materials(material, &with_pressure);
         }
+        let seams = self.seams(&space.mesh)?;
+        space = space.joined(seams);
         (space.walls, space.coordinates) = (self.motion.walls, self.mesh.coordinates);
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
@@ -89,6 +91,8 @@ impl Case {
         self.check_ends(&space).map_err(Error::Case)?;
         self.check_supports(&space)?;
         self.check_mirrors(&space)?;
+        self.check_drift(&space)?;
+        self.check_profiles(&space)?;
         Ok(space)
     }
 
@@ -210,6 +214,9 @@ impl Case {
             Some(Condition::NoSlip | Condition::Clamped) => BoundaryCondition::Fixed,
             Some(Condition::Displacement(u)) => BoundaryCondition::Displacement(motion(u)),
             Some(Condition::Slip | Condition::Symmetry) => BoundaryCondition::Slip,
+            Some(flux) if flux.has_profile() => BoundaryCondition::Velocity(self.profile_or_rest(mesh, name)),
+            // The domain goes on: the space knows it.
+            Some(Condition::Periodic(_)) => BoundaryCondition::Free,
             Some(condition) if condition.is_lumped() || has_correction(condition) => {
                 BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
             }
@@ -306,8 +313,8 @@ impl Case {
         if !model.is_stiffened(&numbers) || !space.deforms || moving.is_empty() {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
-        let distance = FacetDistance::new(&space.mesh, &moving)?;
-        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance.distance(*x));
+        let distance = super::periodic::nearest(space, FacetDistance::new(&space.mesh, &moving)?);
+        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance(x));
         Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
 

@@ -45,6 +45,7 @@ impl Case {
             errors.extend(fault.map(|f| self.not_finite(space, &key, force, f)));
         }
         errors.extend(self.check_fields(space));
+        errors.extend(self.check_repeated(space));
         if errors.is_empty() { Ok(()) } else { Err(Error::Case(CaseErrors(errors))) }
     }
 

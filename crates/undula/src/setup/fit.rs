@@ -71,13 +71,24 @@ impl Fit<'_> {
         (has(self.case.fluid_regions()), has(self.case.solid_regions()))
     }
 
-    fn boundaries(&mut self) {
+    fn absent_boundaries(&mut self) {
         for name in self.case.boundary.keys() {
             if !self.names.boundaries.iter().any(|(n, _)| n == name) {
                 let message = self.absent_boundary(name);
-                self.error(&key::join("boundary", name), message);
+                let key = key::join("boundary", name);
+                let key = match self.case.boundary.get(name) {
+                    Some(Condition::Periodic(with)) if !self.case.record.places.contains_key(&key) => {
+                        self.case.partner_key(with, name)
+                    }
+                    _ => key,
+                };
+                self.error(&key, message);
             }
         }
+    }
+
+    fn boundaries(&mut self) {
+        self.absent_boundaries();
         for (name, regions) in &self.names.boundaries {
             let (fluid, solid) = self.touches(regions);
             if name == INTERFACE || !(fluid || solid) {
@@ -215,8 +226,9 @@ impl Fit<'_> {
 
 /// Whether `functional` is a power and the velocity on `boundary` not given.
 fn free(case: &Case, functional: &FunctionalSpec, boundary: &str) -> bool {
-    let natural = case.boundary.get(boundary).is_some_and(Condition::is_natural);
-    natural && matches!(functional, FunctionalSpec::Power { .. })
+    let free = |condition: &Condition| condition.is_natural() || condition.is_periodic();
+    let free = case.boundary.get(boundary).is_some_and(free);
+    free && matches!(functional, FunctionalSpec::Power { .. })
 }
 
 /// `name` as a key of TOML, in quotes where it needs them.

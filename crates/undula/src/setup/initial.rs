@@ -33,7 +33,8 @@ impl Case {
         let mut errors = vec![];
         for (key, data) in initial.fields() {
             let wrong = |x: &&[f64; 2]| values(data, x, time.start).iter().any(|value| !value.is_finite());
-            let at = space.nodes.points[..space.nodes.n_lagrange].iter().find(wrong);
+            let places = space.places();
+            let at = places.points[..places.n_lagrange].iter().find(wrong);
             errors.extend(at.map(|at| {
                 let message =
                     format!("expected finite values; they are {}", shown(&values(data, at, time.start), at));

@@ -17,7 +17,7 @@ pub(super) fn law(condition: &Condition) -> Option<Law> {
             let all = [proximal, capacitance, distal, pressure];
             Law::Windkessel(Box::new(move |t| std::array::from_fn(|i| at(&all[i], t))))
         }
-        Condition::Flux(flow) => Law::Flow(Box::new(move |t| [at(&flow, t)])),
+        Condition::Flux { flow, .. } => Law::Flow(Box::new(move |t| [at(&flow, t)])),
         _ => return None,
     })
 }

@@ -24,7 +24,7 @@ impl Case {
             return Ok(());
         }
         let constraints = Constraints::new(space, &self.conditions(&space.mesh));
-        let component = space.components_by(&space.mesh.facets_of_cells().inner);
+        let component = space.components_by(&space.inner_facets());
         let mut parts: Vec<u32> = vec![];
         for cell in (0..space.mesh.n_cells()).filter(|&cell| space.regions[cell] == Region::Solid) {
             if !parts.contains(&component[cell]) {
@@ -39,7 +39,8 @@ impl Case {
             nodes.dedup();
             let springs: Vec<_> =
                 springs.iter().filter(|(node, _)| nodes.binary_search(node).is_ok()).copied().collect();
-            let free = free_motion(space, &constraints, &nodes, &springs);
+            let turns = !space.seams.iter().any(|seam| component[seam.sides[0].cell as usize] == part);
+            let free = free_motion(space, &constraints, &nodes, (&springs, turns));
             let Some((motion, lower, upper)) = free else { continue };
             let subject = match parts.len() {
                 1 => "the solid".to_string(),
@@ -94,12 +95,12 @@ impl Case {
     }
 }
 
-/// A rigid motion that all constraints at `nodes` let pass, in words, and the box around them.
+/// A rigid motion that all constraints at `nodes` let pass, in words, and the box around them. What repeats does not turn.
 fn free_motion(
     space: &FsiSpace<2>,
     constraints: &Constraints<2>,
     nodes: &[u32],
-    springs: &[(u32, [f64; 2])],
+    (springs, turns): (&[(u32, [f64; 2])], bool),
 ) -> Option<(String, [f64; 2], [f64; 2])> {
     let points = || nodes.iter().map(|&node| space.nodes.points[node as usize]);
     let lower = [0, 1].map(|d| points().map(|x| x[d]).fold(f64::INFINITY, f64::min));
@@ -107,6 +108,7 @@ fn free_motion(
     let centre = [0, 1].map(|d| 0.5 * (lower[d] + upper[d]));
     let size = (upper[0] - lower[0]).hypot(upper[1] - lower[1]);
     let mut squares = [[0.0; 3]; 3];
+    squares[2][2] = if turns { 0.0 } else { 1.0 };
     if space.coordinates.is_axisymmetric() {
         // What moves along r is stretched around the axis, and so is what turns.
         (squares[0][0], squares[2][2]) = (1.0, 1.0);
@@ -114,7 +116,7 @@ fn free_motion(
     let mut held = |node: u32, n: [f64; 2]| {
         let x = space.nodes.points[node as usize];
         let turn = (n[1] * (x[0] - centre[0]) - n[0] * (x[1] - centre[1])) / size;
-        let row = [n[0], n[1], turn];
+        let row = [n[0], n[1], if turns { turn } else { 0.0 }];
         for (i, squares) in squares.iter_mut().enumerate() {
             (0..3).for_each(|j| squares[j] += row[i] * row[j]);
         }

@@ -30,7 +30,7 @@ pub enum BoundaryCondition<const D: usize> {
         /// Add the directional term against flow that comes in.
         directional: bool,
     },
-    /// v and u free: surface of the solid without traction.
+    /// v and u free: surface of the solid without traction, and seams of the domain.
     Free,
 }
 

@@ -27,7 +27,7 @@ pub fn enclosed<const D: usize>(
     conditions: &[BoundaryCondition<D>],
 ) -> Vec<Enclosed<D>> {
     let mesh = &space.mesh;
-    let inner = mesh.facets_of_cells().inner;
+    let inner = space.inner_facets();
     let component = space.components_by(&inner);
     let n = component.iter().max().map_or(0, |&last| last as usize + 1);
     let (mut open, mut touches, mut cells) = (vec![false; n], vec![false; n], vec![vec![]; n]);

@@ -13,6 +13,8 @@ pub struct FluidFacet {
     pub boundary: Option<u16>,
     /// Whether a solid is behind it: it belongs to the interface.
     pub at_solid: bool,
+    /// Whether the fluid goes on behind it, at a seam.
+    pub at_seam: bool,
 }
 
 /// All facets between the fluid and what is not fluid.
@@ -28,7 +30,7 @@ impl FluidBoundary {
     /// That of the fluid of `space`; empty without fluid.
     pub fn new<const D: usize>(space: &FsiSpace<D>) -> FluidBoundary {
         let is_fluid = |side: &Side| space.regions[side.cell as usize] == Region::Fluid;
-        let all = space.mesh.facets_of_cells();
+        let (all, seams) = (space.mesh.facets_of_cells(), space.seam_sides());
         let mut beyond: BTreeMap<Side, Option<Side>> =
             all.outer.iter().filter(|side| is_fluid(side)).map(|&side| (side, None)).collect();
         for [one, two] in all.inner {
@@ -41,7 +43,8 @@ impl FluidBoundary {
         let mut boundary = FluidBoundary::default();
         for (n, (side, other)) in beyond.into_iter().enumerate() {
             boundary.number.extend([(side, n)].into_iter().chain(other.map(|other| (other, n))));
-            boundary.facets.push(FluidFacet { side, boundary: None, at_solid: other.is_some() });
+            let (at_solid, at_seam) = (other.is_some(), seams.contains(&side));
+            boundary.facets.push(FluidFacet { side, boundary: None, at_solid, at_seam });
         }
         for facet in &space.mesh.facets {
             if let Some(&n) = boundary.number.get(&facet.side()) {

@@ -9,6 +9,7 @@ pub mod ends;
 pub mod fluid_boundary;
 pub mod normals;
 pub mod pressure;
+pub mod seams;
 mod sliding;
 pub mod state;
 
@@ -19,11 +20,12 @@ pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
 pub use pressure::{PressureKind, PressureSpace};
+pub use seams::Places;
 pub use state::State;
 
 use crate::element::{Quadrature, Shape};
 use crate::math::Tensor;
-use crate::mesh::{Facet, Hierarchy, Mesh, Side};
+use crate::mesh::{Facet, Hierarchy, Mesh, Seam, Side};
 
 /// Which equations hold in a cell.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -69,6 +71,9 @@ pub struct FsiSpace<const D: usize> {
     pub deforms: bool,
     /// What the deformation does on the outer boundary of the fluid.
     pub walls: Walls,
+    /// Facets of the outer boundary that are one, see [`FsiSpace::joined`].
+    pub seams: Vec<Seam<D>>,
+    places: Option<Places<D>>,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
 }
@@ -142,6 +147,8 @@ impl<const D: usize> FsiSpace<D> {
             owner,
             deforms,
             walls,
+            seams: vec![],
+            places: None,
             pressure_nodes,
         }
     }

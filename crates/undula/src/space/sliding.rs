@@ -16,7 +16,9 @@ pub fn sliding<const D: usize>(space: &FsiSpace<D>) -> Vec<Option<Vector<f64, D>
         Several,
     }
     let mut found = vec![Found::Nothing; space.nodes.len()];
-    for facet in &space.mesh.facets {
+    let seams = space.seam_sides();
+    let outer = || space.mesh.facets.iter().filter(|facet| !seams.contains(&facet.side()));
+    for facet in outer() {
         let interface = space.mesh.boundaries[facet.boundary as usize] == INTERFACE;
         let here = if interface { Found::Several } else { Found::One(facet.boundary) };
         for node in space.facet_nodes(facet) {
@@ -25,7 +27,7 @@ pub fn sliding<const D: usize>(space: &FsiSpace<D>) -> Vec<Option<Vector<f64, D>
         }
     }
     let mut slide = vec![None; space.nodes.len()];
-    for (node, normals) in normals::normals(space, space.mesh.facets.iter()) {
+    for (node, normals) in normals::normals(space, outer()) {
         let at = node as usize;
         if let ([normal], Found::One(_), PsiOwner::Extension) = (&normals[..], found[at], space.owner[at]) {
             slide[at] = Some(*normal);

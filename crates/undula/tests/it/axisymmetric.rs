@@ -401,3 +401,44 @@ fn what_an_axis_cannot_have_is_refused() {
     let tube = builtin("tube-2d", &["motion.model=pseudo-elastic"]);
     assert!(undula::modes::of_case(&tube, 2, 1).is_err_and(|e| e.to_string().contains("mesh.coordinates")));
 }
+
+/// A given flow with its profile, and a pipe that repeats along its axis and is driven by a force: v = 2 (1 − r²).
+#[test]
+fn profiles_and_periodic_ends_know_the_axis() {
+    let flow = format!("boundary.bottom.flow-rate={}", -PI);
+    let given = [
+        "boundary.bottom.condition=flux",
+        "boundary.bottom.pressure=none",
+        flow.as_str(),
+        "boundary.bottom.profile=parabolic",
+    ];
+    // Δp/L = 0.8 Pa/m is ρ f.
+    let periodic = [
+        "boundary.bottom.condition=periodic",
+        "boundary.bottom.pressure=none",
+        "boundary.bottom.with=top",
+        "boundary.top.condition=periodic",
+        "boundary.top.pressure=none",
+        "boundary.top.with=bottom",
+        "fluid.body-force=[0,0.4]",
+    ];
+    for more in [&given[..], &periodic] {
+        let mut simulation = Simulation::new(case(PIPE, more), 1).unwrap();
+        let row = simulation.step().unwrap();
+        let fields = simulation.fields();
+        for (x, v) in fields.coordinates().iter().zip(fields.velocity()) {
+            let gap = (v[1] - 2.0 * (1.0 - x[0] * x[0])).abs().max(v[0].abs());
+            assert!(gap < 1e-9, "{more:?}: {v:?} at {x:?}");
+        }
+        assert!((row["flow"] - PI).abs() < 1e-9 && (row["wall"] - 3.2 * PI).abs() < 1e-8, "{row:?}");
+    }
+    let along_r = [
+        "mesh.lower=[0.5,0]",
+        "boundary.left.condition=periodic",
+        "boundary.left.with=right",
+        "boundary.right.condition=periodic",
+        "boundary.right.with=left",
+    ];
+    let said = Simulation::new(case(PIPE, &along_r), 1).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(said.contains("along its axis"), "{said}");
+}

@@ -173,7 +173,7 @@ fn defaults_of_the_table_are_those_of_reading() {
             seen.insert(key.key);
         }
     }
-    let of_conditions = ["at", "backflow", "stiffness", "damping", "direction", "initial"];
+    let of_conditions = ["at", "backflow", "stiffness", "damping", "direction", "initial", "profile"];
     let silent = [
         "mesh.leave-out",
         "solid.c2",

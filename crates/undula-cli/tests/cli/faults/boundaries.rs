@@ -236,3 +236,23 @@ fn backflow_where_nothing_flows_out_is_told() {
     let word = ["boundary.right.backflow=inward"];
     undula(&channel, "check case.toml", &word).expect(2, &["expected one of `none`, `directional`"]);
 }
+
+/// A flow without walls from a file: checked, computed, drawn, and resumed with the same bits.
+#[test]
+fn a_periodic_box_runs() {
+    let here = Place::new("periodic-box");
+    here.write(
+        "torus.toml",
+        "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [1, 1]\ncells = [4, 4]\n[fluid]\ndensity = 1\n\
+         kinematic-viscosity = 0.01\n[boundary.left]\ncondition = \"periodic\"\nwith = \"right\"\n[boundary.bottom]\n\
+         condition = \"periodic\"\nwith = \"top\"\n[initial]\nvelocity = [\"1 - cos(2*pi*x)*sin(2*pi*y)\", \
+         \"sin(2*pi*x)*cos(2*pi*y)\"]\n[time]\nstep = 0.05\nend = 0.1\n[output]\nfields-every = 1\n",
+    );
+    here.run("check torus.toml", &[]).expect(0, &["left: periodic", "top: periodic", "closed in on all sides"]);
+    here.run("run torus.toml -o out", &[]).expect(0, &["completed", "out/plots/speed.png"]);
+    here.run("run torus.toml -o out --resume --quiet", &["time.end=0.2"]).expect(0, &[]);
+    here.run("run torus.toml -o whole --quiet", &["time.end=0.2"]).expect(0, &[]);
+    assert_eq!(here.read("out/history.csv"), here.read("whole/history.csv"));
+    here.run("check torus.toml", &["boundary.bottom.with=left"])
+        .expect(2, &["boundary.bottom.with", "`left` is one with `right`"]);
+}

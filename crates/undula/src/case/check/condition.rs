@@ -6,7 +6,8 @@ use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
 use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
-use crate::case::read::{Checker, Section};
+use crate::case::profile::{PROFILE_KEYS, PROFILES, Profile};
+use crate::case::read::{Checker, POSITIVE, Section};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
@@ -24,7 +25,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             );
             continue;
         }
-        let later = ["sliding", "periodic"];
+        let later = ["sliding"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         let condition = read_data(&mut s, condition);
         s.require_choice("condition", &CONDITIONS);
@@ -33,25 +34,70 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         if against == Some(true) && outlet {
             directional.insert(name.clone());
         } else if against == Some(true) {
-            let note = format!(
-                "boundary.{name}.backflow has no effect: the velocity is given, so that the boundary is no outlet"
-            );
+            let why = match condition {
+                Some(Condition::Periodic(_)) => "the flow goes on behind it",
+                _ => "the velocity is given",
+            };
+            let note =
+                format!("boundary.{name}.backflow has no effect: {why}, so that the boundary is no outlet");
             s.checker.notes.borrow_mut().push(note);
         }
         s.finish();
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
     }
+    partners(&mut boundary, &mut all);
     (boundary, directional)
+}
+
+/// Two boundaries that are one name each other; one of the two tables may be left out.
+fn partners(boundary: &mut BTreeMap<String, Condition>, all: &mut Section<'_, '_>) {
+    for (name, condition) in boundary.clone() {
+        let Condition::Periodic(with) = condition else { continue };
+        let message = match boundary.get(&with) {
+            // Told before.
+            _ if with.is_empty() => continue,
+            _ if with == name || with == INTERFACE => {
+                "expected the name of another outer boundary, of which this one is a translation".to_string()
+            }
+            None => {
+                boundary.insert(with, Condition::Periodic(name));
+                continue;
+            }
+            Some(Condition::Periodic(back)) if *back == name || back.is_empty() => continue,
+            Some(Condition::Periodic(back)) => {
+                format!("`{with}` is one with `{back}`: expected two boundaries that name each other")
+            }
+            Some(other) => format!(
+                "`{with}` has condition = `{}`: expected `periodic` with `{name}`, or no table of its own",
+                other.name()
+            ),
+        };
+        all.section(&name).wrong("with", message);
+    }
 }
 
 /// The condition with its data. Data of other conditions have no effect.
 fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Option<Condition> {
-    let about = |name: &str| DATA.iter().find(|key| last(key) == name);
+    let all = || DATA.iter().chain(&PROFILE_KEYS);
+    let about = |name: &str| all().find(|key| last(key) == name);
     let required = format!("{}: required", condition.as_ref().map_or("", Condition::name));
-    let mut taken = vec![];
+    let womersley = s.is_word("profile", "womersley");
+    if let Some(Condition::Flux { profile, .. }) = condition.as_mut().filter(|_| womersley) {
+        *profile = Profile::Womersley;
+    }
+    let (mut taken, asked) = (vec![], condition.clone());
     for (name, datum) in condition.iter_mut().flat_map(Condition::data_mut) {
         taken.push(name);
-        let needed = about(name).filter(|key| key.default.contains(&required) && !s.has(name));
+        let has_effect = asked.as_ref().is_none_or(|condition| condition.has_effect(name));
+        let of_profile = ["fourier", "period"].contains(&name);
+        let needed = about(name).filter(|key| key.default.contains(&required) || of_profile);
+        let needed = needed.filter(|_| has_effect && !s.has(name));
+        if !has_effect && s.has(name) {
+            let of =
+                if of_profile { "is for profile = `womersley`" } else { "is not for profile = `womersley`" };
+            let note = format!("{} has no effect: it {of}", s.dotted(name));
+            s.checker.notes.borrow_mut().push(note);
+        }
         if let Some(key) = needed {
             s.missing(name, &format!("{} [{}]", key.about, key.unit));
         }
@@ -59,8 +105,9 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
     }
     if let Some(condition) = &condition {
         check_lumped(s, condition);
+        check_series(s, condition);
     }
-    for name in DATA.iter().map(last).filter(|name| !taken.contains(name)) {
+    for name in all().map(last).filter(|name| !taken.contains(name)) {
         let others = CONDITIONS.iter().filter(|row| takes(&row.value, name));
         let mut all = others.clone().map(|row| row.value.clone()).collect::<Vec<_>>();
         let datum = all.iter_mut().flat_map(Condition::data_mut).find(|(own, _)| *own == name);
@@ -77,7 +124,8 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
 /// Outlets with one pressure have numbers that are the same on all of them, and circuits take no negative ones.
 fn check_lumped(s: &Section<'_, '_>, condition: &Condition) {
     let spring = matches!(condition, Condition::Spring { .. });
-    for (name, data) in condition.data().into_iter().filter(|_| condition.is_lumped() || spring) {
+    let looked_at = condition.is_lumped() || condition.has_profile() || spring;
+    for (name, data) in condition.data().into_iter().filter(|_| looked_at) {
         let number = data[0].constant_value();
         if data[0].depends_on_space() && !spring {
             s.wrong(name, "depends on x or y, and there is one pressure on all of the boundary: expected a function of t");
@@ -103,12 +151,24 @@ pub(super) fn note_still(checker: &Checker<'_>, boundary: &BTreeMap<String, Cond
     }
 }
 
+/// The mean of a flow has no sine.
+fn check_series(s: &Section<'_, '_>, condition: &Condition) {
+    let Condition::Flux { fourier, profile: Profile::Womersley, .. } = condition else { return };
+    if fourier.first().is_some_and(|[_, b]| *b != 0.0) {
+        s.wrong("fourier", "the first pair is the mean a_0 of the flow: expected [a_0, 0] there");
+    }
+}
+
 /// Reads one datum; it stays as it is if it is not given.
 fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
     match datum {
         Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
         Datum::Components(pair) => *pair = s.components(name).unwrap_or_default(),
         Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
+        Datum::Number(number) => *number = s.optional_number(name, POSITIVE).unwrap_or(*number),
+        Datum::Series(list) => *list = s.series(name).unwrap_or_default(),
+        Datum::Profile(profile) => *profile = s.choice(name, &PROFILES, &[]).unwrap_or(*profile),
+        Datum::Name(name_of) => *name_of = s.string(name).unwrap_or_default(),
         Datum::Word(choices, value) => *value = s.choice(name, choices, &[]).unwrap_or(*value),
     }
 }

@@ -237,6 +237,32 @@ impl Section<'_, '_> {
         self.pair_of(key, "two numbers", |section, key, item| section.number_of(key, item, range))
     }
 
+    /// A non-empty array of pairs of numbers.
+    pub fn series(&mut self, key: &str) -> Option<Vec<[f64; 2]>> {
+        let item = self.item(key)?;
+        let number = |item: &Item| match item.value {
+            Value::Float(x) if x.is_finite() => Some(x),
+            Value::Integer(i) => Some(i as f64),
+            _ => None,
+        };
+        let pair = |item: &Item| match &item.value {
+            Value::Array(items) => match items.as_slice() {
+                [a, b] => Some([number(a)?, number(b)?]),
+                _ => None,
+            },
+            _ => None,
+        };
+        let pairs: Option<Vec<[f64; 2]>> = match &item.value {
+            Value::Array(items) if !items.is_empty() => items.iter().map(pair).collect(),
+            _ => None,
+        };
+        if pairs.is_none() {
+            let expected = "expected an array of pairs of finite numbers, such as [[0.5, 0], [0.1, -0.2]]";
+            self.wrong_item(key, item, expected.into());
+        }
+        pairs
+    }
+
     /// An array of numbers in `range`; a single number counts as one.
     pub fn numbers(&mut self, key: &str, range: Range) -> Option<Vec<f64>> {
         let item = self.item(key)?;

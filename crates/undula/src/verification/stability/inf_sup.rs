@@ -33,13 +33,13 @@ pub struct InfSup {
 fn free_velocities<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<u32> {
     let directed: Vec<u32> = constraints.directions.iter().map(|at| at.node).collect();
     let mut number = vec![u32::MAX; space.nodes.len()];
-    let mut n = 0;
+    let (drifting, mut n) = (drifting(space, constraints), 0);
     for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid) {
         for &node in space.nodes.cell(cell) {
             let node = node as usize;
             // Where a boundary lets the flow along it pass, all of it is left out.
             let slips = constraints.v[node].contains(&true) || directed.contains(&(node as u32));
-            let given = slips || space.owner[node] == PsiOwner::Relation;
+            let given = slips || drifting.contains(&node) || space.owner[node] == PsiOwner::Relation;
             if number[node] == u32::MAX && !given {
                 number[node] = n;
                 n += 1;
@@ -47,6 +47,26 @@ fn free_velocities<const D: usize>(space: &FsiSpace<D>, constraints: &Constraint
         }
     }
     number
+}
+
+/// A node of each connected part of the fluid that nothing holds, as it may be between seams: a constant velocity changes
+/// neither ∇v nor ∇·v, so that it may vanish there.
+fn drifting<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>) -> Vec<usize> {
+    if space.seams.is_empty() {
+        return vec![];
+    }
+    let part = space.components_by(&space.inner_facets());
+    let mut parts: BTreeMap<u32, (usize, bool)> = BTreeMap::new();
+    for cell in (0..space.mesh.n_cells()).filter(|&c| space.regions[c] == Region::Fluid) {
+        let nodes = space.nodes.cell(cell);
+        let held = |&node: &u32| {
+            let at = node as usize;
+            constraints.v[at].contains(&true) || space.owner[at] == PsiOwner::Relation
+        };
+        let (_, is_held) = parts.entry(part[cell]).or_insert((nodes[0] as usize, false));
+        *is_held |= nodes.iter().any(held);
+    }
+    parts.into_values().filter(|(_, held)| !held).map(|(node, _)| node).collect()
 }
 
 /// The saddle point matrix \[A Bᵀ; B −SHIFT M\] and M.
@@ -163,7 +183,7 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>, number: &[u32], n_v: usize) -> 
 fn constants<const D: usize>(space: &FsiSpace<D>) -> Vec<Vec<f64>> {
     let continuous = matches!(space.pressure.kind, PressureKind::Continuous(_));
     let mut list: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
-    for (cell, part) in space.mesh.components().into_iter().enumerate() {
+    for (cell, part) in space.mesh.components_by(&space.inner_facets()).into_iter().enumerate() {
         let dofs = space.pressure.cell(cell);
         let ones = if continuous { dofs } else { &dofs[..dofs.len().min(1)] };
         for &dof in ones {

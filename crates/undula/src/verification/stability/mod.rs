@@ -43,8 +43,8 @@ pub fn constants(simulation: &Simulation, present: bool) -> Result<Option<Consta
         return Ok(None);
     }
     // The constants are those of the flow, whatever pressure the solid has.
-    let space =
-        &FsiSpace::new(space.mesh.clone(), space.regions.clone(), space.nodes.degree, space.pressure.kind);
+    let (mesh, regions, seams) = (space.mesh.clone(), space.regions.clone(), space.seams.clone());
+    let space = &FsiSpace::new(mesh, regions, space.nodes.degree, space.pressure.kind).joined(seams);
     let u = if present { simulation.stepper.new.u.clone() } else { sample_deformation(space) };
     Ok(Some(Constants {
         reference: inf_sup(space, &assembler.constraints, &[], quadrature)?,
