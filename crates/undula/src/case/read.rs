@@ -7,7 +7,8 @@ use super::expression::Files;
 use super::raw::{Document, Item, Origin, Table, Value};
 use super::schema::OwnMesh;
 use super::{keys, synonyms};
-use std::cell::RefCell;
+use crate::space::Coordinates;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -22,14 +23,16 @@ pub(super) struct Checker<'d> {
     errors: RefCell<Vec<(usize, CaseError)>>,
     /// Settings without effect and parts left out.
     pub notes: RefCell<Vec<String>>,
+    /// What the coordinates of the mesh mean, once that is read: integrals have other units around an axis.
+    pub coordinates: Cell<Coordinates>,
     /// Origin of each dotted key that was read.
     pub origins: RefCell<BTreeMap<String, Origin>>,
 }
 
 impl<'d> Checker<'d> {
     pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
-        let (errors, notes, origins) = Default::default();
-        Self { document, mesh, reads_tables: true, errors, notes, origins }
+        let (errors, notes, origins, coordinates) = Default::default();
+        Self { document, mesh, reads_tables: true, errors, notes, coordinates, origins }
     }
 
     /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes

@@ -1,22 +1,14 @@
 //! Numbers of a whole body of revolution.
 
 use super::{Functional, Snapshot};
+use crate::space::Coordinates;
 
 /// A functional whose integrals are those over a body of revolution: the units of space instead of those per depth.
 pub struct AroundAxis<const D: usize>(pub Box<dyn Functional<D>>);
 
 impl<const D: usize> Functional<D> for AroundAxis<D> {
     fn unit(&self) -> &'static str {
-        match self.0.unit() {
-            "m²" => "m³",
-            "m²/s" => "m³/s",
-            "m³/s" => "m⁴/s",
-            "N/m" => "N",
-            "N" => "N m",
-            "J/m" => "J",
-            "W/m" => "W",
-            other => other,
-        }
+        Coordinates::Axisymmetric.unit(self.0.unit())
     }
 
     fn at_force_time(&self) -> bool {

@@ -1,10 +1,10 @@
 //! From a checked case to spaces, equations and solvers.
 
+use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
 use super::outlets::law;
 use super::overview::Overview;
 use crate::algebra::{self, LinearSolver};
-use crate::case::expression::Expression;
 use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
@@ -18,12 +18,9 @@ use crate::operators::pressure::pressure;
 use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::Projection;
-use crate::space::{
-    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
-};
-use crate::system::CurrentForce;
+use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
 use crate::system::{self, Assembler, Operator, Physics};
-use crate::time::{Force, MaterialForce, Scheme, Stepper, StepperSettings};
+use crate::time::{MaterialForce, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
@@ -336,49 +333,9 @@ impl Case {
     }
 }
 
-/// A body force, `None` if it is zero everywhere.
-fn body_force(f: &[Expression; 2]) -> Option<Force<2>> {
-    if f.iter().all(Expression::is_zero) {
-        return None;
-    }
-    Some(function(f))
-}
-
-/// Two expressions as a function of position and time.
-fn function(f: &[Expression; 2]) -> Force<2> {
-    let f = f.clone();
-    Box::new(move |x, t| {
-        let x = [x[0], x[1], 0.0];
-        [f[0].eval(&x, t), f[1].eval(&x, t)]
-    })
-}
-
 /// Whether the fluid has the do-nothing correction.
 fn has_correction(condition: &Condition) -> bool {
     matches!(condition, Condition::DoNothing | Condition::Pressure { .. })
-}
-
-/// A displacement with its rate.
-fn motion(u: &[Option<Expression>; 2]) -> MotionData<2> {
-    let u = u.clone();
-    Arc::new(move |x, t| {
-        let at = |e: &Expression| {
-            let (u, rate) = e.eval_with_rate(&[x[0], x[1], 0.0], t);
-            [u, rate]
-        };
-        [0, 1].map(|i: usize| u[i].as_ref().map(at))
-    })
-}
-
-/// The same with its gradient, to be taken at current positions.
-fn current_force(f: &[Expression; 2]) -> Option<CurrentForce<2>> {
-    let _ = body_force(f)?;
-    let f = f.clone();
-    Some(CurrentForce::new(Box::new(move |x, t| {
-        let at = |f: &Expression| f.eval_with_gradient(&[x[0], x[1], 0.0], t);
-        let [(a, da), (b, db)] = [at(&f[0]), at(&f[1])];
-        ([a, b], [[da[0], da[1]], [db[0], db[1]]])
-    })))
 }
 
 #[doc(hidden)]

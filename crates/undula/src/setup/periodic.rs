@@ -39,7 +39,8 @@ impl Case {
             let found = mesh.seams([name, with]).map_err(|message| self.refuse(&key, message))?;
             let along_r = |seam: &Seam<2>| seam.shift[0].abs() > seam.shift[1].abs() * 1e-6;
             if self.mesh.coordinates.is_axisymmetric() && found.iter().any(along_r) {
-                let message = "a body of revolution repeats along its axis only: expected boundaries that differ in z";
+                let message =
+                    "a body of revolution repeats along its axis only: expected boundaries that differ in z";
                 return Err(self.refuse(&key, message.into()));
             }
             for Seam { sides, .. } in &found {

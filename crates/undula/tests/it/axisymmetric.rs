@@ -442,3 +442,21 @@ fn profiles_and_periodic_ends_know_the_axis() {
     let said = Simulation::new(case(PIPE, &along_r), 1).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(said.contains("along its axis"), "{said}");
 }
+
+/// Flows, resistances and capacitances are those of the whole body, with their units.
+#[test]
+fn units_are_those_of_space() {
+    let outlet = |key: &str, value: &str| {
+        let sets = ["boundary.top.pressure=none", key, value];
+        Case::from_toml(PIPE, "own.toml", &sets.map(String::from)).map_err(|e| e.to_string())
+    };
+    let flux =
+        |value: &str| outlet("boundary.top.condition=flux", &format!("boundary.top.flow-rate={value}"));
+    let litres = flux("\"6 l/min\"").unwrap();
+    assert_eq!(litres.boundary["top"], flux("1e-4").unwrap().boundary["top"]);
+    let said = flux("\"1 m^2/s\"").unwrap_err();
+    assert!(said.contains("m³/s") && said.contains("boundary.top.flow-rate"), "{said}");
+    let of = "boundary.top.condition=resistance";
+    assert!(outlet(of, "boundary.top.resistance=\"3 Pa s/m^3\"").is_ok());
+    assert!(outlet(of, "boundary.top.condition=windkessel").unwrap_err().contains("Pa s/m³"));
+}

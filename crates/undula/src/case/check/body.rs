@@ -26,6 +26,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let file = s.string("file");
     let scale = s.number("scale", 1.0, POSITIVE);
     let coordinates = s.choice("coordinates", &COORDINATES, &[]).unwrap_or_default();
+    root.checker.coordinates.set(coordinates);
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));

@@ -99,7 +99,8 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
             s.checker.notes.borrow_mut().push(note);
         }
         if let Some(key) = needed {
-            s.missing(name, &format!("{} [{}]", key.about, key.unit));
+            let unit = s.checker.coordinates.get().unit(key.unit);
+            s.missing(name, &format!("{} [{unit}]", key.about));
         }
         read_datum(s, name, datum);
     }

@@ -44,7 +44,8 @@ impl Section<'_, '_> {
         let (name, index) = key.strip_suffix(']').and_then(|key| key.rsplit_once('[')).unwrap_or((key, ""));
         let units = keys::find(&self.dotted(name)).map_or("", |key| key.unit);
         let mut each = units.split(", ");
-        each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("").into()
+        let unit = each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("");
+        self.checker.coordinates.get().unit(unit).into()
     }
 
     pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
