@@ -132,6 +132,15 @@ pub enum MeshSource {
     Flap,
     /// Unit square over a flexible bottom (Valdés 2007).
     Cavity,
+    /// Channel (−2, 6) × (−1, 1) cm with two elastic leaflets.
+    Valve,
+    /// The ring between two circles about the origin, boundaries `inner`, `outer`.
+    Annulus {
+        /// Radii of the circles \[m\].
+        radii: [f64; 2],
+        /// Cells round, a multiple of 4, and across before refinement.
+        cells: [usize; 2],
+    },
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -159,12 +168,18 @@ impl PartialEq for OwnMesh {
 }
 
 /// Generators by their names in a case.
-pub static GENERATORS: [Choice<MeshSource>; 6] = [
+pub static GENERATORS: [Choice<MeshSource>; 8] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
     choice("flap", MeshSource::Flap, "channel with an elastic flap"),
     choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),
+    choice("valve", MeshSource::Valve, "channel with two elastic leaflets"),
+    choice(
+        "annulus",
+        MeshSource::Annulus { radii: [1.0, 2.0], cells: [4, 1] },
+        "ring between two circles of the radii `radii`",
+    ),
     choice(
         "box",
         MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },

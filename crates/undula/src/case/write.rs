@@ -173,6 +173,10 @@ impl Case {
             out.key("upper", pair(upper));
             out.key("cells", format!("{cells:?}"));
         }
+        if let MeshSource::Annulus { radii, cells } = &self.mesh.source {
+            out.key("radii", pair(radii));
+            out.key("cells", format!("{cells:?}"));
+        }
         out.key("refine", self.mesh.refine.to_string());
         out.key("grading", self.mesh.grading.to_string());
         if !self.mesh.leave_out.is_empty() {

@@ -62,6 +62,10 @@ impl Case {
             MeshSource::Rotor => (generate::rotor(0, grading), vec![]),
             MeshSource::Flap => (generate::flap(0, grading), vec![]),
             MeshSource::Cavity => (generate::cavity(0), vec![]),
+            MeshSource::Valve => (generate::valve(0, grading), vec![]),
+            MeshSource::Annulus { radii, cells } => {
+                (generate::annulus(*radii, *cells, 0)?, generate::circles(*radii))
+            }
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, 0)?, vec![])
             }
