@@ -50,7 +50,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         self.carrying(&self.of(names)).into_keys().collect()
     }
 
-    fn nodes(&self, n: usize) -> Vec<u32> {
+    pub(super) fn nodes(&self, n: usize) -> Vec<u32> {
         self.space.facet_nodes(&self.boundary.facets[n].facet())
     }
 
@@ -66,7 +66,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     }
 
     /// The same, tested with the basis functions of some of its nodes, times factors.
-    fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
+    pub(super) fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
         let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
         let place = |node: u32| nodes.iter().position(|&of_cell| of_cell == node);
         let terms: Vec<(usize, f64)> =
@@ -91,9 +91,30 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         at_node
     }
 
-    /// Those of the facets `on` that have an outflow condition.
-    fn natural_among(&self, on: &[bool]) -> Vec<Side> {
-        (0..on.len()).filter(|&n| on[n] && self.natural[n]).map(|n| self.boundary.facets[n].side).collect()
+    /// What the facets `on` take of the residual of the fluid.
+    pub(super) fn shares(&self, names: &[String]) -> Shares {
+        let on = self.of(names);
+        let at_node = self.carrying(&on);
+        let (mut whole, mut shared) = (vec![], vec![]);
+        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
+        for (&node, list) in &at_node {
+            if list.iter().all(|&n| on[n]) {
+                whole.push(node);
+                continue;
+            }
+            let size = |part: bool| -> f64 {
+                list.iter().filter(|&&n| on[n] == part).map(|&n| self.measure(n)).sum()
+            };
+            let (own, other) = (size(true), size(false));
+            let part = own / (own + other);
+            shared.push((node, part));
+            for &n in list {
+                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
+            }
+        }
+        let nodes = at_node.keys().copied().collect();
+        let outflow = (0..on.len()).filter(|&n| on[n] && self.natural[n]).collect();
+        Shares { nodes, whole, shared, integrals, outflow }
     }
 
     /// Length or area of the facet of number `n` on the reference domain.
@@ -103,6 +124,20 @@ impl<'a, const D: usize> Surfaces<'a, D> {
             .map(|p| p.weight)
             .sum()
     }
+}
+
+/// What boundaries take of the residual of the fluid, node by node.
+pub(super) struct Shares {
+    /// All nodes whose residual is read.
+    pub(super) nodes: Vec<u32>,
+    /// Nodes that belong to the boundaries alone.
+    pub(super) whole: Vec<u32>,
+    /// Nodes that belong to them in part, and that part.
+    pub(super) shared: Vec<(u32, f64)>,
+    /// By facet the nodes of the latter at which its integral counts, with the factor.
+    pub(super) integrals: BTreeMap<usize, Vec<(u32, f64)>>,
+    /// Facets with an outflow condition.
+    pub(super) outflow: Vec<usize>,
 }
 
 /// −R_f(e_i): the residual of the fluid alone, tested with e_i on the nodes of the boundaries and 0 elsewhere. On
@@ -140,32 +175,13 @@ impl<const D: usize> ForceByResidual<D> {
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let on = surfaces.of(names);
-        let at_node = surfaces.carrying(&on);
-        let (mut whole, mut shared) = (vec![], vec![]);
-        // By facet the nodes at which its integral counts, with the factor.
-        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
-        for (&node, list) in &at_node {
-            if list.iter().all(|&n| on[n]) {
-                whole.push(node);
-                continue;
-            }
-            let size = |part: bool| -> f64 {
-                list.iter().filter(|&&n| on[n] == part).map(|&n| surfaces.measure(n)).sum()
-            };
-            let (own, other) = (size(true), size(false));
-            let part = own / (own + other);
-            shared.push((node, part));
-            for &n in list {
-                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
-            }
-        }
+        let Shares { nodes, whole, shared, integrals, outflow } = surfaces.shares(names);
         ForceByResidual {
-            nodes: at_node.keys().copied().collect(),
+            nodes,
             whole,
             shared,
             tractions: integrals.iter().map(|(&n, at)| surfaces.tested(n, at)).collect(),
-            outflow: surfaces.natural_among(&on),
+            outflow: outflow.into_iter().map(|n| surfaces.boundary.facets[n].side).collect(),
             component,
             factor,
             unit,
@@ -242,7 +258,7 @@ impl<const D: usize> Functional<D> for ForceBySurface<D> {
 }
 
 /// The traction of the fluid at the quadrature points of a facet.
-struct Tractions<const D: usize> {
+pub(super) struct Tractions<const D: usize> {
     cell: usize,
     /// Weight, point, and the basis of the pressure there.
     points: Vec<(f64, FacetPoint<D>, Vec<f64>)>,
@@ -250,7 +266,7 @@ struct Tractions<const D: usize> {
 
 impl<const D: usize> Tractions<D> {
     /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
-    fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
+    pub(super) fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
         let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
         let fluid = at.physics.of(at.space.material[self.cell]).fluid;
         let theta = at.rule.theta;

@@ -89,7 +89,10 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
         } else if is_box && is_used && !s.has(key) && key != "region" {
             s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
         } else if is_ring && is_used && !s.has(key) {
-            s.missing(key, "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]");
+            s.missing(
+                key,
+                "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]",
+            );
         }
     }
 }

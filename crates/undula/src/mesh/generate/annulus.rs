@@ -19,7 +19,9 @@ pub fn annulus(radii: [f64; 2], cells: [usize; 2], refine: usize) -> Result<Mesh
     }
     let [round, across] = cells;
     if round == 0 || !round.is_multiple_of(4) || across == 0 {
-        return reject(format!("cells = {cells:?}: a multiple of 4 round and at least one across are needed"));
+        return reject(format!(
+            "cells = {cells:?}: a multiple of 4 round and at least one across are needed"
+        ));
     }
     let mut blocks = Blocks::new(&["fluid"]);
     let directions = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
@@ -42,10 +44,7 @@ pub fn annulus(radii: [f64; 2], cells: [usize; 2], refine: usize) -> Result<Mesh
 
 /// The two circles.
 pub fn circles(radii: [f64; 2]) -> Vec<Curve<2>> {
-    let circle = |name: &str, radius| Curve::Sphere {
-        boundaries: vec![name.into()],
-        centre: [0.0, 0.0],
-        radius,
-    };
+    let circle =
+        |name: &str, radius| Curve::Sphere { boundaries: vec![name.into()], centre: [0.0, 0.0], radius };
     vec![circle("inner", radii[0]), circle("outer", radii[1])]
 }
