@@ -31,20 +31,20 @@ on = ["outer"]
 point = [0, 0]
 "#;
     let exact = 4.0 * PI * 1.5 * 0.1 * 4.0 / 3.0;
-    let error = |more: &[&str]| {
+    let error = |more: &[&str], gap: f64| {
         let mut simulation =
             Simulation::new(Case::from_toml(text, "ring.toml", &sets(more)).unwrap(), 1).unwrap();
         let row = simulation.step().unwrap();
         assert_eq!(simulation.units()[0], "N");
         let [inner, outer] = [row["inner"] / -exact - 1.0, row["outer"] / exact - 1.0];
-        // In equilibrium the moments are opposite, about whatever point.
-        assert!((inner - outer).abs() < 1e-8, "{more:?}: {inner:e} {outer:e}");
+        // In equilibrium the moments are opposite, about whatever point, as far as the flow has no divergence.
+        assert!((inner - outer).abs() < gap, "{more:?}: {inner:e} {outer:e}");
         inner.abs()
     };
-    let (coarse, fine) = (error(&[]), error(&["mesh.refine=1"]));
+    let (coarse, fine) = (error(&[], 1e-8), error(&["mesh.refine=1"], 1e-8));
     println!("{coarse:.1e} {fine:.1e}");
     assert!(fine < 1e-4 && (coarse / fine).log2() > 3.5, "{coarse:e} {fine:e}");
-    assert!(error(&["space.velocity=P2", "mesh.refine=1"]) < 1e-3);
+    assert!(error(&["space.velocity=P2", "mesh.refine=1"], 1e-6) < 2e-4);
 }
 
 /// Moments of parts add up, and the point may be moved along with the force, in the motion of every scheme.

@@ -155,20 +155,19 @@ fn an_oscillating_cylinder_has_the_added_mass_and_damping_of_the_closed_form() {
     assert!(errors[0].abs() < 1e-3 && errors[1].abs() < 3e-3, "{errors:?}");
 }
 
-/// Fourth order in h, as forces by the residual have with Q2, and second order in k.
+/// Fourth order in h, as forces by the residual have with Q2, and second order in k. What a sudden start leaves depends
+/// on the mesh.
 #[test]
 fn the_force_on_an_oscillating_cylinder_converges() {
-    let coarse = "mesh.cells=[16,3]";
     let order = |[a, b, c]: [[f64; 2]; 3]| [0, 1].map(|i| ((a[i] - b[i]) / (b[i] - c[i])).log2());
-    let in_time =
-        order(["0.04", "0.02", "0.01"].map(|step| coefficients(&[coarse, &format!("time.step={step}")])));
-    let in_space = order(
-        [coarse, "mesh.cells=[32,6]", "mesh.cells=[64,12]"]
-            .map(|cells| coefficients(&[cells, "time.step=0.04", "time.end=1"])),
-    );
+    let steps = ["0.04", "0.02", "0.01"].map(|step| format!("time.step={step}"));
+    let in_time = order(steps.map(|step| coefficients(&["mesh.cells=[16,3]", &step])));
+    let start = "boundary.inner.displacement=[\"0.01*ramp(t,1)*sin(2*pi*t)\",\"0\"]";
+    let meshes = ["mesh.cells=[16,3]", "mesh.cells=[32,6]", "mesh.cells=[64,12]"];
+    let in_space = order(meshes.map(|cells| coefficients(&[cells, start, "time.step=0.05", "time.end=2"])));
     println!("orders in time {in_time:.2?}, in space {in_space:.2?}");
     assert!(in_time.iter().all(|order| (order - 2.0).abs() < 0.2), "{in_time:?}");
-    assert!(in_space.iter().all(|order| (order - 4.0).abs() < 0.5), "{in_space:?}");
+    assert!(in_space.iter().all(|order| (order - 4.0).abs() < 0.35), "{in_space:?}");
 }
 
 /// Mean flow of a half of the pump over its second period of `steps` steps, with one wave of the length `wave` and the
