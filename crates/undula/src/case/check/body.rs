@@ -81,7 +81,7 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
         let is_used = (is_box && of_box) || (is_ring && of_ring);
         if s.has(key) && !is_used && (generator.is_some() || file) {
             let generators = match (of_box, of_ring) {
-                (true, true) => "\"box\" and generator = \"annulus\"",
+                (true, true) => "\"box\" or \"annulus\"",
                 (true, false) => "\"box\"",
                 _ => "\"annulus\"",
             };
