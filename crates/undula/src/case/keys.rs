@@ -72,7 +72,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("mesh.radii", "m", "annulus: required", "radii of the inner and the outer circle, as [1, 2]"),
     number("mesh.cells", "", "box, annulus: required", "cells before refinement: x, y or round, across"),
     text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
-    text("mesh.region.NAME", "none", "box: expression of x and y that is positive inside the region"),
+    text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),
     word("space.velocity", &VELOCITIES, "Q2, triangles: P2", "element of velocity and displacement"),
     word("space.pressure", &PRESSURES, "from the velocity", "element of the pressure"),
     number(

@@ -113,7 +113,7 @@ pub struct MeshSpec {
     pub refine: u32,
     /// Number of nested rings of half size around the singular corners of the generator.
     pub grading: u32,
-    /// Regions defined by an expression of x, y that is positive inside (box generator only).
+    /// Regions defined by an expression of x, y that is positive inside (generators `box` and `annulus`).
     pub region: BTreeMap<String, Expression>,
     /// Regions that are not computed on; their sides are walls unless a condition names them.
     pub leave_out: Vec<String>,

@@ -54,6 +54,7 @@ mod pressure;
 mod references;
 mod reproducible;
 mod resume;
+mod ring;
 mod rotor;
 mod several_bodies;
 mod slip;

@@ -76,7 +76,7 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
         ("upper", true, false),
         ("radii", false, true),
         ("cells", true, true),
-        ("region", true, false),
+        ("region", true, true),
     ] {
         let is_used = (is_box && of_box) || (is_ring && of_ring);
         if s.has(key) && !is_used && (generator.is_some() || file) {
@@ -88,7 +88,7 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
             s.wrong(key, format!("only for generator = {generators}"));
         } else if is_box && is_used && !s.has(key) && key != "region" {
             s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
-        } else if is_ring && is_used && !s.has(key) {
+        } else if is_ring && is_used && !s.has(key) && key != "region" {
             s.missing(
                 key,
                 "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]",
