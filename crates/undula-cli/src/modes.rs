@@ -29,7 +29,9 @@ pub fn run(args: &ModesArgs) -> anyhow::Result<ExitCode> {
         return run::failed(Error::Directory(error));
     }
     for key in unused_loads(&case) {
-        say(format_args!("note: {key} has no effect: modes are those of the body at rest without loads"));
+        say(format_args!(
+            "note: {key} has no effect: modes are those of the body at rest without loads and damping"
+        ));
     }
     let found = modes.with_fluid.as_ref().map_or(usize::MAX, Vec::len).min(modes.vacuum.len());
     if found < count {

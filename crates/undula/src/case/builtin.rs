@@ -27,7 +27,7 @@ macro_rules! cases {
 
 static CASES: &[BuiltinCase] = cases![
     "cfd1", "cfd2", "cfd3", "csm1", "csm2", "csm3", "fsi1", "fsi2", "fsi3", "dfg-2d1", "dfg-2d2", "dfg-2d3",
-    "rotor", "flap", "cavity", "tube-2d",
+    "rotor", "flap", "cavity", "tube-2d", "cylinder", "pump", "valve",
 ];
 
 /// All built-in cases.

@@ -38,6 +38,13 @@ pub enum FunctionalSpec {
         /// Multiply by 2/(ρ_f v̄² L) with v̄ \[m/s\], L \[m\] if given.
         coefficient: Option<[f64; 2]>,
     },
+    /// Moment of the force of the fluid on boundaries \[N\].
+    Moment {
+        /// Boundary names; `interface` is allowed.
+        on: Vec<String>,
+        /// The point in space that it is about \[m\].
+        about: [f64; 2],
+    },
     /// Deformation of a material point \[m\].
     Displacement {
         /// Reference coordinates \[m\].
@@ -99,11 +106,16 @@ pub enum FunctionalSpec {
 }
 
 /// Their names in a case, in the order of the messages.
-pub static FUNCTIONALS: [Choice<FunctionalSpec>; 12] = [
+pub static FUNCTIONALS: [Choice<FunctionalSpec>; 13] = [
     choice(
         "force",
         FunctionalSpec::Force { on: Vec::new(), component: 0, surface_integral: false, coefficient: None },
         "force of the fluid on boundaries [N/m], or its coefficient",
+    ),
+    choice(
+        "moment",
+        FunctionalSpec::Moment { on: Vec::new(), about: [0.0; 2] },
+        "moment of the force of the fluid on boundaries about `point` [N]",
     ),
     choice(
         "displacement",
@@ -156,6 +168,7 @@ impl FunctionalSpec {
         matches!(
             self,
             FunctionalSpec::Force { .. }
+                | FunctionalSpec::Moment { .. }
                 | FunctionalSpec::PressureDifference { .. }
                 | FunctionalSpec::Power { .. }
                 | FunctionalSpec::Pressure(_)
@@ -167,6 +180,7 @@ impl FunctionalSpec {
     pub fn on(&self) -> &[String] {
         match self {
             FunctionalSpec::Force { on, .. }
+            | FunctionalSpec::Moment { on, .. }
             | FunctionalSpec::Flux { on }
             | FunctionalSpec::Power { on }
             | FunctionalSpec::WallShearStress { on, .. } => on,

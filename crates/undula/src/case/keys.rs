@@ -72,9 +72,10 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
     number("mesh.lower", "m", "box: required", "lower left corner of the box, as [0, 0]"),
     number("mesh.upper", "m", "box: required", "upper right corner of the box, as [2, 1]"),
-    number("mesh.cells", "", "box: required", "cells per direction before refinement, as [8, 4]"),
+    number("mesh.radii", "m", "annulus: required", "radii of the inner and the outer circle, as [1, 2]"),
+    number("mesh.cells", "", "box, annulus: required", "cells before refinement: x, y or round, across"),
     text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
-    text("mesh.region.NAME", "none", "box: expression of x and y that is positive inside the region"),
+    text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),
     word("space.velocity", &VELOCITIES, "Q2, triangles: P2", "element of velocity and displacement"),
     word("space.pressure", &PRESSURES, "from the velocity", "element of the pressure"),
     number(
@@ -199,7 +200,7 @@ static KEYS_BUT_DATA: &[Key] = &[
         "names of boundaries of the fluid, also `interface`",
     ),
     word("functional.NAME.method", &METHODS, "residual", "force: computation"),
-    number("functional.NAME.point", "m", "displacement: required", "material point in the reference domain"),
+    number("functional.NAME.point", "m", "displacement, moment: required", "material point, or centre"),
     text(
         "functional.NAME.region",
         "volume: required",

@@ -115,7 +115,7 @@ pub struct MeshSpec {
     pub refine: u32,
     /// Number of nested rings of half size around the singular corners of the generator.
     pub grading: u32,
-    /// Regions defined by an expression of x, y that is positive inside (box generator only).
+    /// Regions defined by an expression of x, y that is positive inside (generators `box` and `annulus`).
     pub region: BTreeMap<String, Expression>,
     /// Regions that are not computed on; their sides are walls unless a condition names them.
     pub leave_out: Vec<String>,
@@ -136,6 +136,15 @@ pub enum MeshSource {
     Cavity,
     /// Half of a section through an elastic tube (Gerbeau and Vidrascu 2003).
     Tube2d,
+    /// Channel (−2, 6) × (−1, 1) cm with two elastic leaflets.
+    Valve,
+    /// The ring between two circles about the origin, boundaries `inner`, `outer`.
+    Annulus {
+        /// Radii of the circles \[m\].
+        radii: [f64; 2],
+        /// Cells round, a multiple of 4, and across before refinement.
+        cells: [usize; 2],
+    },
     /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
     Box {
         /// Lower left corner \[m\].
@@ -163,13 +172,19 @@ impl PartialEq for OwnMesh {
 }
 
 /// Generators by their names in a case.
-pub static GENERATORS: [Choice<MeshSource>; 7] = [
+pub static GENERATORS: [Choice<MeshSource>; 9] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
     choice("flap", MeshSource::Flap, "channel with an elastic flap"),
     choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),
     choice("tube-2d", MeshSource::Tube2d, "half of a section through an elastic tube, in (r, z)"),
+    choice("valve", MeshSource::Valve, "channel with two elastic leaflets"),
+    choice(
+        "annulus",
+        MeshSource::Annulus { radii: [1.0, 2.0], cells: [4, 1] },
+        "ring between two circles of the radii `radii`",
+    ),
     choice(
         "box",
         MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },

@@ -174,6 +174,10 @@ impl Case {
             out.key("upper", pair(upper));
             out.key("cells", format!("{cells:?}"));
         }
+        if let MeshSource::Annulus { radii, cells } = &self.mesh.source {
+            out.key("radii", pair(radii));
+            out.key("cells", format!("{cells:?}"));
+        }
         out.choice("coordinates", &COORDINATES, &self.mesh.coordinates);
         out.key("refine", self.mesh.refine.to_string());
         out.key("grading", self.mesh.grading.to_string());

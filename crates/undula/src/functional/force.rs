@@ -53,7 +53,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         self.carrying(&self.of(names)).into_keys().collect()
     }
 
-    fn nodes(&self, n: usize) -> Vec<u32> {
+    pub(super) fn nodes(&self, n: usize) -> Vec<u32> {
         self.space.facet_nodes(&self.boundary.facets[n].facet())
     }
 
@@ -69,7 +69,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     }
 
     /// The same, tested with the basis functions of some of its nodes, times factors.
-    fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
+    pub(super) fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
         let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
         // A cell between two sides of a seam has a node twice.
         let places = |node: u32| (0..nodes.len()).filter(move |&a| nodes[a] == node);
@@ -95,16 +95,32 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         at_node
     }
 
-    /// Those of the facets `on` that have an outflow condition.
-    fn natural_among(&self, on: &[bool]) -> Vec<Side> {
-        let facets = self.boundary.facets.iter().enumerate().filter(|(n, f)| on[*n] && !f.at_seam);
-        facets.filter(|(n, _)| self.natural[*n]).map(|(_, facet)| facet.side).collect()
-    }
-
-    /// The tractions on those at seams, of which residuals contain nothing.
-    fn at_seams(&self, on: &[bool]) -> impl Iterator<Item = Tractions<D>> {
-        let facets = (0..on.len()).filter(|&n| on[n] && self.boundary.facets[n].at_seam);
-        facets.map(|n| self.tractions(n, |_| 1.0))
+    /// What the facets `on` take of the residual of the fluid.
+    pub(super) fn shares(&self, names: &[String]) -> Shares {
+        let on = self.of(names);
+        let at_node = self.carrying(&on);
+        let (mut whole, mut shared) = (vec![], vec![]);
+        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
+        for (&node, list) in &at_node {
+            if list.iter().all(|&n| on[n]) {
+                whole.push(node);
+                continue;
+            }
+            let size = |part: bool| -> f64 {
+                list.iter().filter(|&&n| on[n] == part).map(|&n| self.measure(n)).sum()
+            };
+            let (own, other) = (size(true), size(false));
+            let part = own / (own + other);
+            shared.push((node, part));
+            for &n in list {
+                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
+            }
+        }
+        let nodes = at_node.keys().copied().collect();
+        let (seams, outflow) = (0..on.len())
+            .filter(|&n| on[n] && self.natural[n])
+            .partition(|&n| self.boundary.facets[n].at_seam);
+        Shares { nodes, whole, shared, integrals, outflow, seams }
     }
 
     /// Length or area of the facet of number `n` on the reference domain.
@@ -114,6 +130,22 @@ impl<'a, const D: usize> Surfaces<'a, D> {
             .map(|p| p.weight)
             .sum()
     }
+}
+
+/// What boundaries take of the residual of the fluid, node by node.
+pub(super) struct Shares {
+    /// All nodes whose residual is read.
+    pub(super) nodes: Vec<u32>,
+    /// Nodes that belong to the boundaries alone.
+    pub(super) whole: Vec<u32>,
+    /// Nodes that belong to them in part, and that part.
+    pub(super) shared: Vec<(u32, f64)>,
+    /// By facet the nodes of the latter at which its integral counts, with the factor.
+    pub(super) integrals: BTreeMap<usize, Vec<(u32, f64)>>,
+    /// Facets with an outflow condition.
+    pub(super) outflow: Vec<usize>,
+    /// Facets at seams.
+    seams: Vec<usize>,
 }
 
 /// −R_f(e_i): the residual of the fluid alone, tested with e_i on the nodes of the boundaries and 0 elsewhere. On
@@ -151,35 +183,17 @@ impl<const D: usize> ForceByResidual<D> {
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let on = surfaces.of(names);
-        let at_node = surfaces.carrying(&on);
-        let (mut whole, mut shared) = (vec![], vec![]);
-        // By facet the nodes at which its integral counts, with the factor.
-        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
-        for (&node, list) in &at_node {
-            if list.iter().all(|&n| on[n]) {
-                whole.push(node);
-                continue;
-            }
-            let size = |part: bool| -> f64 {
-                list.iter().filter(|&&n| on[n] == part).map(|&n| surfaces.measure(n)).sum()
-            };
-            let (own, other) = (size(true), size(false));
-            let part = own / (own + other);
-            shared.push((node, part));
-            for &n in list {
-                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
-            }
-        }
+        let Shares { nodes, whole, shared, integrals, outflow, seams } = surfaces.shares(names);
         ForceByResidual {
-            nodes: at_node.keys().copied().collect(),
+            nodes,
             whole,
             shared,
             tractions: {
                 let tested = integrals.iter().map(|(&n, at)| surfaces.tested(n, at));
-                tested.chain(surfaces.at_seams(&on)).collect()
+                // Residuals contain nothing of the tractions at seams.
+                tested.chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| 1.0))).collect()
             },
-            outflow: surfaces.natural_among(&on),
+            outflow: outflow.into_iter().map(|n| surfaces.boundary.facets[n].side).collect(),
             component,
             factor,
             unit,
@@ -256,7 +270,7 @@ impl<const D: usize> Functional<D> for ForceBySurface<D> {
 }
 
 /// The traction of the fluid at the quadrature points of a facet.
-struct Tractions<const D: usize> {
+pub(super) struct Tractions<const D: usize> {
     cell: usize,
     /// Weight, point, and the basis of the pressure there.
     points: Vec<(f64, FacetPoint<D>, Vec<f64>)>,
@@ -264,7 +278,7 @@ struct Tractions<const D: usize> {
 
 impl<const D: usize> Tractions<D> {
     /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
-    fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
+    pub(super) fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
         let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
         let fluid = at.physics.of(at.space.material[self.cell]).fluid;
         let theta = at.rule.theta;

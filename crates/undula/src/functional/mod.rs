@@ -6,6 +6,7 @@ pub mod balance;
 pub mod energy;
 pub mod fields;
 pub mod force;
+pub mod moment;
 pub mod nodal;
 pub mod point;
 pub mod power;

@@ -46,6 +46,15 @@ impl Body {
                 body.add(setting, setting.solids[material].rho, &elasticity[material], point);
             }
         });
+        for &(row, column, k) in &setting.springs {
+            let [row, column] = [row, column].map(|place| body.number[place as usize]);
+            let free = row != NONE && column != NONE;
+            if let Some(at) =
+                free.then(|| body.stiffness.pattern.find(row as usize, column as usize)).flatten()
+            {
+                body.stiffness.values[at] += k;
+            }
+        }
         body
     }
 

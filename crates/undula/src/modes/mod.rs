@@ -4,7 +4,8 @@
 //!
 //! K φ = ω² M φ,  K_ab = (C ∇φ_b, ∇φ_a)_S,  M_ab = (ρ_s φ_b, φ_a)_S,
 //!
-//! with the derivative C = ∂P/∂∇u of the law at u = 0; φ = 0 where the case holds the solid. The fluid is taken without
+//! with the derivative C = ∂P/∂∇u of the law at u = 0; φ = 0 where the case holds the solid, and K_ab has ⟨k φ_b, φ_a⟩ of
+//! springs on its boundary. The fluid is taken without
 //! viscosity and without flow of its own: ρ_f ∂_t v = −∇p, div v = 0. Then −Δp = 0 with ∂_n p = ρ_f ω² n·φ on the
 //! interface I, n pointing out of the fluid, ∂_n p = 0 on walls and where the velocity is given, and p = 0 on outlets
 //! (`do-nothing`, `traction-free`):
@@ -25,6 +26,7 @@
 mod body;
 mod fluid;
 mod lanczos;
+mod spring;
 mod write;
 
 pub use write::{check_empty, write};
@@ -50,6 +52,8 @@ pub struct Setting<'a> {
     pub fluid_density: Option<f64>,
     /// Components of the displacement that are 0, for every node of the space; those of the fluid alone do not count.
     pub held: Vec<[bool; 2]>,
+    /// Entries of K of springs: places 2 a + i of row and column, node a and component i, and value \[Pa\].
+    pub springs: Vec<(u32, u32, f64)>,
     /// For every boundary of the mesh whether p = 0 there.
     pub open: Vec<bool>,
     /// Gauss points per direction.
@@ -115,11 +119,16 @@ impl Setting<'_> {
         Ok(Modes { vacuum, with_fluid: Some(modes(found)), n_u: n, n_p: added.n_p() })
     }
 
-    /// The box around a part of the body that nothing holds \[m\]: fewer than three components of its nodes are given.
+    /// The box around a part of the body that nothing holds \[m\]: fewer than three components of its nodes are given or
+    /// on springs.
     pub fn unheld(&self) -> Option<([f64; 2], [f64; 2])> {
         let FsiSpace { mesh, nodes, regions, .. } = self.space;
         let parts = self.space.components_by(&self.space.inner_facets());
         let n_parts = parts.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut held = self.held.clone();
+        for (place, ..) in self.springs.iter().filter(|(row, column, k)| row == column && *k > 0.0) {
+            held[*place as usize / 2][*place as usize % 2] = true;
+        }
         (0..n_parts).find_map(|part| {
             let of_part = |&cell: &usize| parts[cell] as usize == part && regions[cell] == Region::Solid;
             let cells = (0..mesh.n_cells()).filter(of_part);
@@ -127,7 +136,7 @@ impl Setting<'_> {
                 cells.flat_map(|cell| nodes.cell(cell).iter().map(|&node| node as usize)).collect();
             own.sort_unstable();
             own.dedup();
-            let given: usize = own.iter().map(|&a| self.held[a].iter().filter(|held| **held).count()).sum();
+            let given: usize = own.iter().map(|&a| held[a].iter().filter(|held| **held).count()).sum();
             let end = |start: f64, pick: fn(f64, f64) -> f64| {
                 [0, 1].map(|d| own.iter().map(|&a| nodes.points[a][d]).fold(start, pick))
             };
@@ -169,10 +178,6 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         return Err(case.refuse(&format!("{}.law", solid.table()), message));
     }
     let space = case.build_space()?;
-    if let Some((name, _)) = case.boundary.iter().find(|(_, condition)| condition.is_elastic()) {
-        let message = "modes do not know the stiffness of springs: expected a boundary that is held or free";
-        return Err(case.refuse(&format!("boundary.{name}.condition"), message.into()));
-    }
     let constraints = Constraints::new(&space, &case.conditions(&space.mesh));
     if !constraints.directions.is_empty() {
         let message = "modes hold components of u, and a boundary with `slip` or `symmetry` is inclined or curved: expected \
@@ -183,7 +188,7 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
     if let Some((lower, upper)) = setting.unheld() {
         let message = format!(
             "nothing holds the part of the solid in {lower:?} to {upper:?} m, so that it has rigid motions and K is \
-             singular: expected a boundary of it with condition = `clamped`"
+             singular: expected a boundary of it with condition = `clamped` or `spring`"
         );
         return Err(case.refuse("solid", message));
     }
@@ -202,13 +207,14 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
     }
 }
 
-/// The keys of the loads of `case`, which have no effect: modes are those of a body at rest without loads.
+/// The keys of the loads and dashpots of `case`, which have no effect: modes are those of a body at rest without loads
+/// and without damping.
 pub fn unused_loads(case: &Case) -> Vec<String> {
     let acts = |load: &Load<'_>| !load.force.iter().all(Expression::is_zero);
     let forces = case.loads().into_iter().filter(acts);
     let loads = |(name, condition): (&String, &Condition)| -> Vec<String> {
         let data = condition.data().into_iter().filter(|_| !matches!(condition, Condition::Velocity(_)));
-        let loaded = data.filter(|(_, data)| !data.iter().all(|e| e.is_zero()));
+        let loaded = data.filter(|(key, data)| *key != "stiffness" && !data.iter().all(|e| e.is_zero()));
         loaded.map(|(key, _)| format!("boundary.{name}.{key}")).collect()
     };
     let of_side = case.boundary.iter().flat_map(loads);
@@ -224,6 +230,7 @@ fn setting<'a>(case: &Case, space: &'a FsiSpace<2>, constraints: &Constraints<2>
         solids: case.solids.iter().map(SolidSpec::physics).collect(),
         fluid_density: case.fluids.first().map(|fluid| fluid.density),
         held,
+        springs: spring::entries(case, space),
         open: space.mesh.boundaries.iter().map(open).collect(),
         quadrature: case.space.quadrature,
     }

@@ -10,6 +10,12 @@ use crate::time::StepFailure;
 /// Part of the largest speed from which on flow that comes in is named as the cause.
 const SHARE: f64 = 0.5;
 
+/// If the mesh folded: how many times the root mean square of the speeds the flow that comes in must be, for that is its
+/// mark, and how near the fold must be in parts of the diameter of the mesh.
+const BURST: f64 = 5.0;
+/// See [`BURST`].
+const NEAR: f64 = 0.1;
+
 /// Gauss points per facet.
 const POINTS: usize = 3;
 
@@ -48,16 +54,23 @@ pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow>
     found
 }
 
-/// The flow through an outlet that explains a breakdown after `state`: the mesh did not fold, and hardly anywhere is
-/// the flow faster than where it comes in.
+/// The flow through an outlet that explains a breakdown after `state`: hardly anywhere is the flow faster than where it
+/// comes in, and the mesh did not fold, or only beside a burst of such flow.
 pub(super) fn explains(
     case: &Case,
     space: &FsiSpace<2>,
     state: &State,
     failure: &StepFailure,
 ) -> Option<Inflow> {
-    let speeds = state.v.chunks_exact(2).map(|v| v[0].hypot(v[1]));
-    let largest = speeds.fold(0.0, f64::max);
+    let speeds = || state.v.chunks_exact(2).map(|v| v[0].hypot(v[1]));
+    let largest = speeds().fold(0.0, f64::max);
+    let mean = (speeds().map(|v| v * v).sum::<f64>() / (state.v.len() / 2).max(1) as f64).sqrt();
     let folded = failure.worst.min_j <= 0.0;
-    inflow(case, space, state).filter(|found| !folded && found.speed >= SHARE * largest)
+    let reach = NEAR * space.mesh.diameter();
+    let beside = |found: &Inflow| {
+        let centres = failure.worst.cells.iter().map(|&cell| space.mesh.centre(cell as usize));
+        centres.map(|x| (x[0] - found.point[0]).hypot(x[1] - found.point[1])).any(|gap| gap < reach)
+    };
+    let burst = |found: &Inflow| found.speed >= BURST * mean && beside(found);
+    inflow(case, space, state).filter(|found| found.speed >= SHARE * largest && (!folded || burst(found)))
 }

@@ -4,6 +4,7 @@ use crate::case::{Case, FluidSpec, FunctionalSpec, Site};
 use crate::functional::Functional;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
+use crate::functional::moment::Moment;
 use crate::functional::point::{Displacement, Pressure, PressureDifference};
 use crate::functional::power::Power;
 use crate::functional::quantity::{Quantity, Take};
@@ -61,6 +62,7 @@ impl FunctionalSpec {
                     Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
+            FunctionalSpec::Moment { on, about } => Box::new(Moment::new(surfaces, on, *about)),
             FunctionalSpec::Displacement { point, component } => {
                 Box::new(Displacement::new(space, *point, *component)?)
             }

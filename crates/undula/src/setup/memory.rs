@@ -55,7 +55,7 @@ impl Case {
         let most = (0..refine).rev().find(|refine| self.bytes(coarse, *refine) <= at_hand);
         let key = match (&self.mesh.source, most) {
             (_, Some(_)) => "mesh.refine",
-            (MeshSource::Box { .. }, None) => "mesh.cells",
+            (MeshSource::Box { .. } | MeshSource::Annulus { .. }, None) => "mesh.cells",
             (MeshSource::File(_), None) => "mesh.file",
             _ => "mesh",
         };
@@ -88,6 +88,11 @@ impl Case {
             MeshSource::Flap => of_mesh(&generate::flap(0, grading)),
             MeshSource::Cavity => of_mesh(&generate::cavity(0)),
             MeshSource::Tube2d => of_mesh(&generate::tube_2d(0)),
+            MeshSource::Valve => of_mesh(&generate::valve(0, grading)),
+            MeshSource::Annulus { cells, .. } => {
+                let all = cells[0] as f64 * cells[1] as f64;
+                (all, all)
+            }
             MeshSource::Box { lower, upper, cells } => {
                 let all = cells[0] as f64 * cells[1] as f64;
                 (all, all * self.share_of_box(*lower, *upper))

@@ -63,6 +63,10 @@ impl Case {
             MeshSource::Flap => (generate::flap(0, grading), vec![]),
             MeshSource::Cavity => (generate::cavity(0), vec![]),
             MeshSource::Tube2d => (generate::tube_2d(0), vec![]),
+            MeshSource::Valve => (generate::valve(0, grading), vec![]),
+            MeshSource::Annulus { radii, cells } => {
+                (generate::annulus(*radii, *cells, 0)?, generate::circles(*radii))
+            }
             MeshSource::Box { lower, upper, cells } => {
                 (generate::rectangle(*lower, *upper, *cells, 0)?, vec![])
             }

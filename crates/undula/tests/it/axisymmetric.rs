@@ -390,6 +390,15 @@ fn what_an_axis_cannot_have_is_refused() {
     let rotor = ["mesh.coordinates=axisymmetric", "motion.model=pseudo-elastic"];
     let said = wrong_builtin("rotor", &rotor);
     assert!(said.contains("rotation.kind"), "{said}");
+    let moment = ["functional.flow.kind=moment", "functional.flow.point=[0,0]"];
+    let said = refused(&moment);
+    assert!(said.contains("functional.flow.kind") && said.contains("axis"), "{said}");
+    let periodic =
+        ["mesh.coordinates=cartesian", "boundary.top.condition=periodic", "boundary.top.with=bottom"];
+    let ends = ["boundary.bottom.condition=periodic", "boundary.bottom.with=top"];
+    let none = ["boundary.top.pressure=none", "boundary.bottom.pressure=none"];
+    let said = refused(&[&moment[..], &periodic, &ends, &none].concat());
+    assert!(said.contains("functional.flow.kind") && said.contains("periodic"), "{said}");
     let of_mesh = |more: &[&str]| match Simulation::new(case(PIPE, more), 1) {
         Ok(_) => panic!("{more:?}"),
         Err(e) => e.to_string(),

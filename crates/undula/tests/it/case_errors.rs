@@ -94,7 +94,7 @@ leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
 own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `reference`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `initial`, `newton`, `linear`, `functional`, `output`
-own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `box`; did you mean `turek-hron`?
+own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `annulus`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
 own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`, `P3`, `P2-bubble`
@@ -128,7 +128,7 @@ own.toml:59:6: functional.drag.on = []: expected an array of names, such as ["cy
 own.toml:60:13: functional.drag.component = "z": expected one of `x`, `y`
 own.toml:62:13: functional.tip.component: missing: "x" or "y"
 own.toml:64:15: functional.tip.point[1] = "right": expected a finite number
-own.toml:67:8: functional.other.kind = "forces": expected one of `force`, `displacement`, `pressure-difference`, `energy`, `rotation`, `flux`, `power`, `pressure`, `velocity`, `stress`, `wall-shear-stress`, `volume`; did you mean `force`?
+own.toml:67:8: functional.other.kind = "forces": expected one of `force`, `moment`, `displacement`, `pressure-difference`, `energy`, `rotation`, `flux`, `power`, `pressure`, `velocity`, `stress`, `wall-shear-stress`, `volume`; did you mean `force`?
 own.toml:70:16: output.fields-every = -1: expected an integer, 0 or above
 own.toml:71:8: output.mesh = "moved": expected one of `deformed`, `reference`
 own.toml:72:11: output.leading = "lft": expected the name of a functional; there are `drag`, `tip`, `other`"#;
@@ -216,7 +216,7 @@ fn mistakes_in_meshes() {
     for (mesh, expected) in [
         (
             "refine = 1",
-            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `box`) or `file`",
+            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `annulus`, `box`) or `file`",
         ),
         (
             "generator = \"box\"\nlower = [0, 0]\nupper = [1, 0]\ncells = [4, 0]",
@@ -229,7 +229,7 @@ fn mistakes_in_meshes() {
         ),
         (
             "generator = \"turek-hron\"\ncells = [4, 4]",
-            "own.toml:3:9: mesh.cells = [4, 4]: only for generator = \"box\"",
+            "own.toml:3:9: mesh.cells = [4, 4]: only for generator = \"box\" or \"annulus\"",
         ),
         (
             "generator = \"turek-hron\"\nfile = \"a.msh\"",
@@ -342,7 +342,7 @@ fn a_case_that_is_not_there() {
     assert_eq!(
         told("missing/own.toml").0,
         "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
-         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`, `flap`, `cavity`, `tube-2d`"
+         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`, `flap`, `cavity`, `tube-2d`, `cylinder`, `pump`, `valve`"
     );
     // A directory exists, but it cannot be read as a file.
     assert!(!told("src").1);

@@ -13,7 +13,7 @@ use undula::simulation::Simulation;
 
 /// Cases, what is changed in them, and how far their functionals may be from the published ones at this
 /// resolution; `None` where the run is too short to have reached what is published.
-const RUNS: [(&str, &[&str], Option<f64>); 16] = [
+const RUNS: [(&str, &[&str], Option<f64>); 19] = [
     ("cfd1", &["mesh.refine=1"], Some(0.01)),
     ("cfd2", &["mesh.refine=1"], Some(0.06)),
     ("cfd3", &["mesh.refine=0", "time.step=0.02", "time.end=0.2"], None),
@@ -30,6 +30,9 @@ const RUNS: [(&str, &[&str], Option<f64>); 16] = [
     ("flap", &["time.step=0.02"], Some(0.02)),
     ("cavity", &["mesh.refine=0", "time.step=0.1", "time.end=2"], None),
     ("tube-2d", &["mesh.refine=0", "time.step=2e-4", "time.end=2e-3"], None),
+    ("cylinder", &["mesh.cells=[12,2]", "time.step=0.05", "time.end=0.5"], None),
+    ("pump", &["mesh.cells=[20,1]", "time.step=1", "time.end=10"], None),
+    ("valve", &["time.step=0.04", "time.end=0.4"], None),
 ];
 
 /// The last values by functional, with their units.

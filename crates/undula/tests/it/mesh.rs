@@ -4,7 +4,7 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use undula::element::Shape;
-use undula::mesh::generate::{cylinder, rectangle, schaefer_turek, turek_hron};
+use undula::mesh::generate::{annulus, circles, cylinder, rectangle, schaefer_turek, turek_hron, valve};
 use undula::mesh::{Curve, Facet, FacetDistance, Locator, Mesh, MeshError};
 
 const CYLINDER_AREA: f64 = PI * 0.05 * 0.05;
@@ -429,4 +429,46 @@ fn distances_to_straight_and_curved_facets_are_exact() {
 fn generators_give_the_same_bits_every_time() {
     let (one, two) = (turek_hron(1, 2), turek_hron(1, 2));
     assert_eq!((one.nodes, one.cell_nodes, one.facets), (two.nodes, two.cell_nodes, two.facets));
+}
+
+/// The ring: counts, nodes on both circles at every level, refused sizes.
+#[test]
+fn a_ring_has_the_promised_counts_and_circles() {
+    for level in [0, 1, 2] {
+        let mesh = annulus([0.5, 2.0], [12, 3], level).unwrap();
+        assert_eq!((mesh.n_cells(), euler(&mesh)), (36 << (2 * level), 0));
+        assert_eq!(
+            (&mesh.regions[..], &mesh.boundaries[..]),
+            (&["fluid".into()][..], &["inner".into(), "outer".into()][..])
+        );
+        assert_eq!([count(&mesh, "inner"), count(&mesh, "outer")], [12 << level; 2]);
+        mesh.check_curves(&circles([0.5, 2.0])).unwrap();
+        assert!(has_vertex(&mesh, [0.5, 0.0]));
+        let gap = region_area(&mesh, "fluid") / (3.75 * PI) - 1.0;
+        assert!(gap.abs() < 3e-4 / f64::from(16 << (4 * level)) * 16.0, "{level}: {gap:e}");
+    }
+    for (radii, cells) in
+        [([1.0, 1.0], [4, 1]), ([0.0, 1.0], [4, 1]), ([1.0, 2.0], [6, 1]), ([1.0, 2.0], [4, 0])]
+    {
+        assert!(annulus(radii, cells, 0).is_err(), "{radii:?} {cells:?}");
+    }
+}
+
+/// The valve: counts, areas, names; mirrored to the axis.
+#[test]
+fn the_valve_has_the_promised_counts_and_names() {
+    for level in [0, 1] {
+        let mesh = valve(level, 0);
+        mesh.check_matching("fluid", "solid", &[]).unwrap();
+        assert_eq!((mesh.n_cells(), euler(&mesh)), (432 << (2 * level), 1));
+        assert_eq!(mesh.boundaries, ["inflow", "outflow", "walls", "clamp", "interface"]);
+        assert_eq!(count(&mesh, "clamp"), 2 << level);
+        assert_eq!(count(&mesh, "interface"), 26 << level);
+        assert!((region_area(&mesh, "solid") - 1.6e-5).abs() < 1e-15);
+        assert!((region_area(&mesh, "fluid") - 2e-3 + 1.6e-5).abs() < 1e-15);
+        for x in &mesh.nodes {
+            assert!(mesh.nearest_node([x[0], -x[1]]).unwrap().1 < 1e-15, "{x:?}");
+        }
+    }
+    assert_eq!(valve(0, 2).n_cells(), 432 + 2 * 32);
 }

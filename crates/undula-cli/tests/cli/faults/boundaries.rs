@@ -197,6 +197,17 @@ fn flow_back_in_through_an_outlet_is_named() {
     undula(&vessel, run, &[cells, step, "time.max-halvings=0"]).expect(3, &words);
 }
 
+/// A pressure pulse at an inlet: when it is over, the flow turns round there, and a burst of it folds the wall beside it.
+#[test]
+fn a_burst_through_an_inlet_with_a_pressure_is_named() {
+    let artery = place("artery", &["newcomer/artery.toml", "newcomer/artery.msh"]);
+    let run = "run artery.toml --quiet --threads 1 --force -o out";
+    let words =
+        ["the flow comes back in through the outlet `inlet`", "boundary.inlet.backflow = \"directional\""];
+    undula(&artery, run, &["time.max-halvings=0"]).expect(3, &words);
+    undula(&artery, run, &["time.step=2e-4", "boundary.inlet.backflow=directional"]).expect(0, &[]);
+}
+
 #[test]
 fn the_directional_outlet_computes_through_backflow() {
     let (vessel, [cells, step]) = vessel("directional");

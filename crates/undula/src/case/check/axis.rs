@@ -1,12 +1,27 @@
-//! What a case around an axis cannot have.
+//! What a case around an axis, or with periodic boundaries, cannot have.
 
+use crate::case::conditions::Condition;
 use crate::case::functionals::FunctionalSpec;
 use crate::case::read::Section;
 use crate::case::schema::Case;
 use crate::physics::{MotionModel, PressureTerm, TransportTerm};
 
+/// Refuses moments where a point of the fluid has several places.
+fn refuse_moments(root: &mut Section<'_, '_>, case: &Case) {
+    if !case.boundary.values().any(|condition| matches!(condition, Condition::Periodic(_))) {
+        return;
+    }
+    for (name, functional) in &case.functional {
+        if matches!(functional, FunctionalSpec::Moment { .. }) {
+            let message = "a moment depends on which of the places of a periodic point is meant; expected no periodic boundary";
+            root.section("functional").section(name).wrong("kind", message.to_string());
+        }
+    }
+}
+
 /// Refuses what is written for the plane alone.
 pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
+    refuse_moments(root, case);
     if !case.mesh.coordinates.is_axisymmetric() {
         return;
     }
@@ -23,7 +38,7 @@ pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
         root.section("stabilization").wrong("transport", format!("{only}; expected `off`"));
     }
     for (name, functional) in &case.functional {
-        if matches!(functional, FunctionalSpec::Rotation) {
+        if matches!(functional, FunctionalSpec::Rotation | FunctionalSpec::Moment { .. }) {
             root.section("functional")
                 .section(name)
                 .wrong("kind", "nothing turns around the axis".to_string());

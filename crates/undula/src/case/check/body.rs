@@ -30,6 +30,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
+    let radii = s.pair("radii", POSITIVE);
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     let own = root.checker.mesh;
@@ -43,14 +44,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         let generators = quoted(choice::names(&GENERATORS));
         s.missing("generator", &format!("give `generator` ({generators}) or `file`"));
     }
-    let is_box = matches!(generator, Some(MeshSource::Box { .. }));
-    for key in ["lower", "upper", "cells", "region"] {
-        if s.has(key) && !is_box && (generator.is_some() || file.is_some()) {
-            s.wrong(key, "only for generator = \"box\"");
-        } else if is_box && !s.has(key) && key != "region" {
-            s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
-        }
-    }
+    sizes_belong(&s, generator.as_ref(), file.is_some());
     if s.has("scale") && file.is_none() {
         s.wrong("scale", "only for `file`: the generators make meshes in metres");
     }
@@ -59,7 +53,11 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     {
         s.wrong("upper", format!("expected a corner right of and above `lower` = [{}, {}]", a[0], a[1]));
     }
+    if let Some(MeshSource::Annulus { .. }) = generator {
+        check_ring(&s, radii, cells);
+    }
     let source = match (generator, file) {
+        (Some(MeshSource::Annulus { .. }), _) => MeshSource::Annulus { radii: radii?, cells: cells? },
         (Some(MeshSource::Box { .. }), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
         (Some(generator), _) => generator,
         (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
@@ -71,9 +69,49 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     Some(MeshSpec { source, scale, coordinates, refine, grading, region, leave_out })
 }
 
+/// Refuses sizes of another generator, and misses those of this one.
+fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool) {
+    let is_box = matches!(generator, Some(MeshSource::Box { .. }));
+    let is_ring = matches!(generator, Some(MeshSource::Annulus { .. }));
+    for (key, of_box, of_ring) in [
+        ("lower", true, false),
+        ("upper", true, false),
+        ("radii", false, true),
+        ("cells", true, true),
+        ("region", true, true),
+    ] {
+        let is_used = (is_box && of_box) || (is_ring && of_ring);
+        if s.has(key) && !is_used && (generator.is_some() || file) {
+            let generators = match (of_box, of_ring) {
+                (true, true) => "\"box\" or \"annulus\"",
+                (true, false) => "\"box\"",
+                _ => "\"annulus\"",
+            };
+            s.wrong(key, format!("only for generator = {generators}"));
+        } else if is_box && is_used && !s.has(key) && key != "region" {
+            s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
+        } else if is_ring && is_used && !s.has(key) && key != "region" {
+            s.missing(
+                key,
+                "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]",
+            );
+        }
+    }
+}
+
+/// Refuses a ring that has no thickness, or that has no vertices on the axes.
+fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<[usize; 2]>) {
+    if radii.is_some_and(|[inner, outer]| inner >= outer) {
+        s.wrong("radii", "expected the radius of the inner circle, then the larger one of the outer circle");
+    }
+    if cells.is_some_and(|[round, _]| !round.is_multiple_of(4)) {
+        s.wrong("cells", "expected a multiple of 4 round, as [16, 4]");
+    }
+}
+
 /// Keys that say where the mesh comes from, if the program gives it.
 fn refuse_source(s: &Section<'_, '_>) {
-    for key in ["generator", "file", "grading", "lower", "upper", "cells", "region"] {
+    for key in ["generator", "file", "grading", "lower", "upper", "radii", "cells", "region"] {
         if s.has(key) {
             s.wrong(key, "the program gives the mesh");
         }

@@ -13,6 +13,9 @@ impl FunctionalSpec {
     pub(super) fn read(self, s: &mut Section<'_, '_>) -> FunctionalSpec {
         match self {
             FunctionalSpec::Force { .. } => force(s),
+            FunctionalSpec::Moment { .. } => {
+                FunctionalSpec::Moment { on: boundaries(s), about: required_point(s, "point") }
+            }
             FunctionalSpec::Displacement { .. } => {
                 FunctionalSpec::Displacement { point: required_point(s, "point"), component: axis(s) }
             }

@@ -40,6 +40,10 @@ impl FunctionalSpec {
                     out.key("coefficient", pair(scales));
                 }
             }
+            FunctionalSpec::Moment { on, about } => {
+                out.key("on", names(on));
+                out.key("point", pair(about));
+            }
             FunctionalSpec::Displacement { point, component } => {
                 out.key("point", pair(point));
                 out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));

@@ -1,8 +1,9 @@
-//! Meshes of the benchmarks and of rectangles.
+//! Meshes of the benchmarks and of examples, of rectangles and rings.
 //!
 //! Level 0 is made of blocks; level `L` is its `L`-fold uniform refinement, with the nodes on the
 //! cylinder exactly on the circle at every level.
 
+mod annulus;
 mod blocks;
 mod cavity;
 mod channel;
@@ -12,7 +13,9 @@ mod rotor;
 mod schaefer_turek;
 mod tube;
 mod turek_hron;
+mod valve;
 
+pub use annulus::{annulus, circles};
 pub use cavity::cavity;
 pub use flap::flap;
 pub use rectangle::rectangle;
@@ -20,6 +23,7 @@ pub use rotor::rotor;
 pub use schaefer_turek::schaefer_turek;
 pub use tube::tube_2d;
 pub use turek_hron::turek_hron;
+pub use valve::valve;
 
 use super::Curve;
 

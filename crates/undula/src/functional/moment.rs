@@ -1,0 +1,72 @@
+//! Moment of the force of the fluid on boundaries.
+
+use super::force::{Surfaces, Tractions};
+use super::{Functional, Snapshot};
+use crate::math::Vector;
+use crate::space::State;
+
+/// −R_f(e_z × (x + u − c)): the residual of the fluid alone, tested with the rotation about a point c in space on the
+/// nodes of boundaries \[N\], N m per m of depth, positive if it turns from x to y.
+///
+/// x + u is the mean over the step, (1 − θ) u⁻ + θ u. Nodes at the ends of the boundaries are shared out as those of
+/// [`super::force::ForceByResidual`]; a facet with an outflow condition takes its surface integral.
+pub struct Moment {
+    about: Vector<f64, 2>,
+    nodes: Vec<u32>,
+    /// Nodes, and what of their residual counts.
+    parts: Vec<(u32, f64)>,
+    /// Surface integrals of facets, tested with a node.
+    tractions: Vec<(u32, Tractions<2>)>,
+}
+
+impl Moment {
+    /// On the boundaries `names`, about a point \[m\].
+    pub fn new(surfaces: &Surfaces<'_, 2>, names: &[String], about: [f64; 2]) -> Self {
+        let shares = surfaces.shares(names);
+        let whole = shares.whole.iter().map(|&node| (node, 1.0));
+        let ends = shares.integrals.iter().flat_map(|(&n, at)| at.iter().map(move |&at| (n, at)));
+        let outflow = shares
+            .outflow
+            .iter()
+            .flat_map(|&n| surfaces.nodes(n).into_iter().map(move |node| (n, (node, 1.0))));
+        let tested = |(n, at): (usize, (u32, f64))| (at.0, surfaces.tested(n, &[at]));
+        Moment {
+            about: Vector(about),
+            parts: whole.chain(shares.shared.iter().copied()).collect(),
+            tractions: ends.chain(outflow).map(tested).collect(),
+            nodes: shares.nodes,
+        }
+    }
+}
+
+impl Functional<2> for Moment {
+    fn unit(&self) -> &'static str {
+        "N"
+    }
+
+    fn at_force_time(&self) -> bool {
+        true
+    }
+
+    fn residual_nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    fn evaluate(&self, at: &Snapshot<'_, 2>) -> f64 {
+        let theta = at.rule.theta;
+        let turned = |node: u32, force: Vector<f64, 2>| {
+            let x = at.space.nodes.points[node as usize];
+            let arm: [f64; 2] = std::array::from_fn(|i| {
+                let n = 2 * node as usize + i;
+                // Without a body and walls that move there is no displacement.
+                let u = |state: &State| state.u.get(n).copied().unwrap_or(0.0);
+                x[i] + (1.0 - theta) * u(at.old) + theta * u(at.new) - self.about.0[i]
+            });
+            arm[0] * force.0[1] - arm[1] * force.0[0]
+        };
+        let residual = |node: u32| Vector([0, 1].map(|i: usize| at.fluid_residual[2 * node as usize + i]));
+        let nodes: f64 = self.parts.iter().map(|&(node, part)| part * turned(node, residual(node))).sum();
+        let facets: f64 = self.tractions.iter().map(|(node, facet)| turned(*node, facet.sum(at))).sum();
+        -(nodes + facets)
+    }
+}
