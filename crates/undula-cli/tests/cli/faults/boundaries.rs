@@ -248,7 +248,8 @@ fn a_periodic_box_runs() {
          condition = \"periodic\"\nwith = \"top\"\n[initial]\nvelocity = [\"1 - cos(2*pi*x)*sin(2*pi*y)\", \
          \"sin(2*pi*x)*cos(2*pi*y)\"]\n[time]\nstep = 0.05\nend = 0.1\n[output]\nfields-every = 1\n",
     );
-    here.run("check torus.toml", &[]).expect(0, &["left: periodic", "top: periodic", "closed in on all sides"]);
+    here.run("check torus.toml", &[])
+        .expect(0, &["left: periodic", "top: periodic", "closed in on all sides"]);
     here.run("run torus.toml -o out", &[]).expect(0, &["completed", "out/plots/speed.png"]);
     here.run("run torus.toml -o out --resume --quiet", &["time.end=0.2"]).expect(0, &[]);
     here.run("run torus.toml -o whole --quiet", &["time.end=0.2"]).expect(0, &[]);
