@@ -42,12 +42,17 @@ impl<const D: usize> Mesh<D> {
             }
         }
         let [one, two] = facets.map(|facets| facets.iter().map(|f| self.place(f)).collect::<Vec<_>>());
+        if let Some((name, _)) = names.iter().zip([&one, &two]).find(|(_, list)| list.is_empty()) {
+            return Err(format!(
+                "`{name}` has no facet on the bodies of the case: expected two outer boundaries"
+            ));
+        }
         let size =
             |place: &Place<D>| place.nodes.iter().map(|x| distance(*x, place.centre)).fold(0.0, f64::max);
         let close = CLOSE * one.iter().chain(&two).map(size).fold(f64::INFINITY, f64::min);
         let ends = [&one, &two].map(|list| bounds(list.iter().flat_map(|place| place.nodes.iter().copied())));
         let shift = minus(ends[1].0, ends[0].0);
-        if !(distance(plus(ends[0].1, shift), ends[1].1) <= close) {
+        if distance(plus(ends[0].1, shift), ends[1].1) > close {
             let extent =
                 ends.map(|(lower, upper)| format!("{} to {}", self.shown(&lower), self.shown(&upper)));
             return Err(format!(

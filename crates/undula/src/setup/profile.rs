@@ -177,16 +177,19 @@ impl<const D: usize> Section<D> {
     }
 }
 
+/// The velocity \[m/s\] of each frequency at a node, real and imaginary part.
+type Waves = Vec<[[f64; 2]; 2]>;
+
 /// Values at nodes that are found by their places.
 struct AtNodes {
-    /// Sorted by the coordinate `axis`: place, and the velocity \[m/s\] of each frequency, real and imaginary part.
-    nodes: Vec<([f64; 2], Vec<[[f64; 2]; 2]>)>,
+    /// Sorted by the coordinate `axis`.
+    nodes: Vec<([f64; 2], Waves)>,
     axis: usize,
     close: f64,
 }
 
 impl AtNodes {
-    fn new(points: &[[f64; 2]], values: Vec<Vec<[[f64; 2]; 2]>>) -> AtNodes {
+    fn new(points: &[[f64; 2]], values: Vec<Waves>) -> AtNodes {
         let extent = |d: usize| {
             let along = points.iter().map(|x| x[d]);
             along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
@@ -197,7 +200,7 @@ impl AtNodes {
         AtNodes { nodes, axis, close: 1e-9 * extent(axis) }
     }
 
-    fn find(&self, x: &[f64; 2]) -> Option<&Vec<[[f64; 2]; 2]>> {
+    fn find(&self, x: &[f64; 2]) -> Option<&Waves> {
         let along = x[self.axis];
         let first = self.nodes.partition_point(|(at, _)| at[self.axis] < along - self.close);
         let near = self.nodes[first..].iter().take_while(|(at, _)| at[self.axis] <= along + self.close);
