@@ -188,9 +188,8 @@ the scheme to rounding, and the same equation solved exactly to second order in 
 
 ![Speed around the hydrofoil](../docs/pictures/hydrofoil.png)
 
-`examples/hydrofoil.toml`: NACA 0012, chord 1 m, 5° nose up in a stream of 1 m/s in a channel of 3 m,
-Re = 200, on springs of 565.3 N/m² and 0.508 N at its axis. Drag, lift and moment about the axis are those of the springs
-to 1e-6 (`tests/it/hydrofoil.rs`). The modes in vacuum are those of a rigid foil, det(K − ω² M) = 0, to 1e-5 if it is
+`examples/hydrofoil.toml`: NACA 0012, chord 1 m, 5° nose up in a stream of 1 m/s in a channel of 3 m, Re = 200, on
+springs of 565.3 N/m² and 0.508 N at its axis. Drag, lift and moment about the axis are those of the springs to 1e-6 (`tests/it/hydrofoil.rs`). The modes in vacuum are those of a rigid foil, det(K − ω² M) = 0, to 1e-5 if it is
 stiffer. A swing in the fluid at rest comes near to the mode with the added mass, which has no viscosity, as the
 viscosity falls.
 """)
