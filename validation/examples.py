@@ -16,7 +16,7 @@ import subprocess
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 UNDULA = os.environ.get("UNDULA", str(ROOT / "target/release/undula"))
 OUT = pathlib.Path(os.environ.get("OUT", str(ROOT / "out/validation/examples")))
-FOIL = str(ROOT / "crates/undula/examples/cases/hydrofoil.toml")
+FOIL = str(ROOT / "examples/hydrofoil.toml")
 
 
 def run(case, name, *sets):
@@ -115,7 +115,8 @@ def hydrofoil():
         history, unknowns = run(FOIL, f"foil-{refine}", f"mesh.refine={refine}")
         at = {key: values[0] for key, values in history.items()}
         # The chord keeps its length but for 1e-5 of it.
-        turned = math.asin((at["uy_tail"] - at["uy_nose"] + chord[1]) / math.hypot(*chord)) - math.atan2(chord[1], chord[0])
+        moved = (at["uy_tail"] - at["uy_nose"] + chord[1]) / math.hypot(*chord)
+        turned = math.asin(moved) - math.atan2(chord[1], chord[0])
         rows.append([refine, unknowns, f"{at['drag']:.5f}", f"{at['lift']:.5f}", f"{at['moment']:.6f}",
                      f"{math.degrees(turned):.4f}"])
     table(["refine", "unknowns", "drag (N/m)", "lift (N/m)", "moment (N)", "turned (degrees)"], rows)
@@ -155,13 +156,13 @@ if __name__ == "__main__":
 
 ![Speed around the cylinder](../docs/pictures/cylinder.png)
 
-A cylinder of radius R = 1 m oscillates with u = a sin(ω t), ω = 2π/s, inside a fixed one of 2 m; ν = 0.5 m²/s. The force
-of small motions is −π ρ R² (C_a u'' + ω C_d u'), C_a = 2.54619 and C_d = 3.52323 in closed form (modified Bessel
+A cylinder of radius R = 1 m oscillates with u = a sin(ω t), ω = 2π/s, inside a fixed one of 2 m; ν = 0.5 m²/s. The
+force of small motions is −π ρ R² (C_a u'' + ω C_d u'), C_a = 2.54619 and C_d = 3.52323 in closed form (modified Bessel
 functions: Stokes 1851; Chen, Wambsganss and Jendrzejczyk 1976). C_a, C_d of the third period:
 """)
         cylinder()
-        print("""The error of the steps is of second order, that of the mesh of fourth. At a = 0.1 m and 0.3 m the motion is no
-longer small.
+        print("""The error of the steps is of second order, that of the mesh of fourth. At a = 0.1 m and 0.3 m the motion
+is no longer small.
 
 ## pump
 
@@ -176,20 +177,19 @@ period, extrapolated from 20 and 40 steps:
 
 ![Speed in the open valve](../docs/pictures/valve.png)
 
-Two leaflets in a flow of 0.1 sin²(πt) m/s in the mean, an RCR circuit behind. *Opening*: how far the lower tip goes down;
-the gap between the tips is 4 mm at rest. *Overshoot*: how far it comes up.
+Two leaflets in a flow of 0.1 sin²(πt) m/s in the mean, an RCR circuit behind. *Opening*: how far the lower tip goes
+down; the gap between the tips is 4 mm at rest. *Overshoot*: how far it comes up.
 """)
         valve()
-        print("""The built-in case has `refine` 0 and 0.01 s. The circuit follows C dP/dt = Q − P/R_d of the computed flow by the
-scheme to rounding, and the same equation solved exactly to second order in the step (`tests/it/valve.rs`).
+        print("""The built-in case has `refine` 0 and 0.01 s. The circuit follows C dP/dt = Q − P/R_d of the computed flow by
+the scheme to rounding, and the same equation solved exactly to second order in the step (`tests/it/valve.rs`).
 
 ## hydrofoil
 
 ![Speed around the hydrofoil](../docs/pictures/hydrofoil.png)
 
-`crates/undula/examples/cases/hydrofoil.toml`: NACA 0012, chord 1 m, 5° nose up in a stream of 1 m/s in a channel of 3 m,
-Re = 200, on springs of 565.3 N/m and 0.508 N at its axis. Drag, lift and moment about the axis are those of the springs
-to 1e-6 (`tests/it/hydrofoil.rs`). The modes in vacuum are those of a rigid foil, det(K − ω² M) = 0, to 1e-5 if it is
+`examples/hydrofoil.toml`: NACA 0012, chord 1 m, 5° nose up in a stream of 1 m/s in a channel of 3 m, Re = 200, on
+springs of 565.3 N/m² and 0.508 N at its axis. Drag, lift and moment about the axis are those of the springs to 1e-6 (`tests/it/hydrofoil.rs`). The modes in vacuum are those of a rigid foil, det(K − ω² M) = 0, to 1e-5 if it is
 stiffer. A swing in the fluid at rest comes near to the mode with the added mass, which has no viscosity, as the
 viscosity falls.
 """)

@@ -1,4 +1,4 @@
-//! The case `examples/cases/hydrofoil.toml`: a stiff foil on springs at its axis.
+//! The case `examples/hydrofoil.toml`: a stiff foil on springs at its axis.
 
 use crate::common::sets;
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ const STIFFNESS: f64 = 3000.0;
 const POINTS: usize = 3;
 
 fn foil(more: &[&str]) -> Case {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/cases/hydrofoil.toml");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/hydrofoil.toml");
     let case = Case::load(path.to_str().unwrap(), &sets(more)).unwrap();
     assert_eq!(case.space.quadrature, POINTS);
     case

@@ -1,4 +1,4 @@
-"""Writes hydrofoil.msh: a NACA 0012 foil of chord 1 m in a channel, with a hole at its axis. Needs gmsh (pip install gmsh).
+"""Writes hydrofoil.msh: a NACA 0012 foil of chord 1 m in a channel, with a hole at its axis. Needs `pip install gmsh`.
 
 The axis is the origin, 0.35 m behind the leading edge; the foil is turned by 5 degrees, nose up.
 """
