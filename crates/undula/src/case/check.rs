@@ -99,6 +99,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     let initial = initial::initial(root.section("initial"), time.is_some());
+    bodies::refuse_prestress(&mut root, &solids, time.is_some(), initial.as_ref());
     for fluid in fluids.iter().filter(|fluid| fluid.force_at_current) {
         refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }

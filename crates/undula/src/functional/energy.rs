@@ -84,7 +84,7 @@ impl Energy {
                 Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor)
             }
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
-            (Integral::Elastic, Region::Solid) => Some(physics.solid?.material.energy(&f.grad_u)),
+            (Integral::Elastic, Region::Solid) => Some(physics.solid?.energy(&point.fabric, &f.grad_u)),
             (Integral::Rotation, Region::Solid) => Some(point.x[0] * f.u.0[1] - point.x[1] * f.u.0[0]),
             _ => None,
         }

@@ -8,7 +8,7 @@ use crate::math::{Tensor, Vector};
 use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{green_lagrange, in_space, principal, von_mises};
 use crate::physics::{Fields, Kinematics};
-use crate::sampling::{FacetPoint, facet_points_of, fields_at, for_each_point_of};
+use crate::sampling::{FacetPoint, PointValues, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FluidBoundary, FsiSpace, Region, State};
 use crate::system::Physics;
 
@@ -83,10 +83,11 @@ impl NodalField {
     }
 
     /// Add the value at a point of `region` to `sum`.
-    fn add<const D: usize>(self, physics: &Physics, region: Region, at: &Fields<f64, D>, sum: &mut [f64]) {
+    fn add<const D: usize>(self, physics: &Physics, point: &PointValues<'_, D>, sum: &mut [f64]) {
+        let (region, at) = (point.region, &point.fields);
         let sigma = || match region {
             Region::Fluid => physics.fluid.map_or(Tensor::zero(), |fluid| fluid.cauchy(at)),
-            Region::Solid => physics.solid.map_or(Tensor::zero(), |solid| solid.cauchy(at)),
+            Region::Solid => physics.solid.map_or(Tensor::zero(), |solid| solid.cauchy(&point.fabric, at)),
         };
         let mut add = |values: &[f64]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         match self {
@@ -132,7 +133,7 @@ pub fn in_body<const D: usize>(
             let node = space.nodes.cell(point.cell)[visited % per_cell] as usize;
             visited += 1;
             let physics = physics.of(space.material[point.cell]);
-            field.add(&physics, region, &point.fields, &mut values[node * n..(node + 1) * n]);
+            field.add(&physics, point, &mut values[node * n..(node + 1) * n]);
             count[node] += 1.0;
         },
     );

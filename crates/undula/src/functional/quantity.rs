@@ -3,7 +3,7 @@
 use crate::choice::{Choice, choice};
 use crate::math::{Tensor, Vector};
 use crate::physics::stress::{principal, von_mises};
-use crate::physics::{Fields, Kinematics};
+use crate::physics::{Fabric, Fields, Kinematics};
 use crate::space::Region;
 use crate::system::Physics;
 
@@ -154,7 +154,7 @@ impl Quantity {
         self,
         physics: &Physics,
         region: Region,
-        fields: &Fields<f64, D>,
+        (fabric, fields): (&Fabric<f64, D>, &Fields<f64, D>),
         normal: Option<Vector<f64, D>>,
     ) -> f64 {
         match self {
@@ -165,7 +165,7 @@ impl Quantity {
             Quantity::Stress(component) => {
                 let sigma = match region {
                     Region::Fluid => physics.fluid.map(|fluid| fluid.cauchy(fields)),
-                    Region::Solid => physics.solid.map(|solid| solid.cauchy(fields)),
+                    Region::Solid => physics.solid.map(|solid| solid.cauchy(fabric, fields)),
                 };
                 sigma.map_or(0.0, |sigma| component.of_tensor::<D>(&sigma))
             }

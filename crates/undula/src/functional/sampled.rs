@@ -8,8 +8,9 @@ use super::{Functional, Snapshot};
 use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Locator, MeshError};
+use crate::physics::Fabric;
 use crate::physics::kinematics::cofactor;
-use crate::sampling::{FacetPoint, facet_points, facet_points_of, fields_at, for_each_point_of};
+use crate::sampling::{FacetPoint, fabric_at, facet_points, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FsiSpace, Region, State};
 use std::borrow::Cow;
 
@@ -117,7 +118,7 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
                 let area = cofactor(&fields.grad_u) * point.normal;
                 let stretch = area.dot(area).sqrt();
                 let normal = Some(area * (1.0 / stretch));
-                let value = self.quantity.at(&physics, Region::Fluid, &fields, normal);
+                let value = self.quantity.at(&physics, Region::Fluid, (&Fabric::plain(), &fields), normal);
                 collected.add(value, point.weight * stretch);
             }
         }
@@ -162,7 +163,7 @@ impl<const D: usize> Functional<D> for InRegion {
         for_each_point_of(at.space, &state, &rule, wanted, |point| {
             let physics = at.physics.of(at.space.material[point.cell]);
             let J = (Tensor::identity() + point.fields.grad_u).det();
-            let value = self.quantity.at(&physics, self.place.body, &point.fields, None);
+            let value = self.quantity.at(&physics, self.place.body, (&point.fabric, &point.fields), None);
             collected.add(value, point.weight * J);
         });
         collected.take(self.take)
@@ -179,6 +180,7 @@ pub struct AtPoint<const D: usize> {
 /// A point in a cell, with the bases there.
 struct InCell<const D: usize> {
     cell: usize,
+    x: [f64; D],
     value: Vec<f64>,
     grad: Vec<[f64; D]>,
     pressure: Vec<f64>,
@@ -249,6 +251,7 @@ fn in_cell<const D: usize>(space: &FsiSpace<D>, cell: usize, xi: [f64; D]) -> In
     let x = mesh.map(cell, xi);
     InCell {
         cell,
+        x,
         value: table.value(0).to_vec(),
         grad: (0..table.n_basis).map(along).collect(),
         pressure: pressure.basis(mesh, cell, &xi, &x),
@@ -271,11 +274,11 @@ impl<const D: usize> Functional<D> for AtPoint<D> {
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let state = state_of(self.quantity, at);
-        let value = |InCell { cell, value, grad, pressure }: &InCell<D>| {
+        let value = |InCell { cell, x, value, grad, pressure }: &InCell<D>| {
             let mut fields = fields_at(at.space.nodes.cell(*cell), value, grad, &state);
             fields.p = pressure_at(at.space.pressure.cell(*cell), pressure, &state);
             let physics = at.physics.of(at.space.material[*cell]);
-            self.quantity.at(&physics, self.region, &fields, None)
+            self.quantity.at(&physics, self.region, (&fabric_at(at.space, *cell, x, grad), &fields), None)
         };
         self.cells.iter().map(value).sum::<f64>() / self.cells.len() as f64
     }

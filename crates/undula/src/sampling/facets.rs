@@ -3,7 +3,7 @@
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
 use crate::mesh::Facet;
-use crate::physics::Fields;
+use crate::physics::{Fabric, Fields};
 use crate::space::{FsiSpace, State};
 
 /// One quadrature point on a facet.
@@ -86,4 +86,15 @@ pub fn fields_at<const D: usize>(
         }
     }
     f
+}
+
+/// What a solid has at the place `x` \[m\] of a cell, where the basis has the gradients `grad`.
+pub fn fabric_at<const D: usize>(
+    space: &FsiSpace<D>,
+    cell: usize,
+    x: &[f64; D],
+    grad: &[[f64; D]],
+) -> Fabric<f64, D> {
+    let (fibre, unloading) = space.fabric_at(cell, x, grad);
+    Fabric { fibre, unloading }
 }

@@ -18,7 +18,8 @@ use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::Projection;
 use crate::space::{
-    BoundaryCondition, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls, enclosed,
+    BoundaryCondition, FibreField, FsiSpace, MotionData, PressureKind, PsiOwner, Region, State, Walls,
+    enclosed,
 };
 use crate::system::CurrentForce;
 use crate::system::{self, Assembler, Operator, Physics};
@@ -74,6 +75,7 @@ impl Case {
             space = space.with_materials(material, &with_pressure);
         }
         space.walls = self.motion.walls;
+        space.fabrics.fibres = self.solids.iter().map(fibres).collect();
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
         let in_fluid = |facet: &Facet| space.regions[facet.cell as usize] == Region::Fluid;
@@ -323,6 +325,11 @@ impl Case {
         }
         Ok(list)
     }
+}
+
+/// The directions of the fibres of a solid, if they are a field.
+fn fibres(solid: &SolidSpec) -> Option<FibreField<2>> {
+    solid.fibres.as_ref()?.direction.directions()
 }
 
 /// A body force, `None` if it is zero everywhere.

@@ -159,6 +159,7 @@ impl Case {
     /// # Errors
     /// As [`Case::build_space`] of the stationary case.
     pub(super) fn check_equilibrium(&self) -> Result<(), Error> {
+        self.check_prestress()?;
         if !self.starts_static() {
             return Ok(());
         }

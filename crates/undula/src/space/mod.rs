@@ -5,6 +5,7 @@ pub mod conditions;
 pub mod dofs;
 pub mod enclosed;
 pub mod ends;
+pub mod fabric;
 pub mod fluid_boundary;
 pub mod normals;
 pub mod pressure;
@@ -15,6 +16,7 @@ pub use boundary::{BoundaryCondition, MotionData, VelocityData, WALLS, Walls};
 pub use conditions::{Constraints, Directions};
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
+pub use fabric::{Fabrics, FibreField};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
 pub use pressure::{PressureKind, PressureSpace};
 pub use state::State;
@@ -65,6 +67,8 @@ pub struct FsiSpace<const D: usize> {
     pub deforms: bool,
     /// What the deformation does on the outer boundary of the fluid.
     pub walls: Walls,
+    /// What solids have at their points from the start.
+    pub fabrics: Fabrics<D>,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
 }
@@ -137,6 +141,7 @@ impl<const D: usize> FsiSpace<D> {
             owner,
             deforms,
             walls,
+            fabrics: Fabrics::default(),
             pressure_nodes,
         }
     }

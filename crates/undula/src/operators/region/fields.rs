@@ -11,7 +11,7 @@ use crate::loops::tensor::vectors::{InterpolateTask, TestTask};
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::operators::{End, StepView};
-use crate::physics::{Fields, Place, Tested};
+use crate::physics::{Fabric, Fields, Place, Tested};
 use crate::tangent::ByHand;
 
 impl<F: ByHand<D>, const D: usize, const L: usize> Kernel<F, D, L>
@@ -27,7 +27,8 @@ where
     #[inline(always)]
     pub(super) fn place(&self, end: End, point: usize) -> Place<Lanes<L>, D> {
         let (force, force_slope) = self.body_force.at(end, point);
-        Place { force, force_slope, stiffness: self.batches.points[point].stiffness }
+        let fabric = self.fabric.get(point).copied().unwrap_or_else(Fabric::plain);
+        Place { force, force_slope, stiffness: self.batches.points[point].stiffness, fabric }
     }
 
     /// Gather both ends of the step; with `new`, its fields are about to be read, else those of the old time alone.
