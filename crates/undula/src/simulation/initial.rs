@@ -80,8 +80,9 @@ impl Start {
             Start::Rest => Ok(()),
             Start::Former(former) => begin(simulation, &former),
             Start::Fields => {
-                let state =
+                let (state, wrong) =
                     simulation.install(|simulation| simulation.case.initial_fields(&space, threads))?;
+                simulation.case.record.notes.extend(wrong);
                 let keys = simulation.case.initial.iter().flat_map(Initial::fields).map(|(key, _)| key);
                 let note = format!(
                     "{}: the run starts with the fields of the case",
