@@ -16,7 +16,7 @@ use super::builtin::{builtin_case, builtin_cases};
 use super::error::{CaseErrors, suggestion};
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
+use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
 use std::path::{Path, PathBuf};
@@ -108,6 +108,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let linear = solver::linear(root.section("linear"));
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
+    refuse_balance(&mut root, &functional, time.as_ref(), how.acts());
     if time.is_none() {
         note_steps(checker, &output);
         note_damping(&mut root, &solids);
@@ -151,6 +152,28 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
     if how.pressure == PressureTerm::Pspg || how.transport == TransportTerm::Supg {
         let message = "the residuals of pspg and supg take forces on the reference domain; expected `reference`, or lps";
         fluid.wrong("body-force-at", message);
+    }
+}
+
+/// Balances of energy of steps that are none, or of what the balance does not know.
+fn refuse_balance(
+    root: &mut Section<'_, '_>,
+    functionals: &[(String, FunctionalSpec)],
+    time: Option<&TimeSpec>,
+    stabilized: bool,
+) {
+    let message = match time.map(|time| time.scheme) {
+        None => "only for a case in time, with [time]: it is the balance of a step",
+        Some(Scheme::Bdf2) => {
+            "bdf2 relates three solutions, and the balance is that of two: take another scheme"
+        }
+        Some(_) if stabilized => {
+            "the balance does not know the power of stabilisation: take a stable pair without it"
+        }
+        Some(_) => return,
+    };
+    for (name, _) in functionals.iter().filter(|(_, spec)| matches!(spec, FunctionalSpec::Balance { .. })) {
+        root.section("functional").section(name).wrong("kind", message);
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
-use crate::physics::Kinematics;
+use crate::physics::{Fields, Fluid, Kinematics};
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::Region;
 
@@ -75,18 +75,20 @@ impl Energy {
             (Integral::FluidKinetic, Region::Fluid) => {
                 Some(0.5 * physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
             }
-            (Integral::Dissipation, Region::Fluid) => {
-                let fluid = physics.fluid?;
-                let Kinematics { F_inv, J, .. } = Kinematics::of(&f.grad_u);
-                let grad_v = f.grad_v * F_inv;
-                let strain = 0.5 * (grad_v + grad_v.t());
-                let factor = fluid.thinning.map_or(1.0, |law| law.factor(&(2.0 * strain)));
-                Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor)
-            }
+            (Integral::Dissipation, Region::Fluid) => Some(dissipated(&physics.fluid?, f)),
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
             (Integral::Elastic, Region::Solid) => Some(physics.solid?.energy(&point.fabric, &f.grad_u)),
             (Integral::Rotation, Region::Solid) => Some(point.x[0] * f.u.0[1] - point.x[1] * f.u.0[0]),
             _ => None,
         }
     }
+}
+
+/// 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m³\].
+pub(super) fn dissipated<const D: usize>(fluid: &Fluid, at: &Fields<f64, D>) -> f64 {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+    let grad_v = at.grad_v * F_inv;
+    let strain = 0.5 * (grad_v + grad_v.t());
+    let factor = fluid.thinning.map_or(1.0, |law| law.factor(&(2.0 * strain)));
+    2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor
 }

@@ -39,6 +39,14 @@ impl Solid {
     }
 }
 
+impl Solid {
+    /// What the damping dissipates per volume of the reference domain, P_v : ∇v + α ρ |v|² \[W/m³\].
+    pub fn dissipated<const D: usize>(&self, at: &Fields<f64, D>) -> f64 {
+        let stress = self.damping.piola(self.is_linear(), &at.grad_v, &at.grad_u);
+        stress.ddot(at.grad_v) + self.rho * self.damping.mass * at.v.dot(at.v)
+    }
+}
+
 /// Green-Lagrange strain E = ½ (FᵀF − I).
 pub fn green_lagrange<const D: usize>(grad_u: &Tensor<f64, D>) -> Tensor<f64, D> {
     0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u)

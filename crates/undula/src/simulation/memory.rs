@@ -37,6 +37,7 @@ impl Simulation {
             names: _,
             fluid_residual: _,
             needs_residual: _,
+            volume: _,
             threads: _,
             pool: _,
         } = self;
