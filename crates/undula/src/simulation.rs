@@ -13,6 +13,7 @@ use crate::case::{Case, TimeSpec};
 use crate::error::Error;
 use crate::functional::Snapshot;
 use crate::functional::balance::Balance;
+use crate::functional::body_energy::BodyResidual;
 use crate::functional::fields::{Fields, OwnFunctional};
 use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
@@ -58,6 +59,7 @@ pub struct Simulation {
     names: Arc<[String]>,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
+    volume: Vec<BodyResidual>,
     threads: usize,
     pool: Option<rayon::ThreadPool>,
 }
@@ -88,6 +90,7 @@ impl Simulation {
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);
+        let volume = BodyResidual::of(functionals.iter().filter_map(|(_, f)| f.residual_body()));
         let fluid_residual = vec![0.0; stepper.assembler.n_unknowns()];
         let adaptive = case.time.as_ref().and_then(|time| {
             let first = time.step.eval(&[0.0; 3], time.start);
@@ -108,6 +111,7 @@ impl Simulation {
             functionals,
             fluid_residual,
             needs_residual: !nodes.is_empty(),
+            volume,
             threads,
             pool,
         })
@@ -321,6 +325,7 @@ impl Simulation {
             if self.needs_residual {
                 assembler.watched_residual(&view, &mut self.fluid_residual);
             }
+            self.volume.iter_mut().for_each(|body| body.fill(assembler, &view));
             let StepView { rule, new, old } = view;
             let snapshot = Snapshot {
                 space: &assembler.space,
@@ -330,6 +335,7 @@ impl Simulation {
                 old,
                 fluid_residual: &self.fluid_residual,
                 system: Some(&*assembler),
+                volume: &self.volume,
             };
             for (value, (_, f)) in values.iter_mut().zip(&self.functionals) {
                 // Forces are means over the parts of a step, all else belongs to its end.

@@ -115,7 +115,18 @@ fn second_assembly_allocates_nothing() {
         "boundary.outflow.capacitance=1e-5",
         "boundary.outflow.distal=2e3",
     ];
-    for sets in [&[][..], &circuit, &equal_order, &["space.velocity=Q3"], &tables] {
+    let measured = [
+        "solid.prestress=true",
+        "solid.law=guccione",
+        "solid.mu=none",
+        "solid.lambda=none",
+        "solid.guccione-c=1e6",
+        "solid.b-f=4",
+        "solid.b-t=2",
+        "solid.b-fs=3",
+        "solid.fibre-direction=[\"1 + x\", \"y\"]",
+    ];
+    for sets in [&[][..], &circuit, &equal_order, &["space.velocity=Q3"], &tables, &measured] {
         assert_eq!(second_assembly(1, sets), 0, "{sets:?}");
         assert_eq!(second_assembly(2, sets), 0, "on two threads, {sets:?}");
     }

@@ -19,7 +19,7 @@ use super::error::{CaseErrors, suggestion};
 use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
+use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
 use std::path::{Path, PathBuf};
@@ -102,6 +102,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let (boundary, directional) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     let initial = initial::initial(root.section("initial"), time.is_some());
+    bodies::refuse_prestress(&mut root, &solids, time.is_some(), initial.as_ref());
     for fluid in fluids.iter().filter(|fluid| fluid.force_at_current) {
         refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }
@@ -110,6 +111,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let linear = solver::linear(root.section("linear"));
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
+    refuse_balance(&mut root, &functional, time.as_ref(), how.acts());
     if time.is_none() {
         note_steps(checker, &output);
         note_damping(&mut root, &solids);
@@ -155,6 +157,28 @@ fn refuse_current(fluid: &Section<'_, '_>, time: Option<&TimeSpec>, how: &Stabil
     if how.pressure == PressureTerm::Pspg || how.transport == TransportTerm::Supg {
         let message = "the residuals of pspg and supg take forces on the reference domain; expected `reference`, or lps";
         fluid.wrong("body-force-at", message);
+    }
+}
+
+/// Balances of energy of steps that are none, or of what the balance does not know.
+fn refuse_balance(
+    root: &mut Section<'_, '_>,
+    functionals: &[(String, FunctionalSpec)],
+    time: Option<&TimeSpec>,
+    stabilized: bool,
+) {
+    let message = match time.map(|time| time.scheme) {
+        None => "only for a case in time, with [time]: it is the balance of a step",
+        Some(Scheme::Bdf2) => {
+            "bdf2 relates three solutions, and the balance is that of two: take another scheme"
+        }
+        Some(_) if stabilized => {
+            "the balance does not know the power of stabilisation: take a stable pair without it"
+        }
+        Some(_) => return,
+    };
+    for (name, _) in functionals.iter().filter(|(_, spec)| matches!(spec, FunctionalSpec::Balance { .. })) {
+        root.section("functional").section(name).wrong("kind", message);
     }
 }
 

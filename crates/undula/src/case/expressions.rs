@@ -3,6 +3,7 @@
 use super::Case;
 use super::conditions::Condition;
 use super::expression::{Expression, Table};
+use super::fibres::{FibreDirection, FibreSpec};
 use super::initial::Initial;
 use super::key;
 
@@ -15,6 +16,10 @@ impl Case {
         }
         for load in self.loads() {
             found.extend(load.force.iter().map(|expression| (load.key.clone(), expression)));
+        }
+        for solid in &self.solids {
+            let key = format!("{}.fibre-direction", solid.table());
+            found.extend(solid.fibre_field().into_iter().flatten().map(|e| (key.clone(), e)));
         }
         for (name, condition) in &self.boundary {
             for (last, data) in condition.data() {
@@ -32,7 +37,12 @@ impl Case {
     fn expressions_mut(&mut self) -> Vec<&mut Expression> {
         let mut found: Vec<&mut Expression> = self.mesh.region.values_mut().collect();
         found.extend(self.fluids.iter_mut().flat_map(|fluid| &mut fluid.body_force));
-        found.extend(self.solids.iter_mut().flat_map(|solid| &mut solid.body_force));
+        for solid in &mut self.solids {
+            if let Some(FibreSpec { direction: FibreDirection::Field(field), .. }) = &mut solid.fibres {
+                found.extend(field);
+            }
+            found.extend(&mut solid.body_force);
+        }
         for (_, datum) in self.boundary.values_mut().flat_map(Condition::data_mut) {
             found.extend(datum.expressions());
         }

@@ -1,6 +1,7 @@
 //! The functionals of a case and their names.
 
 use crate::choice::{Choice, choice};
+use crate::functional::body_energy::Part;
 use crate::functional::energy::Integral;
 use crate::functional::quantity::{Component, Take, WALL_SHEAR_STRESS};
 
@@ -98,6 +99,13 @@ pub enum FunctionalSpec {
         /// What is taken of it.
         take: Take,
     },
+    /// A part of the balance of energy of a body.
+    Balance {
+        /// A region of the body.
+        region: String,
+        /// Which part.
+        part: Part,
+    },
     /// Current area of a body \[m²\].
     Volume {
         /// The region of the body.
@@ -106,7 +114,7 @@ pub enum FunctionalSpec {
 }
 
 /// Their names in a case, in the order of the messages.
-pub static FUNCTIONALS: [Choice<FunctionalSpec>; 13] = [
+pub static FUNCTIONALS: [Choice<FunctionalSpec>; 14] = [
     choice(
         "force",
         FunctionalSpec::Force { on: Vec::new(), component: 0, surface_integral: false, coefficient: None },
@@ -159,21 +167,28 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 13] = [
         FunctionalSpec::WallShearStress { component: Component::Magnitude, on: Vec::new(), take: Take::Mean },
         "tangential force of the fluid per area of boundaries [Pa]",
     ),
+    choice(
+        "balance",
+        FunctionalSpec::Balance { region: String::new(), part: Part::Residual },
+        "energy of a body: what it has, gets and dissipates in a step",
+    ),
     choice("volume", FunctionalSpec::Volume { region: String::new() }, "current area of a region [m²]"),
 ];
 
 impl FunctionalSpec {
     /// Whether it belongs to the time t⁻ + θ k of the pressure instead of the new time.
     pub fn at_force_time(&self) -> bool {
-        matches!(
-            self,
-            FunctionalSpec::Force { .. }
-                | FunctionalSpec::Moment { .. }
-                | FunctionalSpec::PressureDifference { .. }
-                | FunctionalSpec::Power { .. }
-                | FunctionalSpec::Pressure(_)
-                | FunctionalSpec::Stress { .. }
-        )
+        let of_step = matches!(self, FunctionalSpec::Balance { part, .. } if part.is_of_step());
+        of_step
+            || matches!(
+                self,
+                FunctionalSpec::Force { .. }
+                    | FunctionalSpec::Moment { .. }
+                    | FunctionalSpec::PressureDifference { .. }
+                    | FunctionalSpec::Power { .. }
+                    | FunctionalSpec::Pressure(_)
+                    | FunctionalSpec::Stress { .. }
+            )
     }
 
     /// Names of its boundaries.
@@ -194,7 +209,8 @@ impl FunctionalSpec {
     /// The region of the mesh that it names.
     pub fn region(&self) -> Option<&str> {
         match (self, self.site()) {
-            (FunctionalSpec::Volume { region }, _) | (_, Some(Site::Region(region, _))) => Some(region),
+            (FunctionalSpec::Volume { region } | FunctionalSpec::Balance { region, .. }, _)
+            | (_, Some(Site::Region(region, _))) => Some(region),
             (_, Some(Site::Point { region, .. })) => region.as_deref(),
             _ => None,
         }

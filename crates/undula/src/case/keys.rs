@@ -17,6 +17,7 @@ use super::schema::{GENERATORS, KRYLOV};
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;
+use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
 use crate::functional::nodal::FIELDS;
 use crate::functional::quantity::{COMPONENTS, TAKES};
@@ -203,7 +204,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("functional.NAME.point", "m", "displacement, moment: required", "material point, or centre"),
     text(
         "functional.NAME.region",
-        "volume: required",
+        "balance, volume: required",
         "region of a body; beside `point` the body that is meant",
     ),
     word("functional.NAME.take", &TAKES, "required", "what is taken on boundaries and in regions"),
@@ -212,6 +213,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("functional.NAME.a", "m", "required", "pressure-difference: first point"),
     number("functional.NAME.b", "m", "required", "pressure-difference: second point"),
     word("functional.NAME.term", &ENERGIES, "energy: required", "energy: which one"),
+    word("functional.NAME.part", &PARTS, "balance: required", "balance: which part"),
     number("output.fields-every", "", "0", "fields are written after so many steps; 0: only at the end"),
     number("output.fields-interval", "s", "none", "fields are written after this time, steps end there"),
     number(

@@ -36,7 +36,7 @@ pub(super) static OF_FLUID: [Key; 7] = [
 ];
 
 /// Those of the solid besides mu and lambda.
-pub(super) static OF_SOLID: [Key; 17] = [
+pub(super) static OF_SOLID: [Key; 18] = [
     Key::data("solid.c1", "Pa", "mu/2 - c2", "Mooney-Rivlin: constant c₁, instead of `mu`"),
     Key::data("solid.c2", "Pa", "0", "Mooney-Rivlin: constant c₂"),
     Key::data("solid.ogden-mu", "Pa", "ogden: required", "Ogden: μ_p, one to three numbers, as [6e5, 1e3]"),
@@ -50,7 +50,7 @@ pub(super) static OF_SOLID: [Key; 17] = [
         "solid.fibre-direction",
         "rad",
         "0",
-        "laws with fibres: angle to the x axis of the fibres, or of the middle",
+        "laws with fibres: angle to the x axis of the fibres, or of the middle; or two expressions as [\"-y\", \"x\"]",
     ),
     Key::data("solid.fibre-angle", "rad", "fibres: required", "angle of each of two families to the middle"),
     Key::data("solid.k1", "Pa", "fibres: required", "Holzapfel-Gasser-Ogden: stiffness of the fibres"),
@@ -73,5 +73,11 @@ pub(super) static OF_SOLID: [Key; 17] = [
         "s",
         "none",
         "Rayleigh damping: beta, times the rate of the stress of the moduli at rest",
+    ),
+    Key::data(
+        "solid.prestress",
+        "",
+        "false",
+        "true: the mesh is the shape under the loads of the start, which the stress balances at u = 0",
     ),
 ];

@@ -5,7 +5,7 @@
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
 //! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `profile` profiles of flows, `functionals` the kinds of
 //! functionals, `bodies` fluids and solids, `expression` the
-//! formulas in x, y and t with tables of values, `expressions` those of a case, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
+//! formulas in x, y and t with tables of values, `expressions` those of a case, `fibres` the directions of fibres, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
 
 mod bodies;
@@ -17,6 +17,7 @@ pub mod element;
 pub mod error;
 pub mod expression;
 mod expressions;
+mod fibres;
 pub mod functionals;
 pub mod initial;
 pub(crate) mod key;

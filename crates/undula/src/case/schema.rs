@@ -6,9 +6,11 @@
 mod solver;
 
 pub use super::conditions::Condition;
+use super::conditions::Pair;
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
+pub use super::fibres::{FibreDirection, FibreSpec};
 pub use super::functionals::{FUNCTIONALS, FunctionalSpec};
 use super::initial::Initial;
 pub use crate::algebra::{LinearSolverKind, Precision};
@@ -17,7 +19,7 @@ pub use crate::functional::energy::Integral;
 use crate::mesh::Mesh;
 use crate::physics::extension::MotionNumbers;
 use crate::physics::{
-    Artery, CarreauYasuda, Damping, Extension, Fluid, Material, Muscle, OwnLaw, Solid, Stabilization,
+    Artery, CarreauYasuda, Damping, Extension, Fluid, Material, OwnLaw, Reference, Solid, Stabilization,
 };
 pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::{Coordinates, Walls};
@@ -284,6 +286,8 @@ pub struct SolidSpec {
     pub damping_stiffness: f64,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
     pub body_force: [Expression; 2],
+    /// Whether the mesh is the shape without stress, or the one under the loads of the start.
+    pub reference: Reference,
 }
 
 impl SolidSpec {
@@ -291,8 +295,16 @@ impl SolidSpec {
     pub fn material(&self) -> Material {
         match self.own {
             Some(own) => Material::Own(own),
-            None if self.law.is_of_arteries() => Material::Artery(self.artery()),
-            None if self.law == SolidLaw::Guccione => Material::Muscle(self.muscle()),
+            None if self.law.is_of_arteries() => {
+                let own = self.law.is_incompressible();
+                let (lambda, compliance) =
+                    if own { (0.0, Some(1.0 / self.lambda)) } else { (self.lambda, None) };
+                Material::Artery(self.fibre_spec().artery(Artery::matrix(self.mu, lambda, compliance)))
+            }
+            None if self.law == SolidLaw::Guccione => {
+                let compliance = self.bulk.map_or(0.0, |bulk| 1.0 / bulk);
+                Material::Muscle(self.fibre_spec().muscle(compliance))
+            }
             None if self.law.is_ogden() => {
                 Material::ogden(&self.ogden, self.lambda, self.law.is_incompressible())
             }
@@ -300,18 +312,13 @@ impl SolidSpec {
         }
     }
 
-    fn artery(&self) -> Artery {
-        let FibreSpec { direction, angle, k1, k2, dispersion, .. } = self.fibres.unwrap_or_default();
-        let own = self.law.is_incompressible();
-        let (lambda, compliance) = if own { (0.0, Some(1.0 / self.lambda)) } else { (self.lambda, None) };
-        let angles = [direction + angle, direction - angle];
-        Artery { k1, k2, dispersion, angles, ..Artery::matrix(self.mu, lambda, compliance) }
+    fn fibre_spec(&self) -> FibreSpec {
+        self.fibres.clone().unwrap_or_default()
     }
 
-    fn muscle(&self) -> Muscle {
-        let FibreSpec { direction, stiffness, exponents, .. } = self.fibres.unwrap_or_default();
-        let compliance = self.bulk.map_or(0.0, |bulk| 1.0 / bulk);
-        Muscle { stiffness, exponents, compliance, angle: direction }
+    /// The expressions of the direction of the fibres, if it is a field.
+    pub(crate) fn fibre_field(&self) -> Option<&Pair> {
+        self.fibres.as_ref().and_then(|fibres| fibres.direction.field())
     }
 
     /// The equations of the body.
@@ -321,27 +328,8 @@ impl SolidSpec {
         let volume = if material.compliance().is_some() { 0.0 } else { beta * self.lambda };
         let shear = self.viscosity + 2.0 * beta * self.mu;
         let damping = Damping { mass: self.damping_mass, shear, volume };
-        Solid { rho: self.density, material, damping }
+        Solid { rho: self.density, material, damping, reference: self.reference }
     }
-}
-
-/// Constants of the laws with fibres; of each law those that it has.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct FibreSpec {
-    /// Angle of the fibres, or of the middle between two families, to the x axis \[rad\].
-    pub direction: f64,
-    /// Angle of each of two families to the middle \[rad\].
-    pub angle: f64,
-    /// k₁ \[Pa\] of Holzapfel, Gasser and Ogden.
-    pub k1: f64,
-    /// k₂.
-    pub k2: f64,
-    /// Dispersion κ.
-    pub dispersion: f64,
-    /// C \[Pa\] of Guccione.
-    pub stiffness: f64,
-    /// b_f, b_t and b_fs of Guccione.
-    pub exponents: [f64; 3],
 }
 
 /// Extension of the deformation into the fluid.

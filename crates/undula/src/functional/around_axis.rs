@@ -1,5 +1,6 @@
 //! Numbers of a whole body of revolution.
 
+use super::body_energy::Body;
 use super::{Functional, Snapshot};
 use crate::space::Coordinates;
 
@@ -17,6 +18,10 @@ impl<const D: usize> Functional<D> for AroundAxis<D> {
 
     fn residual_nodes(&self) -> &[u32] {
         self.0.residual_nodes()
+    }
+
+    fn residual_body(&self) -> Option<Body> {
+        self.0.residual_body()
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {

@@ -3,7 +3,7 @@
 
 use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
-use crate::physics::{Fields, Kinematics, axisymmetric};
+use crate::physics::{Fabric, Fields, Fluid, Kinematics, axisymmetric};
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::Region;
 use crate::system::Physics;
@@ -76,27 +76,37 @@ impl Energy {
             return (point.region == Region::Solid).then(|| x[0] * u[1] - x[1] * u[0]);
         }
         match at.space.coordinates.radius(&point.x) {
-            None => self.density(&physics, point.region, &point.fields),
-            Some(r) => self.density(&physics, point.region, &axisymmetric::fields_at(&point.fields, r)),
+            None => self.density(&physics, point.region, (&point.fabric, &point.fields)),
+            Some(r) => {
+                let at = (&axisymmetric::fabric(&point.fabric), &axisymmetric::fields_at(&point.fields, r));
+                self.density(&physics, point.region, at)
+            }
         }
     }
 
-    fn density<const D: usize>(&self, physics: &Physics, region: Region, f: &Fields<f64, D>) -> Option<f64> {
+    fn density<const D: usize>(
+        &self,
+        physics: &Physics,
+        region: Region,
+        (fabric, f): (&Fabric<f64, D>, &Fields<f64, D>),
+    ) -> Option<f64> {
         match (self.integral, region) {
             (Integral::FluidKinetic, Region::Fluid) => {
                 Some(0.5 * physics.fluid?.rho * Kinematics::of(&f.grad_u).J * f.v.dot(f.v))
             }
-            (Integral::Dissipation, Region::Fluid) => {
-                let fluid = physics.fluid?;
-                let Kinematics { F_inv, J, .. } = Kinematics::of(&f.grad_u);
-                let grad_v = f.grad_v * F_inv;
-                let strain = 0.5 * (grad_v + grad_v.t());
-                let factor = fluid.thinning.map_or(1.0, |law| law.factor(&(2.0 * strain)));
-                Some(2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor)
-            }
+            (Integral::Dissipation, Region::Fluid) => Some(dissipated(&physics.fluid?, f)),
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
-            (Integral::Elastic, Region::Solid) => Some(physics.solid?.material.energy(&f.grad_u)),
+            (Integral::Elastic, Region::Solid) => Some(physics.solid?.energy(fabric, &f.grad_u)),
             _ => None,
         }
     }
+}
+
+/// 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m³\].
+pub(super) fn dissipated<const D: usize>(fluid: &Fluid, at: &Fields<f64, D>) -> f64 {
+    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
+    let grad_v = at.grad_v * F_inv;
+    let strain = 0.5 * (grad_v + grad_v.t());
+    let factor = fluid.thinning.map_or(1.0, |law| law.factor(&(2.0 * strain)));
+    2.0 * fluid.rho * fluid.nu * J * strain.ddot(strain) * factor
 }

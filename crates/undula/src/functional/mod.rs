@@ -3,6 +3,7 @@
 pub mod around_axis;
 pub mod averages;
 pub mod balance;
+pub mod body_energy;
 pub mod energy;
 pub mod fields;
 pub mod force;
@@ -20,6 +21,7 @@ pub mod transfer;
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 use crate::system::{Assembler, Physics, StepView};
+use body_energy::{Body, BodyResidual};
 
 /// What a functional may look at after a step.
 pub struct Snapshot<'a, const D: usize> {
@@ -38,6 +40,8 @@ pub struct Snapshot<'a, const D: usize> {
     pub fluid_residual: &'a [f64],
     /// The operators, for what the conditions on the boundary add to the residual; `None`: nothing.
     pub system: Option<&'a Assembler<D>>,
+    /// Residuals of the volume terms of the bodies that functionals have asked for.
+    pub volume: &'a [BodyResidual],
 }
 
 impl<'a, const D: usize> Snapshot<'a, D> {
@@ -58,6 +62,10 @@ pub trait Functional<const D: usize>: Send {
     /// Nodes whose velocity rows of [`Snapshot::fluid_residual`] it reads.
     fn residual_nodes(&self) -> &[u32] {
         &[]
+    }
+    /// The body of which it reads [`Snapshot::volume`].
+    fn residual_body(&self) -> Option<Body> {
+        None
     }
     /// The value.
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64;

@@ -7,7 +7,7 @@ use crate::element::{Quadrature, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{green_lagrange, in_space, principal, von_mises};
-use crate::physics::{Fields, Kinematics, axisymmetric};
+use crate::physics::{Fabric, Fields, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FluidBoundary, FsiSpace, Region, State};
 use crate::system::Physics;
@@ -83,10 +83,16 @@ impl NodalField {
     }
 
     /// Add the value at a point of `region` to `sum`.
-    fn add<const D: usize>(self, physics: &Physics, region: Region, at: &Fields<f64, D>, sum: &mut [f64]) {
+    fn add<const D: usize>(
+        self,
+        physics: &Physics,
+        region: Region,
+        (fabric, at): (&Fabric<f64, D>, &Fields<f64, D>),
+        sum: &mut [f64],
+    ) {
         let sigma = || match region {
             Region::Fluid => physics.fluid.map_or(Tensor::zero(), |fluid| fluid.cauchy(at)),
-            Region::Solid => physics.solid.map_or(Tensor::zero(), |solid| solid.cauchy(at)),
+            Region::Solid => physics.solid.map_or(Tensor::zero(), |solid| solid.cauchy(fabric, at)),
         };
         let mut add = |values: &[f64]| sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
         match self {
@@ -132,11 +138,12 @@ pub fn in_body<const D: usize>(
             let node = space.nodes.cell(point.cell)[visited % per_cell] as usize;
             visited += 1;
             let physics = physics.of(space.material[point.cell]);
-            let sum = &mut values[node * n..(node + 1) * n];
+            let (sum, fabric) = (&mut values[node * n..(node + 1) * n], &point.fabric);
             match space.coordinates.radius(&point.x) {
-                None => field.add(&physics, region, &point.fields, sum),
+                None => field.add(&physics, region, (fabric, &point.fields), sum),
                 Some(r) => {
-                    field.add(&physics, region, &axisymmetric::fields_at(&point.fields, r), sum);
+                    let at = (&axisymmetric::fabric(fabric), &axisymmetric::fields_at(&point.fields, r));
+                    field.add(&physics, region, at, sum);
                 }
             }
             count[node] += 1.0;

@@ -4,7 +4,7 @@ use crate::choice::{Choice, choice};
 use crate::math::{Tensor, Vector};
 use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{principal, von_mises};
-use crate::physics::{Fields, Kinematics};
+use crate::physics::{Fabric, Fields, Kinematics};
 use crate::space::Region;
 use crate::system::Physics;
 
@@ -170,7 +170,7 @@ impl Quantity {
     ) -> (f64, f64) {
         let area = cofactor(&fields.grad_u) * normal;
         let stretch = area.dot(area).sqrt();
-        (self.at(physics, Region::Fluid, fields, Some(area * (1.0 / stretch))), stretch)
+        (self.at(physics, Region::Fluid, (&Fabric::plain(), fields), Some(area * (1.0 / stretch))), stretch)
     }
 
     /// The value inside of `region`, and J.
@@ -178,9 +178,9 @@ impl Quantity {
         self,
         physics: &Physics,
         region: Region,
-        fields: &Fields<f64, D>,
+        (fabric, fields): (&Fabric<f64, D>, &Fields<f64, D>),
     ) -> (f64, f64) {
-        (self.at(physics, region, fields, None), (Tensor::identity() + fields.grad_u).det())
+        (self.at(physics, region, (fabric, fields), None), (Tensor::identity() + fields.grad_u).det())
     }
 
     /// The value at a point of `region`, by the equations of its material; 0 of a body that is not there. `normal` is the current normal that points out
@@ -189,7 +189,7 @@ impl Quantity {
         self,
         physics: &Physics,
         region: Region,
-        fields: &Fields<f64, D>,
+        (fabric, fields): (&Fabric<f64, D>, &Fields<f64, D>),
         normal: Option<Vector<f64, D>>,
     ) -> f64 {
         match self {
@@ -200,7 +200,7 @@ impl Quantity {
             Quantity::Stress(component) => {
                 let sigma = match region {
                     Region::Fluid => physics.fluid.map(|fluid| fluid.cauchy(fields)),
-                    Region::Solid => physics.solid.map(|solid| solid.cauchy(fields)),
+                    Region::Solid => physics.solid.map(|solid| solid.cauchy(fabric, fields)),
                 };
                 sigma.map_or(0.0, |sigma| component.of_tensor::<D>(&sigma))
             }

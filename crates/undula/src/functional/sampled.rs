@@ -9,7 +9,7 @@ use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Locator, MeshError};
 use crate::physics::axisymmetric;
-use crate::sampling::{FacetPoint, facet_points, facet_points_of, fields_at, for_each_point_of};
+use crate::sampling::{FacetPoint, fabric_at, facet_points, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FsiSpace, Region, State};
 use std::borrow::Cow;
 
@@ -164,11 +164,12 @@ impl<const D: usize> Functional<D> for InRegion {
         let wanted = |cell: usize| self.place.has(at.space, cell);
         for_each_point_of(at.space, &state, &rule, wanted, |point| {
             let physics = at.physics.of(at.space.material[point.cell]);
+            let (fabric, fields, body) = (&point.fabric, &point.fields, self.place.body);
             let (value, J) = match at.space.coordinates.radius(&point.x) {
-                None => self.quantity.inside(&physics, self.place.body, &point.fields),
+                None => self.quantity.inside(&physics, body, (fabric, fields)),
                 Some(r) => {
-                    let fields = axisymmetric::fields_at(&point.fields, r);
-                    self.quantity.inside(&physics, self.place.body, &fields)
+                    let at = (&axisymmetric::fabric(fabric), &axisymmetric::fields_at(fields, r));
+                    self.quantity.inside(&physics, body, at)
                 }
             };
             collected.add(value, point.weight * J);
@@ -187,8 +188,7 @@ pub struct AtPoint<const D: usize> {
 /// A point in a cell, with the bases there.
 struct InCell<const D: usize> {
     cell: usize,
-    /// Distance to the axis \[m\], if there is one.
-    radius: Option<f64>,
+    x: [f64; D],
     value: Vec<f64>,
     grad: Vec<[f64; D]>,
     pressure: Vec<f64>,
@@ -259,7 +259,7 @@ fn in_cell<const D: usize>(space: &FsiSpace<D>, cell: usize, xi: [f64; D]) -> In
     let x = mesh.map(cell, xi);
     InCell {
         cell,
-        radius: space.coordinates.radius(&x),
+        x,
         value: table.value(0).to_vec(),
         grad: (0..table.n_basis).map(along).collect(),
         pressure: pressure.basis(mesh, cell, &xi, &x),
@@ -282,13 +282,17 @@ impl<const D: usize> Functional<D> for AtPoint<D> {
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let state = state_of(self.quantity, at);
-        let value = |InCell { cell, radius, value, grad, pressure }: &InCell<D>| {
+        let value = |InCell { cell, x, value, grad, pressure }: &InCell<D>| {
             let mut fields = fields_at(at.space.nodes.cell(*cell), value, grad, &state);
             fields.p = pressure_at(at.space.pressure.cell(*cell), pressure, &state);
             let physics = at.physics.of(at.space.material[*cell]);
-            let inside = match radius {
-                None => self.quantity.inside(&physics, self.region, &fields),
-                Some(r) => self.quantity.inside(&physics, self.region, &axisymmetric::fields_at(&fields, *r)),
+            let fabric = fabric_at(at.space, *cell, x, (value, grad));
+            let inside = match at.space.coordinates.radius(x) {
+                None => self.quantity.inside(&physics, self.region, (&fabric, &fields)),
+                Some(r) => {
+                    let at = (&axisymmetric::fabric(&fabric), &axisymmetric::fields_at(&fields, r));
+                    self.quantity.inside(&physics, self.region, at)
+                }
             };
             inside.0
         };

@@ -80,10 +80,11 @@ impl Scales {
     }
 
     /// Scaled residual \[m/s\] that rounding leaves of a solution like `state`, in a step with 1/k = `per_k`: nothing
-    /// where all is at rest.
-    pub fn rounding<const D: usize>(&self, state: &State, per_k: f64) -> f64 {
+    /// where all is at rest. `unloading` are displacements that take away a stress at rest.
+    pub fn rounding<const D: usize>(&self, state: &State, unloading: &[f64], per_k: f64) -> f64 {
         let (k, h) = (self.step(per_k), self.size);
         let [v, u, p] = [&state.v, &state.u, &state.p].map(|x| algebra::norm_inf(x));
+        let u = u.max(algebra::norm_inf(unloading));
         let flow =
             v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
         let stress = if u > 0.0 { self.wave * k / h } else { 0.0 };

@@ -2,7 +2,7 @@
 
 use super::{Mode, Setting, frequency};
 use crate::algebra::{Csr, Kind, Pattern, Unknown};
-use crate::math::Tensor;
+use crate::math::{Tensor, Vector};
 use crate::physics::Solid;
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::{FsiSpace, Region, State};
@@ -38,12 +38,12 @@ impl Body {
         let unknowns = places.iter().map(unknown).collect();
         let (stiffness, mass) = (Csr::zeros(&pattern), Csr::zeros(&pattern));
         let mut body = Body { number, places, stiffness, mass, unknowns };
-        let elasticity: Vec<_> = setting.solids.iter().map(elasticity).collect();
         let rest = State::zero(space.n_v(), space.n_u(), space.n_p());
         for_each_point(space, &rest, setting.quadrature, |point| {
             if point.region == Region::Solid {
                 let material = usize::from(space.material[point.cell]);
-                body.add(setting, setting.solids[material].rho, &elasticity[material], point);
+                let solid = &setting.solids[material];
+                body.add(setting, solid.rho, &elasticity(solid, &point.fabric.fibre), point);
             }
         });
         for &(row, column, k) in &setting.springs {
@@ -134,11 +134,11 @@ fn rows(space: &FsiSpace<2>, number: &[u32], n: usize) -> Vec<Vec<u32>> {
 }
 
 /// ∂P/∂(∂_d u_j) at rest, `[j][d]`.
-fn elasticity(solid: &Solid) -> [[Tensor<f64, 2>; 2]; 2] {
+fn elasticity(solid: &Solid, fibre: &Vector<f64, 2>) -> [[Tensor<f64, 2>; 2]; 2] {
     let along = |j: usize, d: usize| {
         let mut slope = Tensor::zero();
         slope.0[j][d] = 1.0;
-        solid.material.tangent(&Tensor::zero(), &slope)
+        solid.material.derivative_at(fibre, &Tensor::zero(), &slope)
     };
     [0, 1].map(|j| [0, 1].map(|d| along(j, d)))
 }

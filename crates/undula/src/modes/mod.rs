@@ -35,7 +35,7 @@ use crate::algebra::{LinearSolver, MultifrontalLu, Options, SolverError};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, Load, SolidSpec};
 use crate::error::Error;
-use crate::physics::Solid;
+use crate::physics::{Reference, Solid};
 use crate::space::{Constraints, FsiSpace, Region};
 use body::Body;
 use fluid::AddedMass;
@@ -176,6 +176,10 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
             solid.law.name()
         );
         return Err(case.refuse(&format!("{}.law", solid.table()), message));
+    }
+    if let Some(solid) = case.solids.iter().find(|solid| solid.reference != Reference::Free) {
+        let message = "modes are those of a body without stress at rest: expected a case without `prestress`";
+        return Err(case.refuse(&format!("{}.prestress", solid.table()), message.into()));
     }
     let space = case.build_space()?;
     let constraints = Constraints::new(&space, &case.conditions(&space.mesh));

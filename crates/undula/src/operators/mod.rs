@@ -12,6 +12,7 @@ pub mod biharmonic;
 pub mod border;
 mod columns;
 pub mod facets;
+pub mod nodal_load;
 pub mod outflow;
 pub mod outlet;
 pub mod pressure;
@@ -275,6 +276,12 @@ pub trait Operator<const D: usize>: Send + Sync {
 pub trait RegionOperator<const D: usize>: Operator<D> {
     /// Take the body force at the current position x + u from now on.
     fn follow(&mut self, force: CurrentForce<D>);
+
+    /// Take what solids have at their points from the start anew.
+    fn take_fabric(&mut self, space: &FsiSpace<D>);
+
+    /// Add all terms of a step, the explicit part included, with or without the body force.
+    fn whole_residual(&mut self, step: &StepView<'_>, with_force: bool, out: &mut [f64]);
 
     /// Note which cells have one of the watched `nodes`.
     fn watch(&mut self, nodes: &[bool]);

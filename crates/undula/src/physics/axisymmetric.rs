@@ -11,7 +11,7 @@
 //! revolution: every law, every motion of the mesh and every derivative is the one that holds in space.
 
 use super::form::Block;
-use super::{Couplings, FacetForm, Fields, Place, Tested};
+use super::{Couplings, Fabric, FacetForm, Fields, Place, Tested};
 use crate::math::{Scalar, Tensor, Vector};
 
 /// An equation of space for a body of revolution.
@@ -72,7 +72,14 @@ pub fn place<S: Scalar, const D: usize>(place: &Place<S, D>) -> Place<S, 3> {
         force_slope: tensor(&place.force_slope, S::zero()),
         stiffness: place.stiffness,
         per_radius: place.per_radius,
+        fabric: fabric(&place.fabric),
     }
+}
+
+/// What a solid has at a point of the plane, for the equation of space.
+#[inline(always)]
+pub fn fabric<S: Scalar, const D: usize>(of: &Fabric<S, D>) -> Fabric<S, 3> {
+    Fabric { fibre: vector(&of.fibre), unloading: tensor(&of.unloading, of.hoop), hoop: S::zero() }
 }
 
 /// Add what stands before the test functions of the plane: A_θθ stands before φ_r / r.

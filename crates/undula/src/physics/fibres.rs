@@ -3,13 +3,36 @@
 use super::stored_energy::{Deformation, StoredEnergy};
 use crate::math::{Scalar, Tensor, Vector};
 
-/// (cos φ, sin φ, 0) in the space of dimension `D`.
-fn direction<T: Scalar, const D: usize>(angle: f64) -> Vector<T, D> {
-    let mut a = Vector::zero();
-    for (a, x) in a.0.iter_mut().zip([angle.cos(), angle.sin()]) {
-        *a = T::constant(x);
+/// `a` divided by its length; `None` without a direction: 0, or not finite.
+///
+/// ```
+/// use undula::physics::fibres::unit;
+/// assert_eq!(unit([3.0, -4.0]), Some([0.6, -0.8]));
+/// assert_eq!(unit([0.0, 0.0]), None);
+/// ```
+pub fn unit(a: [f64; 2]) -> Option<[f64; 2]> {
+    let length = a[0].hypot(a[1]);
+    (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
+}
+
+/// (cos φ, sin φ) as [`unit`] gives it: a field of the same values is the same to the last bit.
+pub fn at_angle(angle: f64) -> [f64; 2] {
+    unit([angle.cos(), angle.sin()]).unwrap_or([1.0, 0.0])
+}
+
+/// The direction at a point, else that of the law, in the space of dimension `D`.
+fn direction<const D: usize>(at: &[f64; D], own: [f64; 2]) -> [f64; D] {
+    if at.iter().any(|x| *x != 0.0) { *at } else { std::array::from_fn(|i| own.get(i).map_or(0.0, |x| *x)) }
+}
+
+/// `a` turned in the plane by the angle of this cosine and sine.
+fn turned<T: Scalar, const D: usize>(a: &[f64; D], [cos, sin]: [f64; 2]) -> Vector<T, D> {
+    let y = if D > 1 { a[1] } else { 0.0 };
+    let mut turned = Vector(a.map(T::constant));
+    for (component, x) in turned.0.iter_mut().zip([cos * a[0] - sin * y, sin * a[0] + cos * y]) {
+        *component = T::constant(x);
     }
-    a
+    turned
 }
 
 /// a · E b.
@@ -34,14 +57,17 @@ pub struct Artery {
     pub k2: f64,
     /// Dispersion κ, 0: all fibres along their family, ⅓: in all directions.
     pub dispersion: f64,
-    /// Angles of both families to the x axis \[rad\].
+    /// Angles of both families in the plane \[rad\], counted from the direction at the point.
     pub angles: [f64; 2],
+    /// The direction, a unit vector in the plane, where the point has none.
+    pub direction: [f64; 2],
 }
 
 impl Artery {
     /// The matrix without fibres.
     pub fn matrix(mu: f64, lambda: f64, compliance: Option<f64>) -> Artery {
-        Artery { mu, lambda, compliance, k1: 0.0, k2: 1.0, dispersion: 0.0, angles: [0.0; 2] }
+        let direction = [1.0, 0.0];
+        Artery { mu, lambda, compliance, k1: 0.0, k2: 1.0, dispersion: 0.0, angles: [0.0; 2], direction }
     }
 }
 
@@ -49,8 +75,9 @@ impl StoredEnergy for Artery {
     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
         let (E, first, change) = (at.E(), at.I1_minus_3(), at.J_minus_1());
         let mut W = first * (0.5 * self.mu) - at.J().ln() * self.mu + change * change * (0.5 * self.lambda);
+        let middle = direction(&at.fibre, self.direction);
         for angle in self.angles {
-            let a = direction(angle);
+            let a = turned(&middle, [angle.cos(), angle.sin()]);
             let stretch = component(a, &E, a) * (2.0 * (1.0 - 3.0 * self.dispersion));
             let strain = first * self.dispersion + stretch;
             let tension = strain * (T::one() - strain.below_zero());
@@ -61,7 +88,8 @@ impl StoredEnergy for Artery {
 }
 
 /// W = ½ C (exp Q − 1) with J = 1, Q = b_f E_ff² + b_t (E_tt² + E_nn² + 2 E_tn²) + 2 b_fs (E_ft² + E_fn²): f along the
-/// fibres in the plane, t across them in the plane, n out of it (Guccione, McCulloch and Waldman 1991).
+/// fibres in the plane, t across them in the plane, n out of it (Guccione, McCulloch and Waldman 1991). All directions
+/// across the fibres are equal: that of the sheets does not matter.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Muscle {
     /// C \[Pa\].
@@ -70,14 +98,15 @@ pub struct Muscle {
     pub exponents: [f64; 3],
     /// 1/κ \[1/Pa\], 0 for J = 1.
     pub compliance: f64,
-    /// Angle of the fibres to the x axis \[rad\].
-    pub angle: f64,
+    /// Direction of the fibres, a unit vector in the plane, where the point has none.
+    pub direction: [f64; 2],
 }
 
 impl StoredEnergy for Muscle {
     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
         let E = at.E();
-        let (f, t) = (direction(self.angle), direction(self.angle + std::f64::consts::FRAC_PI_2));
+        let along = direction(&at.fibre, self.direction);
+        let (f, t) = (turned(&along, [1.0, 0.0]), turned(&along, [0.0, 1.0]));
         let mut n = Vector::zero();
         if D == 3 {
             n.0[D - 1] = T::one();

@@ -54,8 +54,36 @@ pub struct Place<S, const D: usize> {
     pub force_slope: Tensor<S, D>,
     /// Stiffness E_e(x) of the extension.
     pub stiffness: S,
+    /// What a solid has there.
+    pub fabric: Fabric<S, D>,
     /// 1/r \[1/m\], r being the distance to the axis of a body of revolution; 0 where there is none.
     pub per_radius: S,
+}
+
+/// What a solid has at a place from the start.
+#[derive(Copy, Clone, Debug)]
+pub struct Fabric<S, const D: usize> {
+    /// Direction of the fibres, a unit vector; 0: that of the law.
+    pub fibre: Vector<S, D>,
+    /// ∇U, where x + U(x) is the position without stress of what is at x; 0 where the reference domain is free of
+    /// stress.
+    pub unloading: Tensor<S, D>,
+    /// U_r/r around an axis, else 0.
+    pub hoop: S,
+}
+
+impl<S: Scalar, const D: usize> Fabric<S, D> {
+    /// No direction, no stress.
+    #[inline(always)]
+    pub fn plain() -> Self {
+        Fabric { fibre: Vector::zero(), unloading: Tensor::zero(), hoop: S::zero() }
+    }
+
+    /// `f` of each component.
+    #[inline(always)]
+    pub fn map<U: Scalar>(&self, f: impl Fn(S) -> U + Copy) -> Fabric<U, D> {
+        Fabric { fibre: self.fibre.map(f), unloading: self.unloading.map(f), hoop: f(self.hoop) }
+    }
 }
 
 impl<S: Scalar, const D: usize> Place<S, D> {
@@ -76,7 +104,20 @@ impl<S: Scalar, const D: usize> Place<S, D> {
             force: Vector::zero(),
             force_slope: Tensor::zero(),
             stiffness: S::one(),
+            fabric: Fabric::plain(),
             per_radius: S::zero(),
+        }
+    }
+
+    /// `f` of each component.
+    #[inline(always)]
+    pub fn map<U: Scalar>(&self, f: impl Fn(S) -> U + Copy) -> Place<U, D> {
+        Place {
+            force: self.force.map(f),
+            force_slope: self.force_slope.map(f),
+            stiffness: f(self.stiffness),
+            fabric: self.fabric.map(f),
+            per_radius: f(self.per_radius),
         }
     }
 }

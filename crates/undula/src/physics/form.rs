@@ -98,6 +98,7 @@ pub trait WeakForm<const D: usize>: Sync {
     fn volume<T: Scalar>(
         &self,
         _rule: &StepRule,
+        _place: &Place<T::Value, D>,
         _new: &Fields<T, D>,
         _lag: &Fields<T, D>,
         _old: &Fields<T::Value, D>,

@@ -9,7 +9,7 @@ use super::kinematics::{Kinematics, volume_change};
 use super::law;
 use super::ogden::Ogden;
 use super::stored_energy::{Deformation, OwnLaw, StoredEnergy};
-use crate::math::{Scalar, Tensor};
+use crate::math::{Scalar, Tensor, Vector};
 
 /// Stress as a function of the deformation. At rest compressible laws agree with Hooke's law of the same
 /// μ and λ.
@@ -104,7 +104,7 @@ struct Rubber<T> {
 /// The built-in laws by their energies; of a law with a pressure of its own that of the deformation alone.
 impl StoredEnergy for Material {
     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
-        Material::energy(self, &at.grad_u)
+        Material::energy_at(self, &Vector(at.fibre.map(Scalar::constant)), &at.grad_u)
     }
 }
 
@@ -203,6 +203,17 @@ impl Material {
         grad_u: &Tensor<T, D>,
         lag: &Tensor<T, D>,
     ) -> Tensor<T, D> {
+        self.piola_at(&Vector::zero(), grad_u, lag)
+    }
+
+    /// [`Material::piola`] where the fibres have the direction `fibre`; 0: that of the law.
+    #[inline(always)]
+    pub fn piola_at<T: Scalar, const D: usize>(
+        &self,
+        fibre: &Vector<T::Value, D>,
+        grad_u: &Tensor<T, D>,
+        lag: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
         if let Material::Linear { mu, lambda } = *self {
             return hooke(0.5 * (*grad_u + grad_u.t()), mu, lambda);
         }
@@ -212,7 +223,7 @@ impl Material {
         }
         let Kinematics { F, F_inv, J } = Kinematics::of(lag);
         let Some(Rubber { shear, second, volume, .. }) = self.rubber(J) else {
-            return self.piola_by_number(grad_u);
+            return self.piola_by_number(fibre, grad_u);
         };
         let change = volume * volume_change(grad_u, lag);
         let mut P = F_inv.t() * (2.0 * shear * E + Tensor::identity() * change);
@@ -224,12 +235,16 @@ impl Material {
 
     /// The stress of a law that is evaluated number by number; a fixed-point iteration takes its whole derivative.
     #[inline(always)]
-    fn piola_by_number<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
+    fn piola_by_number<T: Scalar, const D: usize>(
+        &self,
+        fibre: &Vector<T::Value, D>,
+        grad_u: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
         match self {
-            Material::Own(law) => law.stress(grad_u),
-            Material::Ogden(law) => law::stress(law, grad_u),
-            Material::Artery(law) => law::stress(law, grad_u),
-            Material::Muscle(law) => law::stress(law, grad_u),
+            Material::Own(law) => law.stress(fibre, grad_u),
+            Material::Ogden(law) => law::stress(law, fibre, grad_u),
+            Material::Artery(law) => law::stress(law, fibre, grad_u),
+            Material::Muscle(law) => law::stress(law, fibre, grad_u),
             _ => Tensor::zero(),
         }
     }
@@ -238,14 +253,15 @@ impl Material {
     #[inline(always)]
     fn derivative_by_number<T: Scalar, const D: usize>(
         &self,
+        fibre: &Vector<T::Value, D>,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
         match self {
-            Material::Own(law) => law.derivative(grad_u, grad_w),
-            Material::Ogden(law) => law::derivative(law, grad_u, grad_w),
-            Material::Artery(law) => law::derivative(law, grad_u, grad_w),
-            Material::Muscle(law) => law::derivative(law, grad_u, grad_w),
+            Material::Own(law) => law.derivative(fibre, grad_u, grad_w),
+            Material::Ogden(law) => law::derivative(law, fibre, grad_u, grad_w),
+            Material::Artery(law) => law::derivative(law, fibre, grad_u, grad_w),
+            Material::Muscle(law) => law::derivative(law, fibre, grad_u, grad_w),
             _ => Tensor::zero(),
         }
     }
@@ -254,6 +270,17 @@ impl Material {
     #[inline(always)]
     pub fn derivative<T: Scalar, const D: usize>(
         &self,
+        grad_u: &Tensor<T, D>,
+        grad_w: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        self.derivative_at(&Vector::zero(), grad_u, grad_w)
+    }
+
+    /// [`Material::derivative`] where the fibres have the direction `fibre`; 0: that of the law.
+    #[inline(always)]
+    pub fn derivative_at<T: Scalar, const D: usize>(
+        &self,
+        fibre: &Vector<T::Value, D>,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
@@ -267,7 +294,7 @@ impl Material {
             return *grad_w * hooke(E, mu, lambda) + F * hooke(dE, mu, lambda);
         }
         let Some(Rubber { shear, second, volume, slope }) = self.rubber(J) else {
-            return self.derivative_by_number(grad_u, grad_w);
+            return self.derivative_by_number(fibre, grad_u, grad_w);
         };
         let F_inv_t = F_inv.t();
         let turned = F_inv_t * grad_w.t() * F_inv_t;
@@ -279,6 +306,15 @@ impl Material {
 
     /// Stored energy W per reference volume \[J/m³\]; of a law with J = 1 that of the deformation alone.
     pub fn energy<T: Scalar, const D: usize>(&self, grad_u: &Tensor<T, D>) -> T {
+        self.energy_at(&Vector::zero(), grad_u)
+    }
+
+    /// [`Material::energy`] where the fibres have the direction `fibre`; 0: that of the law.
+    pub fn energy_at<T: Scalar, const D: usize>(
+        &self,
+        fibre: &Vector<T::Value, D>,
+        grad_u: &Tensor<T, D>,
+    ) -> T {
         let of_hooke =
             |E: Tensor<T, D>, mu: f64, lambda: f64| E.ddot(E) * mu + E.trace() * E.trace() * (0.5 * lambda);
         let E = 0.5 * (*grad_u + grad_u.t() + grad_u.t() * *grad_u);
@@ -303,10 +339,10 @@ impl Material {
                 let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
                 compressible(c1, c2, bulk + 4.0 * c2)
             }
-            Material::Ogden(law) => law::energy(&law, grad_u),
-            Material::Artery(law) => law::energy(&law, grad_u) + bulk(law.compliance),
-            Material::Muscle(law) => law::energy(&law, grad_u) + bulk(Some(law.compliance)),
-            Material::Own(law) => law.energy(grad_u),
+            Material::Ogden(law) => law::energy(&law, fibre, grad_u),
+            Material::Artery(law) => law::energy(&law, fibre, grad_u) + bulk(law.compliance),
+            Material::Muscle(law) => law::energy(&law, fibre, grad_u) + bulk(Some(law.compliance)),
+            Material::Own(law) => law.energy(fibre, grad_u),
         }
     }
 }

@@ -102,7 +102,7 @@ fn in_space(grad_u: &[[f64; 2]]) -> Tensor<Dual<f64>, 3> {
 }
 
 impl Law for Ogden {
-    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2] {
+    fn energy_at(&self, _: &[f64], grad_u: &[[f64; 2]]) -> [f64; 2] {
         let at = in_space(grad_u);
         let (value, change) = (at.map(|x| x.re), at.map(|x| x.eps));
         let mut P = self.piola(&at).map(|x| x.re);
@@ -112,7 +112,7 @@ impl Law for Ogden {
         [self.energy(&value), P.ddot(change)]
     }
 
-    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
+    fn stress_at(&self, _: &[f64], grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
         let (d, P) = (grad_u.len().isqrt(), self.piola(&in_space(grad_u)));
         for (n, component) in stress.iter_mut().enumerate() {
             let Dual { re, eps } = P.0[n / d][n % d];

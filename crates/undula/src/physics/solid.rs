@@ -2,7 +2,9 @@
 
 use super::form::Block;
 use super::kinematics::{cofactor, volume_change};
-use super::{Couplings, Damping, Dots, Fields, Inertia, Material, Place, StepRule, Tested, WeakForm};
+use super::{
+    Couplings, Damping, Dots, Fields, Inertia, Material, Place, Reference, StepRule, Tested, WeakForm,
+};
 use crate::math::{Scalar, Tensor};
 
 /// Momentum and velocity-deformation relation (5.17) in the solid region, and J = 1 with a pressure of its own
@@ -15,12 +17,14 @@ pub struct Solid {
     pub material: Material,
     /// Viscous damping.
     pub damping: Damping,
+    /// What the reference domain is.
+    pub reference: Reference,
 }
 
 impl Solid {
     /// The solid without damping.
     pub const fn elastic(rho: f64, material: Material) -> Solid {
-        Solid { rho, material, damping: Damping::NONE }
+        Solid { rho, material, damping: Damping::NONE, reference: Reference::Free }
     }
 
     /// Whether stresses are those of small strains.
@@ -56,7 +60,7 @@ impl<const D: usize> WeakForm<D> for Solid {
         r.psi += dots.u;
     }
 
-    /// (P + P_v, ∇φ) + (ρ_s (α v − f), φ) − (v, ψ), P = F Σ; P_v and α of the damping.
+    /// (P + P_v, ∇φ) + (ρ_s (α v − f), φ) − (v, ψ), P = F Σ, see [`Reference`]; P_v and α of the damping.
     #[inline(always)]
     fn transport<T: Scalar>(
         &self,
@@ -66,7 +70,10 @@ impl<const D: usize> WeakForm<D> for Solid {
         weight: f64,
         r: &mut Tested<T, D>,
     ) {
-        r.grad_phi += weight * self.material.piola(&at.grad_u, &lag.grad_u);
+        let fabric = &place.fabric;
+        let (total, lagged) = (self.total(fabric, &at.grad_u), self.total(fabric, &lag.grad_u));
+        let P = self.material.piola_at(&fabric.fibre, &total, &lagged);
+        r.grad_phi += weight * self.carried(fabric, &at.grad_u, P);
         if self.damping.has_stress() {
             r.grad_phi += weight * self.damping.piola(self.is_linear(), &at.grad_v, &lag.grad_u);
         }
@@ -77,11 +84,12 @@ impl<const D: usize> WeakForm<D> for Solid {
         r.psi -= weight * at.v;
     }
 
-    /// −(p J F⁻ᵀ, ∇φ).
+    /// −(p J F⁻ᵀ, ∇φ); where U is sought F is I.
     #[inline(always)]
     fn pressure<T: Scalar>(&self, p: T, cofactor: &Tensor<T, D>, r: &mut Tested<T, D>) {
         if self.material.compliance().is_some() {
-            r.grad_phi -= *cofactor * p;
+            let sought = self.reference == Reference::Sought;
+            r.grad_phi -= if sought { Tensor::identity() * p } else { *cofactor * p };
         }
     }
 
@@ -104,11 +112,13 @@ impl<const D: usize> WeakForm<D> for Solid {
     /// parts of fractional-step θ see [`StepRule::volume`].
     ///
     /// With a finite bulk modulus (J − 1 + p/κ', ξ)/(θ²k), J − 1 weighed by θ and 1 − θ because p belongs to
-    /// t⁻ + θk; its derivative along v is J F⁻ᵀ : ∇v, too.
+    /// t⁻ + θk; its derivative along v is J F⁻ᵀ : ∇v, too. Where the reference domain is loaded, p is that of the whole
+    /// change of volume: J − det g + det g p/κ'.
     #[inline(always)]
     fn volume<T: Scalar>(
         &self,
         rule: &StepRule,
+        place: &Place<T::Value, D>,
         new: &Fields<T, D>,
         lag: &Fields<T, D>,
         old: &Fields<T::Value, D>,
@@ -122,8 +132,10 @@ impl<const D: usize> WeakForm<D> for Solid {
             r.xi += change * rate + flux * share;
         } else {
             let before = T::lift(volume_change(&old.grad_u, &old.grad_u));
-            let mean = change * rule.theta + before * (1.0 - rule.theta);
-            r.xi += (mean + new.p * compliance) * rule.compression();
+            let [gain, ratio] = self.gain(&place.fabric, &new.grad_u);
+            let sought = self.reference == Reference::Sought;
+            let mean = if sought { T::zero() } else { change * rule.theta + before * (1.0 - rule.theta) };
+            r.xi += (mean + gain + new.p * compliance * ratio) * rule.compression();
         }
     }
 }

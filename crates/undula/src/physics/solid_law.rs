@@ -132,7 +132,7 @@ impl SolidLaw {
             }
             SolidLaw::Guccione => {
                 let (stiffness, compliance) = (2.0 * mu, 1.0 / lambda);
-                Material::Muscle(Muscle { stiffness, exponents: [1.0; 3], compliance, angle: 0.0 })
+                Material::Muscle(Muscle { stiffness, exponents: [1.0; 3], compliance, direction: [1.0, 0.0] })
             }
         }
     }

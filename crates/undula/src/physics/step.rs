@@ -45,7 +45,7 @@ impl StepRule {
         form.rate(&dots, &inertia, r);
         form.pressure(new.p, &geometry, r);
         form.constraint(&form.place(place, old), new, lag, r);
-        form.volume(self, new, lag, old, r);
+        form.volume(self, place, new, lag, old, r);
     }
 
     /// 1/k \[1/s\]; 1 if stationary.

@@ -2,7 +2,7 @@
 
 use super::kinematics::volume_change;
 use super::law::{self, Law};
-use crate::math::{HyperDual, Scalar, Tensor};
+use crate::math::{HyperDual, Scalar, Tensor, Vector};
 use std::fmt;
 
 /// A hyperelastic law by its stored energy W per reference volume \[J/m³\].
@@ -41,6 +41,8 @@ pub trait StoredEnergy: Send + Sync {
 pub struct Deformation<T, const D: usize> {
     /// ∇u, `(∇u)_ij = ∂u_i/∂x_j`.
     pub grad_u: Tensor<T, D>,
+    /// Direction of the fibres at the point, a unit vector; 0 where a case gives none by `solid.fibre-direction`.
+    pub fibre: [f64; D],
 }
 
 impl<T: Scalar, const D: usize> Deformation<T, D> {
@@ -79,8 +81,12 @@ impl<T: Scalar, const D: usize> Deformation<T, D> {
 
 /// Components of ∇u as hyper-dual numbers: the second direction is that of the pairs, the first one moves component
 /// `moved`.
-fn seeded<const D: usize>(grad_u: &[[f64; 2]], moved: Option<usize>) -> Deformation<HyperDual, D> {
-    let mut at = Deformation { grad_u: Tensor::zero() };
+fn seeded<const D: usize>(
+    fibre: &[f64],
+    grad_u: &[[f64; 2]],
+    moved: Option<usize>,
+) -> Deformation<HyperDual, D> {
+    let mut at = Deformation { grad_u: Tensor::zero(), fibre: std::array::from_fn(|i| fibre[i]) };
     for (n, &[re, b]) in grad_u.iter().enumerate() {
         let a = if moved == Some(n) { 1.0 } else { 0.0 };
         at.grad_u.0[n / D][n % D] = HyperDual { re, a, b, ab: 0.0 };
@@ -89,23 +95,23 @@ fn seeded<const D: usize>(grad_u: &[[f64; 2]], moved: Option<usize>) -> Deformat
 }
 
 /// W and its derivatives, component `moved` of ∇u moving in the first direction.
-fn evaluate(law: &impl StoredEnergy, grad_u: &[[f64; 2]], moved: Option<usize>) -> HyperDual {
+fn evaluate(law: &impl StoredEnergy, fibre: &[f64], grad_u: &[[f64; 2]], moved: Option<usize>) -> HyperDual {
     match grad_u.len() {
-        4 => law.energy(&seeded::<2>(grad_u, moved)),
-        9 => law.energy(&seeded::<3>(grad_u, moved)),
-        _ => law.energy(&seeded::<1>(grad_u, moved)),
+        4 => law.energy(&seeded::<2>(fibre, grad_u, moved)),
+        9 => law.energy(&seeded::<3>(fibre, grad_u, moved)),
+        _ => law.energy(&seeded::<1>(fibre, grad_u, moved)),
     }
 }
 
 impl<E: StoredEnergy> Law for E {
-    fn energy_at(&self, grad_u: &[[f64; 2]]) -> [f64; 2] {
-        let W = evaluate(self, grad_u, None);
+    fn energy_at(&self, fibre: &[f64], grad_u: &[[f64; 2]]) -> [f64; 2] {
+        let W = evaluate(self, fibre, grad_u, None);
         [W.re, W.b]
     }
 
-    fn stress_at(&self, grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
+    fn stress_at(&self, fibre: &[f64], grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
         for (n, component) in stress.iter_mut().enumerate() {
-            let W = evaluate(self, grad_u, Some(n));
+            let W = evaluate(self, fibre, grad_u, Some(n));
             *component = [W.a, W.ab];
         }
     }
@@ -136,34 +142,45 @@ impl OwnLaw {
 
     /// W at ∇u.
     #[inline(always)]
-    pub(super) fn energy<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> T {
-        law::energy(self.0, grad_u)
+    pub(super) fn energy<T: Scalar, const D: usize>(
+        self,
+        fibre: &Vector<T::Value, D>,
+        grad_u: &Tensor<T, D>,
+    ) -> T {
+        law::energy(self.0, fibre, grad_u)
     }
 
     /// P at ∇u, with its derivative if `T` has one.
     #[inline(always)]
-    pub(super) fn stress<T: Scalar, const D: usize>(self, grad_u: &Tensor<T, D>) -> Tensor<T, D> {
-        law::stress(self.0, grad_u)
+    pub(super) fn stress<T: Scalar, const D: usize>(
+        self,
+        fibre: &Vector<T::Value, D>,
+        grad_u: &Tensor<T, D>,
+    ) -> Tensor<T, D> {
+        law::stress(self.0, fibre, grad_u)
     }
 
     /// Derivative of P at ∇u in the direction ∇w.
     #[inline(always)]
     pub(super) fn derivative<T: Scalar, const D: usize>(
         self,
+        fibre: &Vector<T::Value, D>,
         grad_u: &Tensor<T, D>,
         grad_w: &Tensor<T, D>,
     ) -> Tensor<T, D> {
-        law::derivative(self.0, grad_u, grad_w)
+        law::derivative(self.0, fibre, grad_u, grad_w)
     }
 
     /// Lamé constants μ and λ at rest \[Pa\], and the largest component of the stress there \[Pa\].
     pub fn at_rest(self) -> [f64; 3] {
-        let rest = Tensor::<f64, 2>::zero();
+        let (none, rest) = (Vector::zero(), Tensor::<f64, 2>::zero());
         let (mut stretch, mut shear) = (rest, rest);
         stretch.0[0][0] = 1.0;
         shear.0[0][1] = 1.0;
-        let (of_stretch, of_shear) = (self.derivative(&rest, &stretch), self.derivative(&rest, &shear));
-        let stress = self.stress(&rest).0.as_flattened().iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+        let (of_stretch, of_shear) =
+            (self.derivative(&none, &rest, &stretch), self.derivative(&none, &rest, &shear));
+        let stress =
+            self.stress(&none, &rest).0.as_flattened().iter().fold(0.0, |most, x| f64::max(most, x.abs()));
         [of_shear.0[0][1], of_stretch.0[1][1], stress]
     }
 }

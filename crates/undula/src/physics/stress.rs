@@ -3,8 +3,8 @@
 //! In the plane both bodies are in plane strain: ∇u and ∇v are zero along the third direction, σ_zz is not.
 
 use super::kinematics::cofactor;
-use super::{Fields, Fluid, Kinematics, Solid};
-use crate::math::Tensor;
+use super::{Fabric, Fields, Fluid, Kinematics, Solid};
+use crate::math::{Tensor, Vector};
 
 impl Fluid {
     /// σ = ρ ν (∇v F⁻¹ + F⁻ᵀ ∇vᵀ) − p I \[Pa\], with σ_zz = −p in the plane.
@@ -18,9 +18,13 @@ impl Fluid {
 impl Solid {
     /// σ = J⁻¹ P Fᵀ \[Pa\], the stress of the damping included, and −p I where the law has a pressure; of Hooke's law,
     /// which does not distinguish the two stresses, P itself.
-    pub fn cauchy<const D: usize>(&self, at: &Fields<f64, D>) -> Tensor<f64, 3> {
+    pub fn cauchy<const D: usize>(&self, fabric: &Fabric<f64, D>, at: &Fields<f64, D>) -> Tensor<f64, 3> {
         let grad_u = in_space(&at.grad_u);
-        let mut P = self.material.stress(&grad_u);
+        let mut fibre = Vector::zero();
+        fibre.0[..D].copy_from_slice(&fabric.fibre.0);
+        let fabric = Fabric { fibre, unloading: in_space(&fabric.unloading), hoop: fabric.hoop };
+        let total = self.total(&fabric, &grad_u);
+        let mut P = self.carried(&fabric, &grad_u, self.material.piola_at(&fabric.fibre, &total, &total));
         if self.damping.has_stress() {
             P += self.damping.piola(self.is_linear(), &in_space(&at.grad_v), &grad_u);
         }
@@ -32,6 +36,14 @@ impl Solid {
         }
         let Kinematics { F, J, .. } = Kinematics::of(&grad_u);
         P * F.t() * (1.0 / J)
+    }
+}
+
+impl Solid {
+    /// What the damping dissipates per volume of the reference domain, P_v : ∇v + α ρ |v|² \[W/m³\].
+    pub fn dissipated<const D: usize>(&self, at: &Fields<f64, D>) -> f64 {
+        let stress = self.damping.piola(self.is_linear(), &at.grad_v, &at.grad_u);
+        stress.ddot(at.grad_v) + self.rho * self.damping.mass * at.v.dot(at.v)
     }
 }
 

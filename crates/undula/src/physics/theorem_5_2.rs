@@ -144,6 +144,7 @@ fn divergence<S: Scalar<Value = S>, const D: usize>(
 pub fn solid<S: Scalar<Value = S>, const D: usize>(
     form: &Solid,
     rule: &StepRule,
+    place: &Place<S, D>,
     new: &Fields<S, D>,
     old: &Fields<S, D>,
     W: &Fields<S, D>,
@@ -155,7 +156,10 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
     };
     for (weight, tau) in rule.transport_points() {
         let at = old.lerp(new, tau);
-        r.grad_phi += weight * form.material.derivative(&at.grad_u, &(tau * W.grad_u));
+        let fabric = &place.fabric;
+        let (total, along) = (form.total(fabric, &at.grad_u), form.total_along(fabric, tau * W.grad_u));
+        let dP = form.material.derivative_at(&fabric.fibre, &total, &along);
+        r.grad_phi += weight * form.carried(fabric, &at.grad_u, dP);
         r.phi += weight * form.rho * form.damping.mass * tau * W.v;
         if form.damping.has_stress() {
             let (fields, directions) = ((&at.grad_v, &at.grad_u), (&(tau * W.grad_v), &(tau * W.grad_u)));
@@ -173,7 +177,8 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
         let (rate, share) = rule.volume();
         J * tr * rate + flux * share
     } else {
-        (J * tr * rule.theta + W.p * compliance) * rule.compression()
+        let [_, ratio] = form.gain(&place.fabric, &new.grad_u);
+        (J * tr * rule.theta + W.p * compliance * ratio) * rule.compression()
     };
     r
 }

@@ -67,7 +67,7 @@ pub(super) struct OfRun<'a> {
 
 /// A checkpoint of `simulation` as it is.
 pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
-    let Memory { steps, stepper, adaptive, balance } = simulation.save();
+    let Memory { steps, stepper, adaptive, balance, unloading } = simulation.save();
     let time::Memory { clock, new, old, point, newton, detour } = stepper;
     let nonlinear::Memory { worsening, counters, seconds } = newton;
     let metadata = Metadata {
@@ -109,6 +109,9 @@ pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint,
     for (n, (_, [v, u])) in adaptive.into_iter().flat_map(|memory| memory.past).enumerate() {
         put(format!("past{n}_v"), v);
         put(format!("past{n}_u"), u);
+    }
+    if !unloading.is_empty() {
+        put("unloading".into(), unloading);
     }
     Ok(checkpoint)
 }
@@ -236,6 +239,10 @@ fn memory(simulation: &Simulation, checkpoint: &Checkpoint, metadata: &Metadata)
             _ => None,
         },
         balance: metadata.balance,
+        unloading: match simulation.case.is_prestressed() {
+            true => array(checkpoint, "unloading".into(), space.n_u())?,
+            false => vec![],
+        },
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::element::Quadrature;
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Facet, Mesh};
-use crate::physics::Fields;
+use crate::physics::{Fabric, Fields};
 use crate::space::{Coordinates, FsiSpace, Nodes, State};
 
 /// One quadrature point on a facet.
@@ -109,4 +109,15 @@ pub fn fields_at<const D: usize>(
         }
     }
     f
+}
+
+/// What a solid has at the place `x` \[m\] of a cell, with the values and the gradients of the basis there.
+pub fn fabric_at<const D: usize>(
+    space: &FsiSpace<D>,
+    cell: usize,
+    x: &[f64; D],
+    basis: (&[f64], &[[f64; D]]),
+) -> Fabric<f64, D> {
+    let (fibre, unloading, hoop) = space.fabric_at(cell, x, basis);
+    Fabric { fibre, unloading, hoop }
 }

@@ -3,5 +3,5 @@
 pub mod facets;
 pub mod points;
 
-pub use facets::{FacetPoint, facet_points, facet_points_of, facet_points_on, fields_at};
+pub use facets::{FacetPoint, fabric_at, facet_points, facet_points_of, facet_points_on, fields_at};
 pub use points::{PointValues, for_each_point, for_each_point_of};

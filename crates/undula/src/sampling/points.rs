@@ -1,9 +1,9 @@
 //! Fields at all quadrature points, one by one in `f64`: for functionals, errors and sources.
 
-use super::facets::fields_at;
+use super::facets::{fabric_at, fields_at};
 use crate::element::Quadrature;
 use crate::math::Tensor;
-use crate::physics::Fields;
+use crate::physics::{Fabric, Fields};
 use crate::space::{FsiSpace, Region, State};
 
 /// One quadrature point.
@@ -18,6 +18,8 @@ pub struct PointValues<'a, const D: usize> {
     pub weight: f64,
     /// The fields there.
     pub fields: Fields<f64, D>,
+    /// What a solid has there.
+    pub fabric: Fabric<f64, D>,
     /// Basis of v and u, `[basis]`.
     pub value: &'a [f64],
     /// Its gradient with respect to x.
@@ -69,6 +71,7 @@ pub fn for_each_point_of<const D: usize>(
                 x,
                 weight: rule.weights[q] * det * space.coordinates.measure(&x),
                 fields,
+                fabric: fabric_at(space, cell, &x, (table.value(q), &grad)),
                 value: table.value(q),
                 grad: &grad,
                 pressure: &pressure,

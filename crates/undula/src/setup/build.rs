@@ -18,7 +18,9 @@ use crate::operators::pressure::pressure;
 use crate::operators::spring::spring;
 use crate::operators::traction::Traction;
 use crate::physics::Projection;
-use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed};
+use crate::space::{
+    BoundaryCondition, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed,
+};
 use crate::system::{self, Assembler, Operator, Physics};
 use crate::time::{MaterialForce, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
@@ -74,6 +76,7 @@ impl Case {
         let seams = self.seams(&space.mesh)?;
         space = space.joined(seams);
         (space.walls, space.coordinates) = (self.motion.walls, self.mesh.coordinates);
+        space.fabrics.fibres = self.solids.iter().map(fibres).collect();
         // A solid deforms the domain, and so does a wall of the fluid that moves.
         let displaced = self.displaced(&space.mesh);
         let in_fluid = |facet: &Facet| space.regions[facet.cell as usize] == Region::Fluid;
@@ -331,6 +334,11 @@ impl Case {
         }
         Ok(list)
     }
+}
+
+/// The directions of the fibres of a solid, if they are a field.
+fn fibres(solid: &SolidSpec) -> Option<FibreField<2>> {
+    solid.fibres.as_ref()?.direction.directions()
 }
 
 /// Whether the fluid has the do-nothing correction.

@@ -2,10 +2,12 @@
 
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::{Case, Condition, Initial, Load, TimeSpec};
+use crate::case::{Case, Condition, Load, SolidSpec, TimeSpec};
+use crate::element::Quadrature;
 use crate::error::Error;
 use crate::math::{rounded, shortest};
-use crate::space::FsiSpace;
+use crate::physics::fibres;
+use crate::space::{FsiSpace, Region};
 use crate::time::{DataFault, DataKind};
 
 /// Times between the start and the end at which data are looked at in advance.
@@ -44,6 +46,7 @@ impl Case {
             let fault = find(force, &places(space, here), &self.times(force, self.takes_old_forces()));
             errors.extend(fault.map(|f| self.not_finite(space, &key, force, f)));
         }
+        errors.extend((0..).zip(&self.solids).filter_map(|(n, solid)| self.no_direction(space, n, solid)));
         errors.extend(self.check_fields(space));
         errors.extend(self.check_repeated(space));
         if errors.is_empty() { Ok(()) } else { Err(Error::Case(CaseErrors(errors))) }
@@ -51,12 +54,7 @@ impl Case {
 
     /// The mistake that a displacement is not 0 at the beginning, where u is.
     fn starts_elsewhere(&self, key: &str, data: &[Expression], places: &[[f64; 2]]) -> Option<CaseError> {
-        let rests = match &self.initial {
-            None | Some(Initial::Fields { displacement: None, .. }) => true,
-            // A displacement that is given is compared with `initial.displacement`.
-            Some(Initial::Fields { .. } | Initial::From(_) | Initial::Static) => false,
-        };
-        let time = self.time.as_ref().filter(|_| rests)?;
+        let time = self.time.as_ref().filter(|_| self.starts_undeformed())?;
         let extent = |d: usize| {
             let along = places.iter().map(|x| x[d]);
             along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
@@ -75,6 +73,25 @@ impl Case {
             shortest(rounded(at[1], at[1], 6))
         );
         Some(CaseError { place: self.place_of(key), key: key.into(), value: None, message })
+    }
+
+    /// The mistake that fibres have no direction at a quadrature point of the solid `material`.
+    fn no_direction(&self, space: &FsiSpace<2>, material: u16, solid: &SolidSpec) -> Option<CaseError> {
+        let (data, t) = (solid.fibre_field()?, self.time.as_ref().map_or(0.0, |time| time.start));
+        let here = |&c: &usize| space.regions[c] == Region::Solid && space.material[c] == material;
+        let rule = Quadrature::cell(space.mesh.shape, self.space.quadrature);
+        let mut points = (0..space.mesh.n_cells())
+            .filter(here)
+            .flat_map(|cell| rule.points.iter().map(move |xi| space.mesh.map(cell, [xi[0], xi[1]])));
+        let at = points.find(|x| fibres::unit([0, 1].map(|i: usize| values(data, x, t)[i])).is_none())?;
+        let key = format!("{}.fibre-direction", solid.table());
+        let value = values(data, &at, t);
+        let found = Found { at, time: t, value: value.clone() };
+        if !is_finite(&value) {
+            return Some(self.not_finite(space, &key, data, found));
+        }
+        let message = format!("expected a direction everywhere; it is (0, 0) at {}", space.mesh.shown(&at));
+        Some(CaseError { message, ..self.not_finite(space, &key, data, found) })
     }
 
     /// The mistake behind data that turned out not to be finite in the course of a computation.

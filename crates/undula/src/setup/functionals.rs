@@ -2,6 +2,7 @@
 
 use crate::case::{Case, FluidSpec, FunctionalSpec, Site};
 use crate::functional::Functional;
+use crate::functional::body_energy::BodyEnergy;
 use crate::functional::energy::{Energy, Integral};
 use crate::functional::force::{ForceByResidual, ForceBySurface, Surfaces};
 use crate::functional::moment::Moment;
@@ -85,6 +86,10 @@ impl FunctionalSpec {
             }
             FunctionalSpec::WallShearStress { component, on, take } => {
                 Box::new(OnBoundary::new(surfaces, on, Quantity::WallShear(*component), *take))
+            }
+            FunctionalSpec::Balance { region, part } => {
+                let body = case.body_in(region).unwrap_or((Region::Fluid, 0));
+                Box::new(BodyEnergy::new(space, body, *part, quadrature))
             }
             FunctionalSpec::Volume { region } => {
                 let at = Site::Region(region.clone(), Take::Integral);

@@ -7,8 +7,11 @@ use crate::error::Error;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::NewtonError;
 use crate::space::{Constraints, FsiSpace, PsiOwner, State, enclosed};
-use crate::time::Stepper;
+use crate::time::{Scheme, Stepper};
 use std::sync::Arc;
+
+/// Part of the first step in which nothing moves.
+const SHORT: f64 = 1e-6;
 
 #[doc(hidden)]
 impl Case {
@@ -104,17 +107,23 @@ impl Case {
     }
 
     /// The state of the initial fields: u extended into the fluid, v there made discretely free of divergence, both with
-    /// the boundary values of the start. p is 0: the first step finds its own.
+    /// the boundary values of the start, and p as [`Case::start_pressure`] finds it; else it is 0, and a note says so.
     ///
     /// # Errors
     /// [`Error::Case`] if a closed part of the fluid would change its volume or a cell is folded, [`Error::Solver`].
-    pub(crate) fn initial_fields(&self, space: &Arc<FsiSpace<2>>, threads: usize) -> Result<State, Error> {
-        let Stepper { mut assembler, mut linear, time, .. } = self.stepper_on(space.clone(), threads)?;
+    pub(crate) fn initial_fields(
+        &self,
+        space: &Arc<FsiSpace<2>>,
+        threads: usize,
+    ) -> Result<(State, Option<String>), Error> {
+        let mut stepper = self.stepper_on(space.clone(), threads)?;
+        let Stepper { assembler, linear, time, .. } = &mut stepper;
+        let time = *time;
         let mut state = self.given_fields(space, &assembler.constraints, time);
         state.s = assembler.zero().s;
         assembler.constraints.apply(space, time, &mut state.v, &mut state.u);
         if space.deforms {
-            linear.extend(&mut assembler, &mut state)?;
+            linear.extend(assembler, &mut state)?;
             let min_j = assembler.nodal_min_j(&state);
             if min_j.is_nan() || min_j <= 0.0 {
                 let message =
@@ -130,13 +139,42 @@ impl Case {
                 .map(|part| part.pressure(space).fixed)
                 .collect();
             let k = self.time.as_ref().map_or(1.0, |t| t.step.eval(&[0.0; 3], time));
-            if !linear.project(&mut assembler, k, &closed, &mut state)? {
+            if !linear.project(assembler, k, &closed, &mut state)? {
                 let message = "the velocity of the solid changes the volume of a fluid that is closed in on all sides; \
                                expected one that keeps it";
                 return Err(self.refuse("initial.velocity", message.into()));
             }
         }
-        Ok(state)
+        let note = self.start_pressure(&mut stepper, &mut state).err();
+        Ok((state, note))
+    }
+
+    /// Sets p, and scalar unknowns without a rate, to what belongs to v and u of `state` at the start:
+    ///
+    /// (ρ J a, φ) + A(v, u)(φ) − (p J F⁻ᵀ, ∇φ) = (f, φ), where a keeps the divergence and the given velocities.
+    ///
+    /// They are those of a step of the backward Euler scheme in which nothing moves: of 1e-6 of the first step, so that
+    /// the error is as small; of the whole one with stabilisation, whose parameters depend on it.
+    ///
+    /// # Errors
+    /// What should be known if there is no such step; `state` is then as before.
+    fn start_pressure(&self, stepper: &mut Stepper<2>, state: &mut State) -> Result<(), String> {
+        let Some(time) = self.time.as_ref().filter(|_| !state.p.is_empty()) else { return Ok(()) };
+        let k = time.step.eval(&[0.0; 3], time.start);
+        let short = if self.stabilization.acts() { k } else { SHORT * k };
+        stepper.settings.scheme = Scheme::BackwardEuler;
+        stepper.settings.max_halvings = 0;
+        (stepper.new, stepper.old) = (state.clone(), state.clone());
+        if stepper.step_to(short, time.start + short).is_err() {
+            return Err("initial: no pressure was found that belongs to the start; it is 0 there".into());
+        }
+        state.p.clone_from(&stepper.new.p);
+        for (n, _) in
+            stepper.assembler.algebraic_scalars().iter().enumerate().filter(|(_, no_rate)| **no_rate)
+        {
+            state.s[n] = stepper.new.s[n];
+        }
+        Ok(())
     }
 
     /// The stationary solution for the loads of the start, with the parts of the load that it took.
@@ -160,6 +198,7 @@ impl Case {
     /// # Errors
     /// As [`Case::build_space`] of the stationary case.
     pub(super) fn check_equilibrium(&self) -> Result<(), Error> {
+        self.check_prestress()?;
         if !self.starts_static() {
             return Ok(());
         }

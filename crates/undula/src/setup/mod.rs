@@ -2,7 +2,7 @@
 //!
 //! `mesh` makes or reads the mesh, `build` creates all else, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
 //! which it knows the `names`: `regions` looks at its regions, `bodies` at their connected parts, `enclosed` at the parts
-//! of the fluid that nothing opens, `ends` at the nodes of the solid, `supports` at rigid motions, `periodic` at boundaries that are one. `functions` makes functions of expressions, `data` evaluates what is prescribed, `memory`
+//! of the fluid that nothing opens, `ends` at the nodes of the solid, `supports` at rigid motions, `periodic` at boundaries that are one. `prestress` has the shape without stress. `functions` makes functions of expressions, `data` evaluates what is prescribed, `memory`
 //! estimates what it takes, `lengths` has the numbers that come from the mesh, and `overview` is what `undula check`
 //! prints.
 
@@ -23,6 +23,7 @@ pub mod names;
 mod outlets;
 pub mod overview;
 mod periodic;
+pub(crate) mod prestress;
 pub mod profile;
 mod regions;
 mod supports;

@@ -5,6 +5,7 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
+use crate::setup::prestress::Prestress;
 use crate::space::{FsiSpace, State};
 use crate::time::{self, Clock, Damping};
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ enum Start {
     Former(Box<Former>),
     Fields,
     Static,
+    Prestress,
 }
 
 /// The newest checkpoint of another run.
@@ -60,6 +62,7 @@ impl Start {
     /// As [`with_start`].
     fn of(case: &mut Case) -> Result<Start, Error> {
         Ok(match case.initial.clone() {
+            None | Some(Initial::Static) if case.is_prestressed() => Start::Prestress,
             None => Start::Rest,
             Some(Initial::From(directory)) => Start::Former(Box::new(former(case, directory)?)),
             Some(Initial::Fields { .. }) => Start::Fields,
@@ -77,14 +80,32 @@ impl Start {
             Start::Rest => Ok(()),
             Start::Former(former) => begin(simulation, &former),
             Start::Fields => {
-                let state =
+                let (state, wrong) =
                     simulation.install(|simulation| simulation.case.initial_fields(&space, threads))?;
+                simulation.case.record.notes.extend(wrong);
                 let keys = simulation.case.initial.iter().flat_map(Initial::fields).map(|(key, _)| key);
                 let note = format!(
                     "{}: the run starts with the fields of the case",
                     keys.collect::<Vec<_>>().join(", ")
                 );
-                at(simulation, state, note)
+                at(simulation, (state, vec![]), note)
+            }
+            Start::Prestress => {
+                let found = simulation.install(|simulation| simulation.case.prestress(&space, threads))?;
+                let Prestress { state, unloading, largest, parts } = found;
+                let note = match (largest == 0.0, parts) {
+                    (true, _) => {
+                        "solid.prestress: nothing loads the solid at the start, so that it has no stress"
+                            .into()
+                    }
+                    (_, 1) => {
+                        "solid.prestress: the run starts with the stress that balances the loads".into()
+                    }
+                    _ => format!(
+                        "solid.prestress: the run starts with the stress that balances the loads, found in {parts} parts"
+                    ),
+                };
+                at(simulation, (state, unloading), note)
             }
             Start::Static => {
                 let found = simulation.install(|simulation| simulation.case.initial_equilibrium(threads));
@@ -92,21 +113,25 @@ impl Start {
                 let load =
                     if parts == 1 { String::new() } else { format!(", found in {parts} parts of the load") };
                 let note = format!("initial.static: the run starts with the stationary solution{load}");
-                at(simulation, state, note)
+                at(simulation, (state, vec![]), note)
             }
         }
     }
 }
 
-/// The simulation with `new` as its first state, with the boundary values of its first time.
-fn at(simulation: &mut Simulation, mut new: State, note: String) -> Result<(), Error> {
+/// The simulation with `new` as its first state, with the boundary values of its first time, and with its prestress.
+fn at(
+    simulation: &mut Simulation,
+    (mut new, unloading): (State, Vec<f64>),
+    note: String,
+) -> Result<(), Error> {
     let assembler = &simulation.stepper.assembler;
     let time = simulation.stepper.time;
     assembler.constraints.apply(&assembler.space, time, &mut new.v, &mut new.u);
     simulation.case.record.notes.push(note);
     let clock = Clock { time, last_step: 0.0, damping: Damping::default() };
     let stepper = time::Memory::of(clock, new.clone(), new);
-    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })
+    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None, unloading })
 }
 
 /// The run from which `case` starts; sets the first time of the case.
@@ -223,6 +248,20 @@ fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
         Ok(solution) => solution,
         Err(message) => return Err(simulation.case.refuse("initial.from", message)),
     };
+    let unloading = former.checkpoint.f64s("unloading").map_or(vec![], <[f64]>::to_vec);
+    let wrong = match (simulation.case.is_prestressed(), unloading.is_empty()) {
+        (true, true) => Some("the run has no prestress: expected a case without solid.prestress, too"),
+        (false, false) => {
+            Some("the run has a prestress: expected solid.prestress = true, which takes it over")
+        }
+        (true, false) if last_step == 0.0 => {
+            Some("a prestress is taken over on the same mesh and elements only")
+        }
+        _ => None,
+    };
+    if let Some(message) = wrong {
+        return Err(simulation.case.refuse("initial.from", message.into()));
+    }
     let start = assembler.zero().s;
     let others = new.s.len() != start.len();
     if others {
@@ -243,5 +282,5 @@ fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
     }
     let clock = Clock { time, last_step, damping: Damping::default() };
     let stepper = time::Memory::of(clock, new, old);
-    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None })
+    simulation.restore(Memory { steps: 0, stepper, adaptive: None, balance: None, unloading })
 }

@@ -17,6 +17,8 @@ pub struct Memory {
     pub adaptive: Option<adaptive::Memory>,
     /// Largest flows so far.
     pub balance: Option<Largest>,
+    /// U at the nodes \[m\], see [`crate::space::Fabrics`]; empty without prestress.
+    pub unloading: Vec<f64>,
 }
 
 impl Simulation {
@@ -35,6 +37,7 @@ impl Simulation {
             names: _,
             fluid_residual: _,
             needs_residual: _,
+            volume: _,
             threads: _,
             pool: _,
         } = self;
@@ -43,6 +46,7 @@ impl Simulation {
             stepper: stepper.save(),
             adaptive: adaptive.as_ref().map(|adaptive| adaptive.memory.clone()),
             balance: balance.as_ref().map(|balance| balance.largest),
+            unloading: stepper.assembler.space.fabrics.unloading.clone(),
         }
     }
 
@@ -60,6 +64,9 @@ impl Simulation {
             }
         }
         let stepper = &mut self.stepper;
+        if !memory.unloading.is_empty() {
+            stepper.assembler.unload(memory.unloading);
+        }
         match &self.pool {
             None => stepper.restore(memory.stepper)?,
             Some(pool) => pool.install(|| stepper.restore(memory.stepper))?,

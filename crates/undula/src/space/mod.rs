@@ -6,6 +6,7 @@ pub mod coordinates;
 pub mod dofs;
 pub mod enclosed;
 pub mod ends;
+pub mod fabric;
 pub mod fluid_boundary;
 pub mod normals;
 pub mod pressure;
@@ -18,6 +19,7 @@ pub use conditions::{Constraints, Directions};
 pub use coordinates::{COORDINATES, Coordinates};
 pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
+pub use fabric::{Fabrics, FibreField};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
 pub use pressure::{PressureKind, PressureSpace};
 pub use seams::Places;
@@ -74,6 +76,8 @@ pub struct FsiSpace<const D: usize> {
     /// Facets of the outer boundary that are one, see [`FsiSpace::joined`].
     pub seams: Vec<Seam<D>>,
     places: Option<Places<D>>,
+    /// What solids have at their points from the start.
+    pub fabrics: Fabrics<D>,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
 }
@@ -149,6 +153,7 @@ impl<const D: usize> FsiSpace<D> {
             walls,
             seams: vec![],
             places: None,
+            fabrics: Fabrics::default(),
             pressure_nodes,
         }
     }

@@ -1,5 +1,6 @@
 //! The sum of all operators: residual and Jacobian of one step of the coupled problem.
 
+mod bodies;
 mod directions;
 pub mod extension;
 mod matrices;

@@ -11,8 +11,8 @@ use crate::choice::{Choice, choice};
 use crate::math::{Dual, Scalar, Vector};
 use crate::physics::axisymmetric::{self, Seen};
 use crate::physics::{
-    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Solid, Spring, StepRule, Tested, WeakForm,
-    theorem_5_2,
+    Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Reference, Solid, Spring, StepRule, Tested,
+    WeakForm, theorem_5_2,
 };
 
 /// Which derivatives the matrix of an iteration holds; the residual is always that of the whole problem.
@@ -160,12 +160,16 @@ impl<const D: usize> ByHand<D> for Solid {
     fn by_hand<S: Scalar<Value = S>>(
         &self,
         rule: &StepRule,
-        _: &Place<S, D>,
+        place: &Place<S, D>,
         new: &Fields<S, D>,
         old: &Fields<S, D>,
         W: &Fields<S, D>,
     ) -> Tested<S, D> {
-        theorem_5_2::solid(self, rule, new, old, W)
+        // Of the inverse problem nothing is written by hand.
+        if self.reference == Reference::Sought {
+            return automatic(self, rule, place, new, old, W);
+        }
+        theorem_5_2::solid(self, rule, place, new, old, W)
     }
 }
 

@@ -231,12 +231,7 @@ fn at_lane<T: Scalar, N: Scalar>(at: &Fields<T, 2>, lane: usize) -> Fields<N, 2>
 
 #[inline(always)]
 fn place_at<S: Scalar>(place: &Place<S, 2>, lane: usize) -> Place<f64, 2> {
-    Place {
-        force: place.force.map(|x| number(x, lane)),
-        force_slope: place.force_slope.map(|x| number(x, lane)),
-        stiffness: number(place.stiffness, lane),
-        per_radius: number(place.per_radius, lane),
-    }
+    place.map(|x| number(x, lane))
 }
 
 /// Add what stands before the test functions in one lane.

@@ -8,7 +8,7 @@ use crate::linear::BlockNorms;
 use crate::nonlinear::{NewtonError, NewtonReport};
 use crate::physics::StepRule;
 use crate::space::State;
-use crate::system::End;
+use crate::system::{End, StepView};
 use crate::tangent::Linearization;
 
 /// Solutions at most until the parameters of a stationary stabilisation have settled, and the relative change of
@@ -111,6 +111,15 @@ impl<const D: usize> Stepper<D> {
         self.assembler.constraints.still = true;
         self.apply_boundary(t, load);
         self.assembler.constraints.still = false;
+    }
+
+    /// The residual of the stationary equations at `state` with the whole load of the present time, `[v, u, p, s]`.
+    pub fn load_of(&mut self, state: &State) -> Vec<f64> {
+        self.set_load(self.time, 1.0);
+        let mut residual = self.explicit.clone();
+        let step = StepView { rule: StepRule::STATIONARY, new: state, old: state };
+        self.assembler.residual(&step, &mut residual);
+        residual
     }
 
     /// Take the domain along with boundaries whose displacement the load has changed, `given` before.

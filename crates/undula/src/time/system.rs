@@ -98,12 +98,14 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
     fn is_negligible(&self, delta: &[f64]) -> bool {
         let (n_v, n_u) = (self.new.v.len(), self.new.u.len());
         let (v, u) = (algebra::norm_inf(&self.new.v), algebra::norm_inf(&self.new.u));
+        let u = u.max(algebra::norm_inf(&self.assembler.space.fabrics.unloading));
         algebra::norm_inf(&delta[..n_v]) <= NEGLIGIBLE * v.max(u * self.rule.per_k)
             && algebra::norm_inf(&delta[n_v..n_v + n_u]) <= NEGLIGIBLE * u
     }
 
     fn rounding(&self) -> f64 {
-        self.scales.rounding::<D>(self.new, self.rule.per_k)
+        let unloading = &self.assembler.space.fabrics.unloading;
+        self.scales.rounding::<D>(self.new, unloading, self.rule.per_k)
     }
 
     fn price(&self) -> f64 {

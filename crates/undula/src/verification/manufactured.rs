@@ -298,7 +298,7 @@ impl Manufactured {
         form.constraint(&place, &new.fields, &new.fields, &mut r);
         let mut at = new.fields;
         at.p = theta * new.fields.p + (1.0 - theta) * old.fields.p;
-        form.volume(&StepRule::theta(t - t_old, theta), &at, &at, &old.fields, &mut r);
+        form.volume(&StepRule::theta(t - t_old, theta), &place, &at, &at, &old.fields, &mut r);
         r
     }
 

@@ -12,6 +12,7 @@ use super::equal_steps;
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, SolidSpec};
 use crate::error::Error;
+use crate::physics::Reference;
 use crate::time::{Scheme, Stepper};
 
 /// Both methods beside each other.
@@ -45,6 +46,10 @@ pub fn newmark(case: &Case, threads: usize) -> Result<Beside, Error> {
     if let Some(solid) = case.solids.iter().find(changes) {
         let message = "Newmark's method is compared under a force that does not depend on t";
         return Err(case.refuse(&format!("{}.body-force", solid.table()), message.into()));
+    }
+    if let Some(solid) = case.solids.iter().find(|solid| solid.reference != Reference::Free) {
+        let message = "Newmark's method is compared without prestress, from rest";
+        return Err(case.refuse(&format!("{}.prestress", solid.table()), message.into()));
     }
     let damped =
         |solid: &&SolidSpec| [solid.viscosity, solid.damping_mass, solid.damping_stiffness] != [0.0; 3];

@@ -81,7 +81,7 @@ fn constants_of_ogden_are_checked() {
 }
 
 /// k₁ E exp(k₂ E²) of both families, E = κ (a² + b² − 2) + (1 − 3 κ)(a² cos² + b² sin² − 1), times ∂E/∂a and ∂E/∂b.
-fn fibres([k1, k2, kappa, angle]: [f64; 4], a: f64, b: f64) -> [f64; 2] {
+pub fn fibres([k1, k2, kappa, angle]: [f64; 4], a: f64, b: f64) -> [f64; 2] {
     let (c, s) = (angle.cos().powi(2), angle.sin().powi(2));
     let strain = kappa * (a * a + b * b - 2.0) + (1.0 - 3.0 * kappa) * (a * a * c + b * b * s - 1.0);
     let tension = 2.0 * k1 * strain.max(0.0) * (k2 * strain * strain).exp();

@@ -128,7 +128,7 @@ own.toml:59:6: functional.drag.on = []: expected an array of names, such as ["cy
 own.toml:60:13: functional.drag.component = "z": expected one of `x`, `y`
 own.toml:62:13: functional.tip.component: missing: "x" or "y"
 own.toml:64:15: functional.tip.point[1] = "right": expected a finite number
-own.toml:67:8: functional.other.kind = "forces": expected one of `force`, `moment`, `displacement`, `pressure-difference`, `energy`, `rotation`, `flux`, `power`, `pressure`, `velocity`, `stress`, `wall-shear-stress`, `volume`; did you mean `force`?
+own.toml:67:8: functional.other.kind = "forces": expected one of `force`, `moment`, `displacement`, `pressure-difference`, `energy`, `rotation`, `flux`, `power`, `pressure`, `velocity`, `stress`, `wall-shear-stress`, `balance`, `volume`; did you mean `force`?
 own.toml:70:16: output.fields-every = -1: expected an integer, 0 or above
 own.toml:71:8: output.mesh = "moved": expected one of `deformed`, `reference`
 own.toml:72:11: output.leading = "lft": expected the name of a functional; there are `drag`, `tip`, `other`"#;

@@ -211,6 +211,7 @@ fn cg1_conserves_energy() {
                     old,
                     fluid_residual,
                     system: None,
+                    volume: &[],
                 })
             };
             of(Integral::SolidKinetic) + of(Integral::Elastic)

@@ -5,7 +5,7 @@ use crate::common::{SCHEMES, sets, wrong};
 use std::f64::consts::PI;
 use undula::case::Case;
 use undula::math::Tensor;
-use undula::physics::{Damping, Fields, Material, Solid};
+use undula::physics::{Damping, Fabric, Fields, Material, Solid};
 use undula::simulation::Simulation;
 use undula::verification::jacobians;
 
@@ -100,9 +100,9 @@ fn rigid_motion_is_not_damped() {
     let mut at = Fields::<f64, 2>::zero();
     at.grad_u = Tensor([[0.3, -0.2], [0.5, 0.1]]);
     let F = Tensor::identity() + at.grad_u;
-    let still = solid.cauchy(&at);
+    let still = solid.cauchy(&Fabric::plain(), &at);
     at.grad_v = Tensor([[0.0, -7.0], [7.0, 0.0]]) * F;
-    let turning = solid.cauchy(&at) - still;
+    let turning = solid.cauchy(&Fabric::plain(), &at) - still;
     assert!(turning.ddot(turning).sqrt() < 1e-12, "{turning:?}");
     at.grad_v = Tensor([[0.4, -1.0], [0.3, 0.2]]);
     let P = solid.damping.piola(false, &at.grad_v, &at.grad_u);

@@ -5,8 +5,8 @@ use undula::math::{Scalar, Tensor, Vector};
 use undula::physics::form::Block;
 use undula::physics::rule::{GALERKIN, MIDPOINT, SECANT};
 use undula::physics::{
-    Artery, Backflow, CarreauYasuda, Damping, Extension, FacetForm, Fields, Fluid, Material, Muscle, Outflow,
-    Place, Pressure, Solid, StepRule, Tested, WeakForm,
+    Artery, Backflow, CarreauYasuda, Damping, Extension, Fabric, FacetForm, Fields, Fluid, Material, Muscle,
+    Outflow, Place, Pressure, Reference, Solid, StepRule, Tested, WeakForm,
 };
 use undula::tangent::{ByHand, Difference, Stencil, Tangent, automatic, automatic_facet, facet, fixed_point};
 
@@ -36,7 +36,11 @@ impl Random {
     }
 
     fn place<const D: usize>(&mut self) -> Place<f64, D> {
-        Place { force: 10.0 * self.vector(), stiffness: 1.5 + self.next(), ..Place::plain() }
+        let (force, stiffness) = (10.0 * self.vector(), 1.5 + self.next());
+        let fibre: Vector<f64, D> = self.vector();
+        let fibre = fibre * (1.0 / fibre.dot(fibre).sqrt());
+        let fabric = Fabric { fibre, unloading: self.fields::<D>(0.4).grad_u, ..Fabric::plain() };
+        Place { force, stiffness, fabric, ..Place::plain() }
     }
 
     /// The same with a body force that changes with the position; that of the solid does not.
@@ -115,7 +119,12 @@ fn materials() -> [Material; 11] {
         Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], lambda, false),
         Material::ogden(&[[1e6, 1.5], [-0.2e6, -2.0]], f64::INFINITY, true),
         Material::Artery(Artery { k1: 1e6, k2: 0.5, dispersion: 0.1, angles: [0.3, 1.2], ..matrix }),
-        Material::Muscle(Muscle { stiffness: 1e6, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 }),
+        Material::Muscle(Muscle {
+            stiffness: 1e6,
+            exponents: [1.5, 0.7, 1.1],
+            compliance: 0.0,
+            direction: [0.6, 0.8],
+        }),
     ]
 }
 
@@ -195,13 +204,16 @@ fn fluid_jacobian_is_theorem_5_2() {
     }
 }
 
-/// The same for the solid with every law, Lemma 5.5.
+/// The same for the solid with every law, Lemma 5.5, with a loaded reference domain, too.
 #[test]
 fn solid_jacobian_is_lemma_5_5() {
     for material in materials() {
         for solid in [Solid::elastic(1e3, material), damped(material)] {
-            check::<_, 2>(&solid);
-            check::<_, 3>(&solid);
+            for reference in [Reference::Free, Reference::Loaded, Reference::Sought] {
+                let solid = Solid { reference, ..solid };
+                check::<_, 2>(&solid);
+                check::<_, 3>(&solid);
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use undula::functional::sampled::{AtPoint, InRegion, OnBoundary};
 use undula::functional::{Functional, Snapshot};
 use undula::math::{Tensor, Vector};
 use undula::physics::stress::{principal, von_mises};
-use undula::physics::{Fields, Material, Solid, StepRule};
+use undula::physics::{Fabric, Fields, Material, Solid, StepRule};
 use undula::simulation::Simulation;
 use undula::space::PressureKind::Continuous;
 use undula::space::{BoundaryCondition, FsiSpace, Region, State};
@@ -165,7 +165,16 @@ pub fn homogeneous(
 /// The values of `functional` in the steady state `new`.
 fn value(functional: &dyn Functional<2>, space: &FsiSpace<2>, physics: &Physics, new: &State) -> f64 {
     let rule = StepRule::STATIONARY;
-    functional.evaluate(&Snapshot { space, physics, rule, new, old: new, fluid_residual: &[], system: None })
+    functional.evaluate(&Snapshot {
+        space,
+        physics,
+        rule,
+        new,
+        old: new,
+        fluid_residual: &[],
+        system: None,
+        volume: &[],
+    })
 }
 
 /// Cauchy stress of the stretches a, b, 1 along the axes, and the third one.
@@ -346,7 +355,7 @@ fn stress_converges_with_the_mesh() {
     };
     let exact = |x: [f64; 2]| {
         let at = Fields { grad_u: Tensor(grad(x)), ..Fields::zero() };
-        von_mises(&physics.solid.unwrap().cauchy::<2>(&at))
+        von_mises(&physics.solid.unwrap().cauchy::<2>(&Fabric::plain(), &at))
     };
     // Over the current region by a Gauss rule; the extreme at points that are the nodes of a fine mesh.
     let (points, weights) = gauss(40);

@@ -492,3 +492,62 @@ fn starts_that_make_no_sense_are_refused() {
         assert_eq!(Case::from_toml(&case.to_toml(), "again.toml", &[]).unwrap(), case);
     }
 }
+
+/// The pressure of the start of a channel between given velocities is linear, with every scheme and pair of elements.
+#[test]
+fn the_first_pressure_of_poiseuille_is_linear() {
+    let elements: [&[&str]; 4] = [
+        &[],
+        &["space.velocity=Q3", "space.pressure=P2dc"],
+        &["space.velocity=P2", "space.pressure=P1"],
+        &["time.scheme=fractional-step-theta"],
+    ];
+    for more in elements {
+        let ends = "condition = \"velocity\"\nvelocity = [\"4*y*(1-y)\", 0]";
+        let start = "[initial]\nvelocity = [\"4*y*(1-y)\", 0]\n[time]\nstep = 0.1\nend = 0.2\n";
+        let open = "condition = \"pressure\"\npressure = 7";
+        let case = crate::common::channel_between([4, 2], [ends, open], start, more);
+        let simulation = begin(&case);
+        for at in [[0.1, 0.3], [2.0, 0.9], [3.7, 0.5]] {
+            let p = simulation.fields().at(at).unwrap().pressure;
+            // ρ ν ∂²v/∂y² = −0.8 Pa/m.
+            assert!((p - 7.0 - 0.8 * (4.0 - at[0])).abs() < 1e-8, "{more:?}: {p} at {at:?}");
+        }
+        assert!(simulation.case.notes().iter().all(|note| !note.contains("no pressure")));
+    }
+}
+
+/// Vortices between walls without friction: v = (sin x cos y, −cos x sin y) on (0, π)², p = ¼ ρ (cos 2x + cos 2y) whatever
+/// the viscosity. The error falls with the order of the pressure; a velocity that changes in time asks for ∂_t v.
+#[test]
+fn the_first_pressure_of_taylor_and_green_has_its_order() {
+    let error = |n: usize, elements: &[&str], moving: bool| {
+        let pi = std::f64::consts::PI;
+        let factor = if moving { "exp(-0.2*t)" } else { "1" };
+        let v = format!("[\"sin(x)*cos(y)*{factor}\", \"-cos(x)*sin(y)*{factor}\"]");
+        let side = if moving { format!("\"velocity\"\nvelocity = {v}") } else { "\"slip\"".to_string() };
+        let sides = ["left", "right", "top", "bottom"]
+            .map(|name| format!("[boundary.{name}]\ncondition = {side}\n"))
+            .concat();
+        let text = format!(
+            "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [{pi}, {pi}]\ncells = [{n}, {n}]\n\
+             [fluid]\ndensity = 2\nkinematic-viscosity = 0.1\n{sides}[initial]\nvelocity = {v}\n\
+             [time]\nscheme = \"crank-nicolson\"\nstep = 0.1\nend = 0.2\n[newton]\ntolerance = 1e-11\n"
+        );
+        let simulation = begin(&Case::from_toml(&text, "vortex.toml", &sets(elements)).unwrap());
+        let exact = |[x, y]: [f64; 2]| 0.5 * ((2.0 * x).cos() + (2.0 * y).cos());
+        let fields = simulation.fields();
+        let mean = fields.integrate(|at| at.pressure - exact(at.x)) / (pi * pi);
+        fields.integrate(|at| (at.pressure - exact(at.x) - mean).powi(2)).sqrt()
+    };
+    for (elements, moving, order) in [
+        (&[][..], false, 1.9),
+        (&[], true, 1.9),
+        (&["space.velocity=Q3", "space.pressure=P2dc"], false, 2.8),
+        (&["space.velocity=P2", "space.pressure=P1"], true, 1.9),
+    ] {
+        let errors = [error(4, elements, moving), error(8, elements, moving)];
+        let found = (errors[0] / errors[1]).log2();
+        assert!(found > order && errors[1] < 0.1, "{elements:?}, moving {moving}: {errors:?}, order {found}");
+    }
+}

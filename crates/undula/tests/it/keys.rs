@@ -177,6 +177,7 @@ fn defaults_of_the_table_are_those_of_reading() {
     let silent = [
         "mesh.leave-out",
         "solid.c2",
+        "solid.prestress",
         "initial.velocity",
         "initial.displacement",
         "initial.static",

@@ -1,7 +1,7 @@
 //! Constitutive laws at a point: energies, closed forms, objectivity, Hooke's law at rest.
 #![allow(non_snake_case)]
 
-use undula::math::{Dual, Scalar, Tensor};
+use undula::math::{Dual, Scalar, Tensor, Vector};
 use undula::physics::kinematics::{cofactor, volume_change};
 use undula::physics::{Artery, Deformation, Material, Muscle, StoredEnergy};
 
@@ -66,8 +66,10 @@ const ARTERY: Artery = Artery {
     k2: 0.8,
     dispersion: 0.1,
     angles: [0.9, -0.3],
+    direction: [1.0, 0.0],
 };
-const MUSCLE: Muscle = Muscle { stiffness: 2.0, exponents: [1.5, 0.7, 1.1], compliance: 0.0, angle: 0.4 };
+const MUSCLE: Muscle =
+    Muscle { stiffness: 2.0, exponents: [1.5, 0.7, 1.1], compliance: 0.0, direction: [0.6, 0.8] };
 
 fn with_fibres() -> [Material; 4] {
     let own = Artery { lambda: 0.0, compliance: Some(1.0 / LAMBDA), ..ARTERY };
@@ -512,7 +514,7 @@ fn fibres_have_a_direction_and_bear_tension() {
     let R = Tensor([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]);
     let turned = [
         Material::Artery(Artery { angles: ARTERY.angles.map(|x| x + 0.7), ..ARTERY }),
-        Material::Muscle(Muscle { angle: MUSCLE.angle + 0.7, ..MUSCLE }),
+        Material::Muscle(Muscle { direction: [0.6 * c - 0.8 * s, 0.6 * s + 0.8 * c], ..MUSCLE }),
     ];
     let matrix = Material::Artery(Artery::matrix(MU, LAMBDA, None));
     for _ in 0..50 {
@@ -535,4 +537,43 @@ fn fibres_have_a_direction_and_bear_tension() {
     let E = 1.1f64 * 1.1 - 1.0;
     // Two families: 2 k₁ E exp(k₂ E²) ∂E/∂a.
     assert!((extra.0[0][0] - 4.0 * 2.0 * E * (0.8 * E * E).exp() * 1.1).abs() < 1e-12, "{extra:?}");
+}
+
+/// A direction at the point is that of the law, to the last bit; the energies are those written out.
+#[test]
+fn the_direction_at_a_point_is_that_of_the_law() {
+    let (mut random, f) = (Random(91), [0.28, 0.96]);
+    let artery = Artery { direction: f, ..ARTERY };
+    let muscle = Muscle { direction: f, ..MUSCLE };
+    for _ in 0..50 {
+        let (grad_u, grad_w) = (random.tensor::<2>(0.5), random.tensor::<2>(1.0));
+        for (here, own) in [
+            (Material::Artery(ARTERY), Material::Artery(artery)),
+            (Material::Muscle(MUSCLE), Material::Muscle(muscle)),
+        ] {
+            let fibre = Vector(f);
+            assert_eq!(here.piola_at(&fibre, &grad_u, &grad_u), own.piola(&grad_u, &grad_u));
+            assert_eq!(here.derivative_at(&fibre, &grad_u, &grad_w), own.tangent(&grad_u, &grad_w));
+            assert_eq!(here.energy_at(&fibre, &grad_u), own.energy(&grad_u));
+        }
+        let F = Tensor::identity() + grad_u;
+        let (C, J) = (F.t() * F, F.det());
+        let square = |a: [f64; 2], b: [f64; 2]| Vector(a).dot(C * Vector(b));
+        let turned = |angle: f64| {
+            let (s, c) = angle.sin_cos();
+            [c * f[0] - s * f[1], s * f[0] + c * f[1]]
+        };
+        let first = C.trace() - 2.0;
+        let mut W = 0.5 * MU * first - MU * J.ln() + 0.5 * LAMBDA * (J - 1.0).powi(2);
+        for angle in ARTERY.angles {
+            let a = turned(angle);
+            let strain = f64::max(0.1 * first + 0.7 * (square(a, a) - 1.0), 0.0);
+            W += 2.0 / 1.6 * ((0.8 * strain * strain).exp() - 1.0);
+        }
+        assert!((Material::Artery(artery).energy(&grad_u) - W).abs() < 1e-12 * (1.0 + W));
+        let t = turned(0.5 * std::f64::consts::PI);
+        let (ff, tt, ft) = (0.5 * (square(f, f) - 1.0), 0.5 * (square(t, t) - 1.0), 0.5 * square(f, t));
+        let W = (1.5 * ff * ff + 0.7 * tt * tt + 2.2 * ft * ft).exp() - 1.0;
+        assert!((Material::Muscle(muscle).energy(&grad_u) - W).abs() < 1e-12 * (1.0 + W));
+    }
 }

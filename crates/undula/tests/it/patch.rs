@@ -287,7 +287,7 @@ fn forces(problem: &Manufactured, stepper: &mut Stepper<2>, name: &str, componen
     let (rule, new, old, assembler) = stepper.last_step();
     let fluid_residual = &region(assembler, Region::Fluid, rule, new, old);
     let (physics, system) = (&problem.physics, None);
-    let at = Snapshot { space, physics, rule, new, old, fluid_residual, system };
+    let at = Snapshot { space, physics, rule, new, old, fluid_residual, system, volume: &[] };
     [by_residual.evaluate(&at), by_surface.evaluate(&at)]
 }
 

@@ -25,8 +25,12 @@ fn compute(directory: &Path, sets: &[&str], resume: bool, stop: u64) -> Status {
     run(case, &options, &mut StopAfter(stop)).unwrap().status
 }
 
+fn place_of(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}"))
+}
+
 fn place(name: &str) -> PathBuf {
-    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("resume-{name}"));
+    let path = place_of(name);
     let _ = fs::remove_dir_all(&path);
     path
 }
@@ -182,4 +186,25 @@ fn means_over_a_window_resume_with_the_same_bits() {
             assert!(read("whole", file) == read("parts", file), "{name}: {file}");
         }
     }
+}
+
+/// Checkpoints have the shape without stress, a run from another one takes it over, and neither mixes with runs without.
+#[test]
+fn a_prestress_resumes_with_the_same_bits() {
+    let more = ["solid.prestress=true"];
+    check("prestress", &more, &[2]);
+    let kept = remembered("memory-prestress", &more, 3);
+    let largest = kept.unloading.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    assert!(largest > 1e-3, "{largest}");
+    let from = format!("initial.from={}", place_of("memory-prestress").display());
+    let next = |more: &[&str]| Simulation::new(builtin("fsi3", &[&SMALL[..], &[&from], more].concat()), 1);
+    assert_eq!(next(&more).unwrap().save().unloading, kept.unloading);
+    let message = |more: &[&str]| next(more).err().map(|e| e.to_string()).unwrap_or_default();
+    assert!(
+        message(&[]).contains("the run has a prestress: expected solid.prestress = true"),
+        "{}",
+        message(&[])
+    );
+    let finer = message(&["solid.prestress=true", "mesh.refine=1"]);
+    assert!(finer.contains("on the same mesh"), "{finer}");
 }

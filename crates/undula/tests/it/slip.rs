@@ -10,7 +10,7 @@ use undula::verification::jacobians;
 use undula::{CaseBuilder, Mesh};
 
 /// The mesh of a box of `cells`, whose nodes are moved by `place`; a solid where `region` is not negative.
-fn mesh(
+pub fn mesh(
     upper: [f64; 2],
     lower: [f64; 2],
     cells: [usize; 2],

@@ -1,13 +1,14 @@
 //! The tables of fluids and solids: `[solid]` for one, `[solid.NAME]` for each of several; and what bodies may not be.
 
 use super::body;
+use crate::case::Initial;
 use crate::case::error::quoted;
 use crate::case::key::{NAME, quote};
 use crate::case::keys;
 use crate::case::raw::Origin;
 use crate::case::read::Section;
 use crate::case::schema::{FluidSpec, SolidSpec, SpaceSpec};
-use crate::physics::Stabilization;
+use crate::physics::{Reference, Stabilization};
 use std::collections::BTreeMap;
 
 /// The bodies of one `kind`, each read by `body`, in the order of the file.
@@ -101,5 +102,39 @@ pub(super) fn refuse(
             };
             section(root, kind, name.as_deref()).wrong("region", message);
         }
+    }
+}
+
+/// Prestress of a part of the solids, or where it has no sense.
+pub(super) fn refuse_prestress(
+    root: &mut Section<'_, '_>,
+    solids: &[SolidSpec],
+    in_time: bool,
+    initial: Option<&Initial>,
+) {
+    let has = |solid: &&SolidSpec| solid.reference != Reference::Free;
+    let Some(solid) = solids.iter().find(has) else { return };
+    let table = section(root, "solid", solid.name.as_deref());
+    if let Some(other) = solids.iter().find(|solid| !has(solid)) {
+        let message = format!("expected `prestress` in all solids or in none; [{}] has none", other.table());
+        table.wrong("prestress", message);
+    }
+    if !in_time {
+        let message = "only for a case in time, with [time]: under the loads of the start u is 0";
+        table.wrong("prestress", message);
+    }
+    match initial {
+        Some(fields @ Initial::Fields { .. }) => {
+            for (key, _) in fields.fields() {
+                let key = key.trim_start_matches("initial.");
+                let message = "with solid.prestress the start is the flow and the stress under the loads there, and u = 0";
+                root.section("initial").wrong(key, message);
+            }
+        }
+        Some(Initial::Static) => {
+            let note = "initial.static has no effect: with solid.prestress the run starts in equilibrium";
+            root.checker.notes.borrow_mut().push(note.into());
+        }
+        None | Some(Initial::From(_)) => {}
     }
 }

@@ -16,6 +16,7 @@ use crate::case::synonyms::meant;
 use crate::choice;
 use crate::element::Shape;
 use crate::mesh::gmsh;
+use crate::physics::Reference;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
 use crate::space::{COORDINATES, WALLS};
@@ -227,6 +228,7 @@ pub(super) fn solid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<S
     let Moduli { mu, lambda, c2, bulk, ogden, fibres } = material::law_constants(&mut s, law);
     let [viscosity, damping_mass, damping_stiffness] = material::damping(&mut s);
     let body_force = s.expressions("body-force").unwrap_or_default();
+    let prestressed = s.boolean("prestress", false);
     s.finish();
     SolidSpec {
         name,
@@ -244,6 +246,7 @@ pub(super) fn solid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<S
         damping_mass,
         damping_stiffness,
         body_force,
+        reference: if prestressed { Reference::Loaded } else { Reference::Free },
     }
 }
 

@@ -5,6 +5,7 @@ use crate::case::error::quoted;
 use crate::case::functionals::{FunctionalSpec, Site};
 use crate::case::read::{ANY, POSITIVE, Section};
 use crate::choice::{self, Choice};
+use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
 use crate::functional::quantity::{Component, TAKES, Take};
 
@@ -43,6 +44,15 @@ impl FunctionalSpec {
                 on: boundaries(s),
                 take: take(s),
             },
+            FunctionalSpec::Balance { part, .. } => {
+                let found = s.choice("part", &PARTS, &[]);
+                s.require_choice("part", &PARTS);
+                if !s.has("region") {
+                    s.missing("region", "a region of the fluid or of the solid, such as \"solid\"");
+                }
+                let region = s.string("region").unwrap_or_default();
+                FunctionalSpec::Balance { region, part: found.unwrap_or(part) }
+            }
             FunctionalSpec::Volume { .. } => {
                 if !s.has("region") {
                     s.missing("region", "the region of the fluid or of the solid, such as \"fluid\"");

@@ -78,7 +78,7 @@ const DISPERSION: Range = Range {
 /// The constants of the fibres of laws that have them.
 fn fibres(s: &mut Section<'_, '_>, law: SolidLaw) -> Option<FibreSpec> {
     let (artery, muscle) = (law.is_of_arteries(), law == SolidLaw::Guccione);
-    let direction = s.optional_number("fibre-direction", ANY);
+    let direction = s.direction("fibre-direction");
     let [angle, k1, k2] = [("fibre-angle", ANY), ("k1", NOT_NEGATIVE), ("k2", POSITIVE)]
         .map(|(key, range)| s.optional_number(key, range));
     let dispersion = s.optional_number("dispersion", DISPERSION);
@@ -115,7 +115,7 @@ fn fibres(s: &mut Section<'_, '_>, law: SolidLaw) -> Option<FibreSpec> {
     }
     let [stiffness, b_f, b_t, b_fs] = muscles.map(|x| x.unwrap_or(1.0));
     Some(FibreSpec {
-        direction: direction.unwrap_or(0.0),
+        direction: direction.unwrap_or_default(),
         angle: angle.unwrap_or(0.0),
         k1: k1.unwrap_or(1.0),
         k2: k2.unwrap_or(1.0),

@@ -1,8 +1,9 @@
 //! Values by their type: each method takes a key, tells what is wrong with its value, and goes on.
 
-use super::{Range, Section};
+use super::{ANY, Range, Section};
 use crate::case::error::{did_you_mean, quoted};
 use crate::case::expression::{self, Expression};
+use crate::case::fibres::FibreDirection;
 use crate::case::raw::{Item, Origin, Value};
 use crate::case::{keys, unit};
 use crate::choice::{self, Choice};
@@ -213,6 +214,31 @@ impl Section<'_, '_> {
         };
         let (a, b) = (read(self, &format!("{key}[0]"), a), read(self, &format!("{key}[1]"), b));
         Some([a?, b?])
+    }
+
+    /// An angle to the x axis, or two expressions of x and y.
+    pub fn direction(&mut self, key: &str) -> Option<FibreDirection> {
+        let item = self.item(key)?;
+        if !matches!(item.value, Value::Array(_)) {
+            let angle = Range { text: "an angle, or two expressions as [\"-y\", \"x\"]", ..ANY };
+            return self.number_of(key, item, angle).map(FibreDirection::Angle);
+        }
+        let field = self.pair_of(key, "two expressions, as [\"-y\", \"x\"]", |section, key, item| {
+            let unit = matches!(&item.value, Value::String(text) if unit::quantity(text).is_some());
+            if unit {
+                section.wrong_item(
+                    key,
+                    item,
+                    "expected a component without unit: only the ratio counts".into(),
+                );
+                return None;
+            }
+            section.expression_of(key, item)
+        })?;
+        if field.iter().any(Expression::depends_on_time) {
+            self.wrong(key, "a direction of fibres cannot depend on t");
+        }
+        Some(FibreDirection::Field(field))
     }
 
     /// Two expressions, x and y component.

@@ -3,6 +3,7 @@
 use super::{Lines, names, pair};
 use crate::case::choices::METHODS;
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec, Site};
+use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
 use crate::functional::quantity::{self, COMPONENTS, TAKES};
 
@@ -64,6 +65,10 @@ impl FunctionalSpec {
                 out.key("on", names(on));
                 out.choice("component", &COMPONENTS, component);
                 out.choice("take", &TAKES, take);
+            }
+            FunctionalSpec::Balance { region, part } => {
+                out.choice("part", &PARTS, part);
+                out.word("region", region);
             }
             FunctionalSpec::Volume { region } => out.word("region", region),
         }

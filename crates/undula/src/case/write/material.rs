@@ -3,7 +3,8 @@
 use super::{Lines, OWN, expressions};
 use crate::case::choices::BODY_FORCE_AT;
 use crate::case::literal::{number, string};
-use crate::case::schema::{FibreSpec, FluidSpec, SolidLaw, SolidSpec, ThinningSpec};
+use crate::case::schema::{FibreDirection, FibreSpec, FluidSpec, SolidLaw, SolidSpec, ThinningSpec};
+use crate::physics::Reference;
 use crate::physics::viscosity::{FLUID_LAWS, FluidLaw};
 
 impl FluidSpec {
@@ -59,12 +60,18 @@ impl SolidSpec {
             out.key(key, number(value));
         }
         out.key("body-force", expressions(&self.body_force));
+        if self.reference != Reference::Free {
+            out.key("prestress", "true".to_string());
+        }
     }
 }
 
 /// Constants of the fibres of `law`.
 fn write_fibres(law: SolidLaw, fibres: &FibreSpec, out: &mut Lines) {
-    out.key("fibre-direction", number(fibres.direction));
+    match &fibres.direction {
+        FibreDirection::Angle(angle) => out.key("fibre-direction", number(*angle)),
+        FibreDirection::Field(field) => out.key("fibre-direction", expressions(field)),
+    }
     let ([b_f, b_t, b_fs], artery) = (fibres.exponents, law.is_of_arteries());
     let of_arteries = [
         ("fibre-angle", fibres.angle),

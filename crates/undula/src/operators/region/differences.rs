@@ -6,7 +6,7 @@ use super::tangents::Directions;
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Vector};
 use crate::operators::{End, StepView};
-use crate::physics::{Fields, Place};
+use crate::physics::Fields;
 use crate::tangent::{Difference, Linearization, StepForm};
 
 impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
@@ -43,12 +43,7 @@ where
             cell.points.push(CellPoint {
                 inverse,
                 weight: b.points[index].weight.0[l],
-                place: Place {
-                    force: place.force.map(|x| x.0[l]),
-                    force_slope: place.force_slope.map(|x| x.0[l]),
-                    stiffness: place.stiffness.0[l],
-                    per_radius: place.per_radius.0[l],
-                },
+                place: place.map(|x| x.0[l]),
                 new: Fields::zero(),
                 old: Fields { v, grad_v, u, grad_u, p: 0.0 },
             });

@@ -11,7 +11,7 @@ use crate::loops::tensor::vectors::{InterpolateTask, TestTask};
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
 use crate::operators::{End, StepView};
-use crate::physics::{Fields, Place, Tested};
+use crate::physics::{Fabric, Fields, Place, Tested};
 use crate::tangent::StepForm;
 
 impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
@@ -27,9 +27,11 @@ where
     #[inline(always)]
     pub(super) fn place(&self, end: End, point: usize) -> Place<Lanes<L>, D> {
         let (force, force_slope) = self.body_force.at(end, point);
+        let fabric = self.fabric.get(point).copied().unwrap_or_else(Fabric::plain);
         let per_radius =
             if F::HAS_AXIS { Lanes::one() / self.batches.positions[point].0[0] } else { Lanes::zero() };
-        Place { force, force_slope, stiffness: self.batches.points[point].stiffness, per_radius }
+        let stiffness = self.batches.points[point].stiffness;
+        Place { force, force_slope, stiffness, fabric, per_radius }
     }
 
     /// Gather both ends of the step; with `new`, its fields are about to be read, else those of the old time alone.

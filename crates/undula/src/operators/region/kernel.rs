@@ -1,6 +1,7 @@
 //! One region of the mesh: its batches, its equations, and the loops over them.
 
 use super::body_force::BodyForce;
+use super::fabric::fabric;
 use super::interior::Interior;
 use super::nodal::Nodal;
 use crate::algebra::SolverError;
@@ -12,7 +13,7 @@ use crate::loops::tensor::TensorScratch;
 use crate::loops::test_functions::{Piece, Tangents, pieces};
 use crate::loops::width::Width;
 use crate::math::{Lanes, Scalar, Vector};
-use crate::physics::Fields;
+use crate::physics::{Fabric, Fields};
 use crate::space::{FsiSpace, PsiOwner, Region};
 use crate::tangent::StepForm;
 
@@ -80,6 +81,8 @@ pub struct Kernel<F, const D: usize, const L: usize> {
     /// Whether a state is admissible only where J is positive in this region.
     pub(super) guards: bool,
     pub(super) body_force: BodyForce<D, L>,
+    /// What a solid has at the points, `[batch][point]`; empty: plain.
+    pub(super) fabric: Vec<Fabric<Lanes<L>, D>>,
     /// Cells and geometry.
     pub batches: Batches<D, L>,
     pub(super) pieces: Vec<Piece>,
@@ -156,6 +159,7 @@ where
             material,
             guards,
             body_force: BodyForce::none(),
+            fabric: fabric(space, (region, material), &batches),
             batches,
             slots: Slots::default(),
             write_phi,

@@ -6,6 +6,7 @@ mod condensed;
 pub mod current_force;
 mod differences;
 mod extension;
+mod fabric;
 mod fields;
 mod interior;
 mod kernel;
@@ -32,6 +33,7 @@ use crate::math::Lanes;
 use crate::physics::Axisymmetric;
 use crate::space::{FsiSpace, Region};
 use crate::tangent::{StepForm, Tangent};
+use body_force::BodyForce;
 use condensed::CONDENSED;
 use current_force::CurrentForce;
 use kernel::Kernel;
@@ -227,6 +229,19 @@ where
 {
     fn follow(&mut self, force: CurrentForce<D>) {
         self.body_force.follow(force);
+    }
+
+    fn take_fabric(&mut self, space: &FsiSpace<D>) {
+        self.fabric = fabric::fabric(space, (self.region, self.material), &self.batches);
+    }
+
+    fn whole_residual(&mut self, step: &StepView<'_>, with_force: bool, out: &mut [f64]) {
+        let kept = (!with_force).then(|| std::mem::replace(&mut self.body_force, BodyForce::none()));
+        if step.rule.has_explicit() {
+            self.explicit(step, out);
+        }
+        self.residual(step, out);
+        self.body_force = kept.unwrap_or_else(|| std::mem::replace(&mut self.body_force, BodyForce::none()));
     }
 
     fn watch(&mut self, nodes: &[bool]) {

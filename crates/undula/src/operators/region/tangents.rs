@@ -141,12 +141,7 @@ impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
             let single = Single {
                 form: at.form,
                 rule: at.rule,
-                place: Place {
-                    force: at.place.force.map(|x| x.0[l]),
-                    force_slope: at.place.force_slope.map(|x| x.0[l]),
-                    stiffness: at.place.stiffness.0[l],
-                    per_radius: at.place.per_radius.0[l],
-                },
+                place: at.place.map(|x| x.0[l]),
                 new: at.new.map(|x| x.0[l]),
                 old: at.old.map(|x| x.0[l]),
             };
