@@ -54,7 +54,7 @@ impl Case {
         for condition in case.boundary.values_mut() {
             match condition {
                 Condition::NoSlip | Condition::Clamped | Condition::Displacement(_) => {}
-                Condition::Slip | Condition::Symmetry => {}
+                Condition::Slip | Condition::Symmetry | Condition::Periodic(_) => {}
                 Condition::Velocity(_) => *condition = Condition::Clamped,
                 _ => *condition = Condition::TractionFree,
             }

@@ -469,3 +469,70 @@ fn units_are_those_of_space() {
     assert!(outlet(of, "boundary.top.resistance=\"3 Pa s/m^3\"").is_ok());
     assert!(outlet(of, "boundary.top.condition=windkessel").unwrap_err().contains("Pa s/m³"));
 }
+
+/// What a body gets is what it has, carries off and dissipates, to second order; the powers at the wall are opposite.
+#[test]
+fn energy_is_balanced_around_an_axis() {
+    let parts = ["residual", "interface"].into_iter().flat_map(|part| [("fluid", part), ("solid", part)]);
+    let sets: Vec<String> = parts
+        .flat_map(|(body, part)| {
+            let of = |key: &str, value: &str| format!("functional.{body}-{part}.{key}={value}");
+            [of("kind", "balance"), of("region", body), of("part", part)]
+        })
+        .collect();
+    let run = |step: f64| {
+        let step = format!("time.step={step}");
+        let more = [
+            "time.scheme=crank-nicolson",
+            &step,
+            "boundary.top.condition=pressure",
+            "boundary.top.pressure=0",
+        ];
+        let more: Vec<&str> = more.into_iter().chain(sets.iter().map(String::as_str)).collect();
+        let mut simulation = Simulation::new(walled(0.0, true, &more), 1).unwrap();
+        assert_eq!(simulation.units()[5], "W");
+        let mut most = [0.0f64; 3];
+        while !simulation.finished() {
+            let row = simulation.step().unwrap();
+            let powers = ["fluid-interface", "solid-interface"].map(|name| row[name]);
+            assert!((powers[0] + powers[1]).abs() < 1e-8 * powers[0].abs() + 1e-12, "{powers:?}");
+            let all = ["fluid-residual", "solid-residual", "fluid-interface"].map(|name| row[name].abs());
+            (0..3).for_each(|n| most[n] = most[n].max(all[n]));
+        }
+        most
+    };
+    let (coarse, fine) = (run(0.025), run(0.0125));
+    for body in [0, 1] {
+        let order = (coarse[body] / fine[body]).log2();
+        assert!(order > 1.7 && fine[body] < 0.02 * fine[2], "{order}: {coarse:?} {fine:?}");
+    }
+}
+
+/// A tube that is measured under the pressure of a fluid at rest does not move.
+#[test]
+fn a_measured_tube_rests_around_its_axis() {
+    let laws: [&[&str]; 4] = [
+        &[],
+        &["solid.law=st-venant-kirchhoff", "time.scheme=bdf2"],
+        &["solid.law=linear", "newton.linearization=newton"],
+        &["solid.law=incompressible-neo-hookean", "solid.young=none", "solid.poisson=none", "solid.mu=70"],
+    ];
+    for law in laws {
+        let more = [
+            "solid.prestress=true",
+            "boundary.bottom.condition=symmetry",
+            "boundary.bottom.pressure=none",
+            "boundary.top.condition=pressure",
+            "boundary.top.pressure=4",
+        ];
+        let mut simulation = Simulation::new(walled(0.0, true, &[&more[..], law].concat()), 1).unwrap();
+        let fabrics = &simulation.stepper.assembler.space.fabrics.unloading;
+        let taken = fabrics.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        assert!(taken > 5e-3, "{law:?}: {taken}");
+        finish(&mut simulation);
+        let u = simulation.stepper.new.u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+        assert!(u < 1e-8, "{law:?}: {u}");
+        let report = compare(&mut simulation, At::Random { seed: 2 }).unwrap();
+        assert!(report.agrees(), "{law:?}\n{report}");
+    }
+}
