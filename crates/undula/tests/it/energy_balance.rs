@@ -72,7 +72,7 @@ fn the_energy_of_a_beam_is_balanced() {
     for more in [&[][..], &damped] {
         let (left, most) = residual("linear", "crank-nicolson", 0.05, more);
         assert!(left < 1e-9, "{more:?}: {left:e}");
-        assert!((most["solid-dissipation"] > 1e-3) == !more.is_empty(), "{most:?}");
+        assert!((most["solid-dissipation"] > 1e-3) != more.is_empty(), "{most:?}");
     }
     let (left, _) = residual("st-venant-kirchhoff", "cg1", 0.05, &[]);
     assert!(left < 1e-9, "{left:e}");

@@ -61,7 +61,7 @@ impl SolidSpec {
         }
         out.key("body-force", expressions(&self.body_force));
         if self.reference != Reference::Free {
-            out.key("prestress", "true".to_string());
+            out.key("prestress", "true");
         }
     }
 }
