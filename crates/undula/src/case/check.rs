@@ -22,6 +22,7 @@ use super::read::{Checker, Section};
 use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 impl Case {
@@ -113,9 +114,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     refuse_balance(&mut root, &functional, time.as_ref(), how.acts());
     if time.is_none() {
-        note_steps(checker, &output);
-        note_damping(&mut root, &solids);
-        condition::note_still(checker, &boundary);
+        note_still(&mut root, &output, &solids, &boundary);
     }
     let case = Case {
         name,
@@ -180,6 +179,18 @@ fn refuse_balance(
     for (name, _) in functionals.iter().filter(|(_, spec)| matches!(spec, FunctionalSpec::Balance { .. })) {
         root.section("functional").section(name).wrong("kind", message);
     }
+}
+
+/// What has no effect in a stationary case.
+fn note_still(
+    root: &mut Section<'_, '_>,
+    output: &super::schema::OutputSpec,
+    solids: &[SolidSpec],
+    boundary: &BTreeMap<String, Condition>,
+) {
+    note_steps(root.checker, output);
+    note_damping(root, solids);
+    condition::note_still(root.checker, boundary);
 }
 
 /// Settings of output that only matter where there are steps in time.
