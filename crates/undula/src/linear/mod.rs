@@ -16,6 +16,7 @@ mod scales;
 
 pub use factors::{MakeSolver, Purpose};
 pub use krylov::KrylovSettings;
+pub use projection::Closed;
 pub use scales::{BlockNorms, Scales};
 
 use crate::algebra::{Sizes, SolverError};
@@ -253,8 +254,9 @@ impl<const D: usize> Linear<D> {
     }
 
     /// Make v in the fluid of `state` the nearest velocity in L² that is discretely free of divergence, given values kept;
-    /// `closed` are pressures that are determined up to a constant, one of each part of the fluid, and `k` \[s\] is the
-    /// step. Returns whether the given velocities let as much into these parts as out of them; else nothing is changed.
+    /// `closed` are parts of the fluid whose pressure is determined up to a constant, and `k` \[s\] is the
+    /// step. Returns whether the given velocities let as much into these parts as out of them; else nothing is changed. What
+    /// they differ by is taken from the velocity of the interface if it is as small as errors of an interpolation are.
     ///
     /// # Errors
     /// If the system cannot be solved.
@@ -262,7 +264,7 @@ impl<const D: usize> Linear<D> {
         &mut self,
         assembler: &mut Assembler<D>,
         k: f64,
-        closed: &[u32],
+        closed: &[Closed],
         state: &mut State,
     ) -> Result<bool, SolverError> {
         projection::project(assembler, &self.make, k, closed, state)

@@ -4,6 +4,7 @@ use super::data::{STARTS, values};
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::{Case, Condition, Initial};
 use crate::error::Error;
+use crate::linear::Closed;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::NewtonError;
 use crate::space::{Constraints, FsiSpace, PsiOwner, State, enclosed};
@@ -133,11 +134,12 @@ impl Case {
         }
         if !self.fluids.is_empty() {
             let parts = enclosed(space, &self.conditions(&space.mesh));
-            let closed: Vec<u32> = parts
-                .iter()
-                .filter(|part| part.touches_solid)
-                .map(|part| part.pressure(space).fixed)
-                .collect();
+            let with_solid = parts.iter().filter(|part| part.touches_solid);
+            let closed = with_solid.map(|part| Closed {
+                pressure: part.pressure(space),
+                through: part.flux(&state.v, |_| [true; 2]).1,
+            });
+            let closed: Vec<Closed> = closed.collect();
             let k = self.time.as_ref().map_or(1.0, |t| t.step.eval(&[0.0; 3], time));
             if !linear.project(assembler, k, &closed, &mut state)? {
                 let message = "the velocity of the solid changes the volume of a fluid that is closed in on all sides; \

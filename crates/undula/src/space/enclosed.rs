@@ -149,6 +149,11 @@ pub struct ClosedPressure {
 }
 
 impl ClosedPressure {
+    /// The unknowns that are 1 where the pressure is 1.
+    pub fn constant(&self) -> &[u32] {
+        &self.constant
+    }
+
     /// Makes the mean of the pressure 0.
     pub fn level(&self, p: &mut [f64]) {
         let mean: f64 = self.mean.iter().map(|&(dof, weight)| weight * p[dof as usize]).sum();
