@@ -20,6 +20,7 @@ use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
 use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
+use crate::functional::body_energy::Part;
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
 use std::collections::BTreeMap;
@@ -112,7 +113,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let linear = solver::linear(root.section("linear"));
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
-    refuse_balance(&mut root, &functional, time.as_ref(), how.acts());
+    refuse_balance(&mut root, &functional, time.as_ref(), how.acts(), &solids);
     if time.is_none() {
         note_still(&mut root, &output, &solids, &boundary);
     }
@@ -165,7 +166,18 @@ fn refuse_balance(
     functionals: &[(String, FunctionalSpec)],
     time: Option<&TimeSpec>,
     stabilized: bool,
+    solids: &[SolidSpec],
 ) {
+    // The pressure of a step belongs to no end of it, so that the rate of its energy is not known.
+    let compressed = solids.iter().find(|solid| solid.bulk.is_some());
+    for (name, spec) in functionals {
+        if let (FunctionalSpec::Balance { part, .. }, Some(_)) = (spec, compressed)
+            && matches!(part, Part::Rate | Part::Residual)
+        {
+            let message = "is not available with `bulk`; expected another part, or a solid without it";
+            root.section("functional").section(name).wrong("part", message);
+        }
+    }
     let message = match time.map(|time| time.scheme) {
         None => "only for a case in time, with [time]: it is the balance of a step",
         Some(Scheme::Bdf2) => {

@@ -194,7 +194,12 @@ pub static DATA: [Key; 15] = [
     Key::data("boundary.NAME.proximal", "Pa s/m²", "windkessel: required", "R_p; expression of t"),
     Key::data("boundary.NAME.capacitance", "m²/Pa", "windkessel: required", "C; expression of t"),
     Key::data("boundary.NAME.distal", "Pa s/m²", "windkessel: required", "R_d; expression of t"),
-    Key::data("boundary.NAME.initial", "Pa", "0", "P_c of a windkessel at the start"),
+    Key::data(
+        "boundary.NAME.initial",
+        "Pa",
+        "0",
+        "P_c of a windkessel at the start; 0: with initial.static or prestress that of the equilibrium",
+    ),
     Key::data(
         "boundary.NAME.flow-rate",
         "m²/s",

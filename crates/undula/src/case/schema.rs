@@ -121,6 +121,8 @@ pub struct MeshSpec {
     pub region: BTreeMap<String, Expression>,
     /// Regions that are not computed on; their sides are walls unless a condition names them.
     pub leave_out: Vec<String>,
+    /// Regions of the bodies that a part of a case is without; no key, empty in a case as it is read.
+    pub absent: Vec<String>,
 }
 
 /// A built-in generator or a file.

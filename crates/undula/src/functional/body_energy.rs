@@ -196,7 +196,7 @@ fn energies<const D: usize>(
         (Region::Fluid, Some(fluid), _) => {
             [fluid.rho * (Tensor::identity() + fields.grad_u).det() * square, 0.0]
         }
-        (Region::Solid, _, Some(solid)) => [solid.rho * square, solid.energy(fabric, &fields.grad_u)],
+        (Region::Solid, _, Some(solid)) => [solid.rho * square, solid.stored(fabric, fields)],
         _ => [0.0; 2],
     }
 }

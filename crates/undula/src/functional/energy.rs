@@ -96,7 +96,7 @@ impl Energy {
             }
             (Integral::Dissipation, Region::Fluid) => Some(dissipated(&physics.fluid?, f)),
             (Integral::SolidKinetic, Region::Solid) => Some(0.5 * physics.solid?.rho * f.v.dot(f.v)),
-            (Integral::Elastic, Region::Solid) => Some(physics.solid?.energy(fabric, &f.grad_u)),
+            (Integral::Elastic, Region::Solid) => Some(physics.solid?.stored(fabric, f)),
             _ => None,
         }
     }

@@ -190,7 +190,14 @@ impl<const D: usize> WallShear<D> {
             }
         };
         let boundary = FluidBoundary::new(space);
-        WallShear { facets: boundary.facets.iter().filter(|facet| !facet.at_seam).map(of).collect() }
+        let mut facets: Vec<Facet<D>> =
+            boundary.facets.iter().filter(|facet| !facet.at_seam).map(of).collect();
+        // The axis is no wall.
+        facets.retain(|facet| {
+            let near = 1e-9 * space.mesh.cell_diameter(facet.cell);
+            !facet.points.iter().all(|point| point.radius.is_some_and(|r| r.abs() <= near))
+        });
+        WallShear { facets }
     }
 
     /// −(I − n ⊗ n) σ n \[Pa\] at the nodes, `n_nodes × D`, n pointing out of the fluid: the mean over the facets of

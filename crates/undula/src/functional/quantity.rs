@@ -33,7 +33,7 @@ pub const VON_MISES: &str = "von-mises";
 pub const WALL_SHEAR_STRESS: &str = "wall-shear-stress";
 
 /// Their names in a case; each kind of functional takes some that stand side by side.
-pub static COMPONENTS: [Choice<Component>; 10] = [
+pub static COMPONENTS: [Choice<Component>; 11] = [
     choice("x", Component::Along(0), "first component of a vector"),
     choice("y", Component::Along(1), "second component of a vector"),
     choice("magnitude", Component::Magnitude, "Euclidean norm of a vector"),
@@ -45,6 +45,7 @@ pub static COMPONENTS: [Choice<Component>; 10] = [
     choice("xx", Component::Entry(0, 0), "normal stress along x"),
     choice("xy", Component::Entry(0, 1), "shear stress"),
     choice("yy", Component::Entry(1, 1), "normal stress along y"),
+    choice("zz", Component::Entry(2, 2), "normal stress across the plane; hoop stress around an axis"),
     choice(
         VON_MISES,
         Component::VonMises,

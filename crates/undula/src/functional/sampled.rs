@@ -121,7 +121,9 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
                         self.quantity.on_facet(&physics, &axisymmetric::fields_at(&fields, r), normal)
                     }
                 };
-                collected.add(value, point.weight * stretch);
+                // The axis has a length, but no area.
+                let on_axis = point.weight == 0.0 && self.take != Take::Integral;
+                collected.add(value, if on_axis { point.length } else { point.weight * stretch });
             }
         }
         collected.take(self.take)

@@ -1,7 +1,7 @@
 //! Stress, volume and energy of a solid whose reference domain is loaded, see [`Reference`].
 
 use super::kinematics::{Kinematics, cofactor, volume_change};
-use super::{Fabric, Reference, Solid};
+use super::{Fabric, Fields, Reference, Solid};
 use crate::math::{Scalar, Tensor};
 
 impl Solid {
@@ -87,5 +87,16 @@ impl Solid {
             return W;
         }
         W * self.gain(fabric, grad_u)[1]
+    }
+
+    /// The same of `fields`; where the law has a pressure with a bulk modulus, the energy of the volume is that of its
+    /// pressure, p²/(2κ'): J itself is off by what the pressure cannot resolve.
+    pub fn stored<const D: usize>(&self, fabric: &Fabric<f64, D>, fields: &Fields<f64, D>) -> f64 {
+        let W = self.energy(fabric, &fields.grad_u);
+        let Some(compliance) = self.material.compliance().filter(|c| *c > 0.0) else { return W };
+        let total = self.total(fabric, &fields.grad_u);
+        let change = volume_change(&total, &total);
+        let excess = 0.5 * (compliance * fields.p * fields.p - change * change / compliance);
+        W + excess * self.gain(fabric, &fields.grad_u)[1]
     }
 }

@@ -114,8 +114,8 @@ impl Bodies<'_> {
 
     /// Whether the part has a surface towards a fluid that an absent table leaves out.
     fn has_surface(&self, number: usize) -> bool {
-        let absent = self.case.absent_region().filter(|_| self.case.fluids.is_empty());
-        self.part(number).touches.iter().any(|&other| absent == Some(&*self.part(other).region))
+        let absent = if self.case.fluids.is_empty() { self.case.absent_regions() } else { vec![] };
+        self.part(number).touches.iter().any(|&other| absent.contains(&&*self.part(other).region))
     }
 
     /// Whether the part keeps its volume exactly.

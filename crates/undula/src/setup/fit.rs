@@ -149,7 +149,7 @@ impl Fit<'_> {
 
     /// Why nothing can be imposed on the part `name` of the interface.
     fn part_of_interface(&self, name: &str) -> String {
-        match self.case.absent_region() {
+        match self.case.absent_regions().first() {
             None => format!(
                 "nothing can be imposed on the interface between fluid and solid, of which `{name}` is a part; remove \
                  this table"

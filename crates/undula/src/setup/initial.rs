@@ -8,6 +8,7 @@ use crate::linear::Closed;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::NewtonError;
 use crate::space::{Constraints, FsiSpace, PsiOwner, State, enclosed};
+use crate::system::Assembler;
 use crate::time::{Scheme, Stepper};
 use std::sync::Arc;
 
@@ -23,6 +24,15 @@ impl Case {
         (case.time, case.initial) = (None, None);
         // What a step takes from its beginning is at rest that of the solution itself.
         case.motion.lagged = false;
+        // A circuit whose pressure is given is a resistance.
+        for condition in case.boundary.values_mut() {
+            if let Condition::Windkessel { proximal, initial, .. } = condition
+                && initial.constant_value() != Some(0.0)
+            {
+                let (resistance, pressure) = (proximal.clone(), initial.clone());
+                *condition = Condition::Resistance { resistance, pressure };
+            }
+        }
         case
     }
 
@@ -214,6 +224,18 @@ impl Case {
             other => other,
         })
     }
+}
+
+/// The scalar unknowns of a case at its start from those of [`Case::at_start`], which has none for circuits whose pressure is
+/// given.
+pub(crate) fn scalars(assembler: &Assembler<2>, found: &[f64]) -> Vec<f64> {
+    let (mut all, mut found) = (assembler.zero().s, found.iter());
+    for (value, no_rate) in all.iter_mut().zip(assembler.algebraic_scalars()) {
+        if no_rate || *value == 0.0 {
+            *value = found.next().copied().unwrap_or(0.0);
+        }
+    }
+    all
 }
 
 fn pair(value: &[f64]) -> String {

@@ -15,7 +15,7 @@ mod ends;
 mod fit;
 mod functionals;
 mod functions;
-mod initial;
+pub(crate) mod initial;
 mod lengths;
 pub mod memory;
 mod mesh;

@@ -5,8 +5,9 @@
 //! of Govindjee and Mihalic (1996), see [`Reference`]. Both have the cells and the nodes of the whole case, so that at u = 0
 //! nothing is left of its equations but the tolerance of both.
 
+use super::initial::scalars;
 use crate::case::error::CaseErrors;
-use crate::case::{Case, Condition, Initial};
+use crate::case::{Case, Condition, Initial, Profile};
 use crate::error::Error;
 use crate::nonlinear::NewtonError;
 use crate::operators::nodal_load::NodalLoad;
@@ -38,6 +39,7 @@ impl Case {
     /// The stationary flow between solids that do not move; `None` without fluid.
     fn flow_alone(&self) -> Option<Case> {
         let mut flow = Case { solids: vec![], functional: vec![], ..self.at_start() };
+        flow.mesh.absent = self.solid_regions().into_iter().map(String::from).collect();
         for condition in flow.boundary.values_mut().filter(|c| **c == Condition::Clamped) {
             *condition = Condition::NoSlip;
         }
@@ -47,6 +49,7 @@ impl Case {
     /// The inverse problem of the solids, without loads.
     fn solids_alone(&self) -> Case {
         let mut case = Case { fluids: vec![], functional: vec![], ..self.at_start() };
+        case.mesh.absent = self.fluid_regions().into_iter().map(String::from).collect();
         for solid in &mut case.solids {
             (solid.reference, solid.body_force) = (Reference::Sought, Default::default());
         }
@@ -56,6 +59,9 @@ impl Case {
                 Condition::NoSlip | Condition::Clamped | Condition::Displacement(_) => {}
                 Condition::Slip | Condition::Symmetry | Condition::Periodic(_) => {}
                 Condition::Velocity(_) => *condition = Condition::Clamped,
+                Condition::Flux { profile, .. } if *profile != Profile::Free => {
+                    *condition = Condition::Clamped
+                }
                 _ => *condition = Condition::TractionFree,
             }
         }
@@ -77,9 +83,7 @@ impl Case {
             let cells = Shared::new(space, &stepper.assembler.space, Region::Fluid);
             cells.copy(&found.v, &mut state.v);
             cells.copy_pressure(&found.p, &mut state.p);
-            if found.s.len() == state.s.len() {
-                state.s = found.s;
-            }
+            state.s = scalars(&whole.assembler, &found.s);
         }
         let mut stepper = self.solids_alone().build_with_notes(threads).map_err(about)?.0;
         let part = stepper.assembler.space.clone();

@@ -25,6 +25,8 @@ pub struct Section<const D: usize> {
     pub points: Vec<[f64; D]>,
     /// ∫ φ n ds of each \[m^(D−1)\].
     areas: Vec<Vector<f64, D>>,
+    /// The same of the facets themselves, along the axis at nodes on one.
+    directions: Vec<Vector<f64, D>>,
     /// Number of each among those that are not at the rim.
     free: Vec<Option<u32>>,
     /// Entries of (∇_Γ φ_j, ∇_Γ φ_i) and (φ_j, φ_i).
@@ -63,11 +65,18 @@ impl<const D: usize> Section<D> {
         let free = free.collect();
         let (zero, load) = (vec![Vector::zero(); own.len()], vec![0.0; own.len()]);
         let points = own.iter().map(|&node| nodes.points[node as usize]).collect();
-        let mut section = Section { points, areas: zero, free, entries: vec![], load };
+        let mut section =
+            Section { points, areas: zero.clone(), directions: zero, free, entries: vec![], load };
         for facet in facets {
             let numbers: Vec<usize> =
                 of(facet).iter().map(|node| own.partition_point(|n| n < node)).collect();
             section.add((mesh, coordinates), &nodes, facet, (&on_facet(facet), &numbers));
+        }
+        let on_axis =
+            |x: &[f64; D]| coordinates.radius(x).is_some_and(|r| r.abs() <= 1e-9 * extent(&section.points));
+        let on_axis: Vec<bool> = section.points.iter().map(on_axis).collect();
+        for (direction, _) in section.directions.iter_mut().zip(on_axis).filter(|(_, on_axis)| *on_axis) {
+            direction.0[0] = 0.0;
         }
         section
     }
@@ -89,6 +98,7 @@ impl<const D: usize> Section<D> {
             for (&a, &i) in local.iter().zip(numbers) {
                 let value = point.weight * point.value[a];
                 self.areas[i] += n * value;
+                self.directions[i] += n * (point.length * point.value[a]);
                 self.load[i] += value;
                 for (&b, &j) in local.iter().zip(numbers) {
                     let stiffness = point.weight * along(a).dot(along(b));
@@ -109,7 +119,7 @@ impl<const D: usize> Section<D> {
             let size = area.dot(*area).sqrt();
             if size > 0.0 { *area * (1.0 / size) } else { *area }
         };
-        self.areas.iter().map(unit).collect()
+        self.directions.iter().map(unit).collect()
     }
 
     /// w at the nodes, real and imaginary part, for `rate` = nω/ν \[1/m²\]; \[1/m^(D−1)\].
@@ -179,6 +189,11 @@ impl<const D: usize> Section<D> {
 
 /// The velocity \[m/s\] of each frequency at a node, real and imaginary part.
 type Waves = Vec<[[f64; 2]; 2]>;
+
+/// The largest coordinate \[m\].
+fn extent<const D: usize>(points: &[[f64; D]]) -> f64 {
+    points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
 
 /// Values at nodes that are found by their places.
 struct AtNodes {

@@ -23,17 +23,20 @@ impl Case {
         [self.fluid_regions(), self.solid_regions()].concat()
     }
 
-    /// The region that an absent table leaves out together with its interface, `solid` without `[solid]` and `fluid`
+    /// The regions that an absent table leaves out together with their interface, `solid` without `[solid]` and `fluid`
     /// without `[fluid]`, unless something else is said about it.
-    pub(super) fn absent_region(&self) -> Option<&'static str> {
+    pub(super) fn absent_regions(&self) -> Vec<&str> {
+        if !self.mesh.absent.is_empty() {
+            return self.mesh.absent.iter().map(String::as_str).collect();
+        }
         let absent = match (self.fluids.is_empty(), self.solids.is_empty()) {
             (false, true) => SOLID,
             (true, false) => FLUID,
-            _ => return None,
+            _ => return vec![],
         };
         let free =
             !self.regions().contains(&absent) && !self.mesh.leave_out.iter().any(|name| name == absent);
-        free.then_some(absent)
+        if free { vec![absent] } else { vec![] }
     }
 
     /// What is wrong with the use of the `regions` of a mesh: each is that of a table, or left out.
@@ -67,7 +70,7 @@ impl Case {
         }
         let used = |name: &&String| self.regions().contains(&name.as_str());
         let known = |name: &&String| {
-            used(name) || self.mesh.leave_out.contains(name) || self.absent_region() == Some(name.as_str())
+            used(name) || self.mesh.leave_out.contains(name) || self.absent_regions().contains(&name.as_str())
         };
         let left: Vec<&String> = regions.iter().filter(|name| !known(name)).collect();
         if let [first, ..] = left[..] {
@@ -141,12 +144,11 @@ impl Case {
     /// Names the interface and the sides of regions that are left out; returns what should be known about that.
     pub(super) fn mark_sides(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
         let mut notes = vec![];
-        let absent = self.absent_region();
         notes.extend(self.mark_interface(mesh)?);
         for region in &self.mesh.leave_out {
             mesh.mark_sides(region, &self.regions()).map_err(|e| self.blame("mesh.leave-out", e))?;
         }
-        let left_out = absent.filter(|region| mesh.region(region).is_some());
+        let left_out = self.absent_regions().into_iter().filter(|region| mesh.region(region).is_some());
         notes.extend(left_out.map(|region| match self.fluids.is_empty() {
             false => format!(
                 "region `{region}` of the mesh is left out, as there is no [solid]: its sides, `{INTERFACE}`, are \
@@ -178,9 +180,9 @@ impl Case {
     /// Names the sides between fluids and solids, or those of the region that an absent table leaves out; returns what
     /// should be known about that.
     fn mark_interface(&self, mesh: &mut Mesh<2>) -> Result<Option<String>, Error> {
-        let absent = self.absent_region();
+        let absent = self.absent_regions();
         let [firsts, seconds] = [self.fluid_regions(), self.solid_regions()].map(|regions| {
-            let regions = if regions.is_empty() { absent.into_iter().collect() } else { regions };
+            let regions = if regions.is_empty() { absent.clone() } else { regions };
             regions.into_iter().filter(|region| mesh.region(region).is_some()).collect::<Vec<_>>()
         });
         let (mut found, mut apart) = (false, None);
@@ -193,7 +195,7 @@ impl Case {
                 Err(error) => return Err(self.blame(mesh_key(self), error)),
             }
         }
-        match apart.filter(|_| !found && absent.is_none()) {
+        match apart.filter(|_| !found && absent.is_empty()) {
             None => Ok(None),
             Some(_) if self.is_between(mesh, &firsts, &seconds) => {
                 Ok(Some("fluid and solid touch nowhere: regions that are left out lie between them".into()))

@@ -5,6 +5,7 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
+use crate::setup::initial::scalars;
 use crate::setup::prestress::Prestress;
 use crate::space::{FsiSpace, State};
 use crate::time::{self, Clock, Damping};
@@ -128,6 +129,9 @@ fn at(
     let assembler = &simulation.stepper.assembler;
     let time = simulation.stepper.time;
     assembler.constraints.apply(&assembler.space, time, &mut new.v, &mut new.u);
+    if new.s.len() < assembler.zero().s.len() {
+        new.s = scalars(assembler, &new.s);
+    }
     simulation.case.record.notes.push(note);
     let clock = Clock { time, last_step: 0.0, damping: Damping::default() };
     let stepper = time::Memory::of(clock, new.clone(), new);

@@ -70,6 +70,16 @@ take = "mean"
 [functional.volume]
 kind = "volume"
 region = "fluid"
+[functional.on_axis]
+kind = "velocity"
+on = ["left"]
+component = "y"
+take = "mean"
+[functional.hoop]
+kind = "stress"
+region = "fluid"
+component = "zz"
+take = "mean"
 [functional.mean_p]
 kind = "pressure"
 region = "fluid"
@@ -105,13 +115,15 @@ fn poiseuille_in_a_pipe_is_exact() {
             ("shear", 0.4),
             ("volume", 4.0 * PI),
             ("mean_p", 8.6),
+            ("hoop", -8.6),
+            ("on_axis", 2.0),
         ];
         for (name, value) in values {
             assert!((row[name] / value - 1.0).abs() < 1e-9, "{more:?}: {name} {} for {value}", row[name]);
         }
     }
     let units = Simulation::new(case(PIPE, &[]), 1).unwrap().units();
-    assert_eq!(units, ["m³/s", "N", "N", "W", "J", "Pa", "m³", "Pa"]);
+    assert_eq!(units, ["m³/s", "N", "N", "W", "J", "Pa", "m³", "m/s", "Pa", "Pa"]);
 }
 
 /// A cylinder, or a hollow one, that is drawn by 30 %: F = diag(a, b) with P_rr = 0, homogeneous around the axis, too.
@@ -387,6 +399,8 @@ fn what_an_axis_cannot_have_is_refused() {
     };
     let said = refused(&["space.velocity=Q2", "space.pressure=Q2"]);
     assert!(said.contains("stabilization.pressure") && said.contains("axisymmetric"), "{said}");
+    let said = refused(&["functional.wall.coefficient=[1,2]"]);
+    assert!(said.contains("functional.wall.coefficient"), "{said}");
     let rotor = ["mesh.coordinates=axisymmetric", "motion.model=pseudo-elastic"];
     let said = wrong_builtin("rotor", &rotor);
     assert!(said.contains("rotation.kind"), "{said}");
@@ -439,7 +453,20 @@ fn profiles_and_periodic_ends_know_the_axis() {
             let gap = (v[1] - 2.0 * (1.0 - x[0] * x[0])).abs().max(v[0].abs());
             assert!(gap < 1e-9, "{more:?}: {v:?} at {x:?}");
         }
+        if more == given {
+            assert!((row["on_axis"] - 2.0).abs() < 1e-9, "{row:?}");
+        }
         assert!((row["flow"] - PI).abs() < 1e-9 && (row["wall"] - 3.2 * PI).abs() < 1e-8, "{row:?}");
+    }
+    // The velocity on the axis, whose node has no area.
+    for (radius, cells) in [("1.1", "2"), ("1.1", "3"), ("0.3", "3"), ("0.7", "7")] {
+        let sets = [format!("mesh.upper=[{radius},2]"), format!("mesh.cells=[{cells},2]")];
+        let more: Vec<&str> = given.iter().copied().chain(sets.iter().map(String::as_str)).collect();
+        let mut simulation = Simulation::new(case(PIPE, &more), 1).unwrap();
+        simulation.step().unwrap();
+        let on_axis = simulation.fields().at([0.0, 0.0]).unwrap().velocity;
+        let expected = 2.0 / radius.parse::<f64>().unwrap().powi(2);
+        assert!((on_axis[1] - expected).abs() < 1e-8 && on_axis[0] == 0.0, "{radius}, {cells}: {on_axis:?}");
     }
     let along_r = [
         "mesh.lower=[0.5,0]",
@@ -463,6 +490,9 @@ fn units_are_those_of_space() {
         |value: &str| outlet("boundary.top.condition=flux", &format!("boundary.top.flow-rate={value}"));
     let litres = flux("\"6 l/min\"").unwrap();
     assert_eq!(litres.boundary["top"], flux("1e-4").unwrap().boundary["top"]);
+    let viscous =
+        Case::from_toml(PIPE, "own.toml", &sets(&["fluid.kinematic-viscosity=\"50 cSt\""])).unwrap();
+    assert_eq!(viscous.fluids[0].kinematic_viscosity, 50e-6);
     let said = flux("\"1 m^2/s\"").unwrap_err();
     assert!(said.contains("m³/s") && said.contains("boundary.top.flow-rate"), "{said}");
     let of = "boundary.top.condition=resistance";

@@ -3,10 +3,12 @@
 
 use crate::manufactured::*;
 use std::sync::Arc;
+use undula::case::Case;
 use undula::math::{Tensor, Vector};
 use undula::mesh::Mesh;
 use undula::physics::{Material, Solid};
 use undula::sampling::facet_points;
+use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous};
 use undula::space::{BoundaryCondition, Region};
 use undula::system::{End, Physics};
@@ -277,5 +279,26 @@ fn a_block_takes_the_closed_form() {
             Tensor([[both, zero], [zero, both]]),
             0.0,
         );
+    }
+}
+
+/// The energy of a nearly incompressible body is that of its pressure: half of the work of a small load, and hardly another
+/// than without compression. J itself has errors of the mesh, times the bulk modulus.
+#[test]
+fn the_energy_of_a_nearly_incompressible_body_is_the_work_of_its_load() {
+    let text = "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [2, 1]\ncells = [3, 2]\n[solid]\nregion = \"fluid\"\n\
+                density = 1\nlaw = \"incompressible-neo-hookean\"\nmu = 40\n[boundary.left]\ncondition = \"clamped\"\n\
+                [boundary.bottom]\ncondition = \"traction-free\"\n[boundary.right]\ncondition = \"traction-free\"\n\
+                [boundary.top]\ncondition = \"traction\"\ntraction = [0, 0.02]\n[functional.elastic]\nkind = \"energy\"\n\
+                term = \"elastic\"\n";
+    let energy = |more: &[String]| {
+        let case = Case::from_toml(text, "block.toml", more).unwrap();
+        let mut simulation = Simulation::new(case, 1).unwrap();
+        simulation.step().unwrap()["elastic"]
+    };
+    let without = energy(&[]);
+    for bulk in [5e3, 5e5] {
+        let with = energy(&[format!("solid.bulk={bulk}")]);
+        assert!((with / without - 1.0).abs() < 0.03, "{bulk}: {with:e} {without:e}");
     }
 }

@@ -551,3 +551,49 @@ fn the_first_pressure_of_taylor_and_green_has_its_order() {
         assert!(found > order && errors[1] < 0.1, "{elements:?}, moving {moving}: {errors:?}, order {found}");
     }
 }
+
+/// Poiseuille's flow, which is given in equilibrium with what is behind its outlet, stays as it is given: outlets have no part
+/// in making it free of divergence.
+#[test]
+fn flows_before_outlets_begin_as_they_are_given() {
+    let outlets: [&[&str]; 4] = [
+        &["boundary.right.condition=resistance", "boundary.right.resistance=2.85"],
+        &[
+            "boundary.right.condition=resistance",
+            "boundary.right.resistance=0",
+            "boundary.right.pressure=3.8",
+        ],
+        &[
+            "boundary.right.condition=pressure",
+            "boundary.right.pressure=3.8",
+            "boundary.right.backflow=directional",
+        ],
+        &[
+            "boundary.right.condition=pressure",
+            "boundary.right.pressure=3.8",
+            "boundary.left.condition=flux",
+            "boundary.left.pressure=none",
+            "boundary.left.flow-rate=-1.3333333333333333",
+        ],
+    ];
+    for outlet in outlets {
+        let text = "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [4, 1]\ncells = [2, 2]\n[fluid]\ndensity = 2\n\
+                    kinematic-viscosity = 0.05\n[boundary.bottom]\ncondition = \"no-slip\"\n[boundary.top]\n\
+                    condition = \"no-slip\"\n[boundary.left]\ncondition = \"pressure\"\npressure = 10.2\n[boundary.right]\n\
+                    condition = \"do-nothing\"\n[time]\nscheme = \"crank-nicolson\"\nstep = 0.1\nend = 0.2\n[initial]\n\
+                    velocity = [\"8*y*(1-y)\", 0]\n[newton]\ntolerance = 1e-11\n";
+        // 12 μ Q L/H³ = 6.4 Pa, and 3.8 Pa = 2.85 Pa s/m² · 4/3 m²/s.
+        let case = Case::from_toml(text, "channel.toml", &sets(outlet)).unwrap();
+        let mut simulation = begin(&case);
+        let gap = |simulation: &Simulation| {
+            let fields = simulation.fields();
+            let both = fields.coordinates().into_iter().zip(fields.velocity());
+            both.map(|(x, v)| (v[0] - 8.0 * x[1] * (1.0 - x[1])).abs().max(v[1].abs())).fold(0.0, f64::max)
+        };
+        assert!(gap(&simulation) < 1e-10, "{outlet:?}: {}", gap(&simulation));
+        let p = simulation.fields().at([1.0, 0.3]).unwrap().pressure;
+        assert!((p - 8.6).abs() < 1e-4, "{outlet:?}: {p}");
+        finish(&mut simulation);
+        assert!(gap(&simulation) < 1e-7, "{outlet:?}: {}", gap(&simulation));
+    }
+}

@@ -352,3 +352,43 @@ fn prestress_is_refused_where_it_has_no_sense() {
     let refused = undula::modes::of_case(&case, 1, 1).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(refused.contains("without `prestress`"), "{refused}");
 }
+
+/// A channel under an elastic wall with a circuit at its end, whose regions have names of their own.
+fn artery(start: &str, more: &[&str]) -> Case {
+    let text = format!(
+        "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [2, 1.2]\ncells = [4, 6]\n\
+         region = {{ blood = \"1 - y\", tissue = \"y - 1\" }}\n\
+         [fluid]\ndensity = 1\nkinematic-viscosity = 1\nregion = \"blood\"\n\
+         [solid]\ndensity = 1\nyoung = 1e6\npoisson = 0.3\nregion = \"tissue\"\n\
+         [boundary.left]\ncondition = \"flux\"\nprofile = \"parabolic\"\nflow-rate = -0.5\n\
+         [boundary.right]\ncondition = \"windkessel\"\nproximal = 10\ncapacitance = 0.01\ndistal = 100\ninitial = 50\n\
+         [boundary.bottom]\ncondition = \"symmetry\"\n[boundary.top]\ncondition = \"traction-free\"\n\
+         [time]\nstep = 1e-4\nend = 3e-4\n[newton]\ntolerance = 1e-10\n{start}\n\
+         [functional.p]\nkind = \"pressure\"\non = [\"right\"]\ntake = \"mean\"\n"
+    );
+    Case::from_toml(&text, "artery.toml", &sets(more)).unwrap()
+}
+
+/// A circuit whose pressure is given at the start has it there: the wall is measured under R_p Q + P_c, and rests until the
+/// circuit changes. Without it the pressure is that of the equilibrium, (R_p + R_d) Q.
+#[test]
+fn a_start_has_the_pressure_that_a_circuit_is_given() {
+    let prestress = |more: &[&str]| artery("", &[&["solid.prestress=true"], more].concat());
+    let still = |more: &[&str]| artery("[initial]\nstatic = true", more);
+    let zero = ["boundary.right.initial=0"];
+    let cases = [(prestress(&[]), 55.0), (prestress(&zero), 55.0), (still(&[]), 55.0), (still(&zero), 55.0)];
+    for (n, (case, expected)) in cases.into_iter().enumerate() {
+        // The flow of 0.5 m²/s through R_p has 5 Pa, through both 55 Pa: the same here.
+        let mut simulation = Simulation::new(case, 1).unwrap();
+        let p = simulation.step().unwrap()["p"];
+        assert!((p / expected - 1.0).abs() < 0.01, "{n}: {p}");
+        if n < 2 {
+            assert!(largest(&simulation) < 1e-6, "{n}: {}", largest(&simulation));
+        }
+    }
+    for case in [prestress(&["boundary.right.initial=20"]), still(&["boundary.right.initial=20"])] {
+        let mut simulation = Simulation::new(case, 1).unwrap();
+        let p = simulation.step().unwrap()["p"];
+        assert!((p / 25.0 - 1.0).abs() < 0.01, "{p}");
+    }
+}

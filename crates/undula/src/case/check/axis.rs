@@ -42,6 +42,10 @@ pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
         root.section("stabilization").wrong("transport", format!("{only}; expected `off`"));
     }
     for (name, functional) in &case.functional {
+        if matches!(functional, FunctionalSpec::Force { coefficient: Some(_), .. }) {
+            let message = "is per length, and a body of revolution has an area; expected the force alone";
+            root.section("functional").section(name).wrong("coefficient", message.to_string());
+        }
         if matches!(functional, FunctionalSpec::Rotation | FunctionalSpec::Moment { .. }) {
             root.section("functional")
                 .section(name)

@@ -67,7 +67,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     };
     let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
-    Some(MeshSpec { source, scale, coordinates, refine, grading, region, leave_out })
+    Some(MeshSpec { source, scale, coordinates, refine, grading, region, leave_out, absent: vec![] })
 }
 
 /// Refuses sizes of another generator, and misses those of this one.

@@ -46,7 +46,9 @@ impl Section<'_, '_> {
         let units = keys::find(&self.dotted(name)).map_or("", |key| key.unit);
         let mut each = units.split(", ");
         let unit = each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("");
-        self.checker.coordinates.get().unit(unit).into()
+        // Around an axis what belongs to a whole boundary is that of space.
+        let whole = self.dotted(name).starts_with("boundary.");
+        if whole { self.checker.coordinates.get().unit(unit).into() } else { unit.into() }
     }
 
     pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
