@@ -15,7 +15,7 @@ pub fn unit(a: [f64; 2]) -> Option<[f64; 2]> {
     (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
 }
 
-/// (cos φ, sin φ) as [`unit`] gives it: a field of the same values is the same to the last bit.
+/// (cos φ, sin φ) as [`unit()`] gives it: a field of the same values is the same to the last bit.
 pub fn at_angle(angle: f64) -> [f64; 2] {
     unit([angle.cos(), angle.sin()]).unwrap_or([1.0, 0.0])
 }
