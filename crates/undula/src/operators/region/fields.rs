@@ -28,8 +28,14 @@ where
     pub(super) fn place(&self, end: End, point: usize) -> Place<Lanes<L>, D> {
         let (force, force_slope) = self.body_force.at(end, point);
         let fabric = self.fabric.get(point).copied().unwrap_or_else(Fabric::plain);
-        let per_radius =
-            if F::HAS_AXIS { Lanes::one() / self.batches.positions[point].0[0] } else { Lanes::zero() };
+        let mut per_radius = Lanes::zero();
+        if F::HAS_AXIS {
+            // Number by number: not all callers are compiled for vectors.
+            let radius = &self.batches.positions[point].0[0];
+            for l in 0..L {
+                per_radius.0[l] = 1.0 / radius.0[l];
+            }
+        }
         let stiffness = self.batches.points[point].stiffness;
         Place { force, force_slope, stiffness, fabric, per_radius }
     }
