@@ -1,6 +1,6 @@
 //! Laws with fibres: their constants, and the direction of the fibres.
 
-use super::conditions::Pair;
+use super::conditions::Components;
 use crate::physics::fibres::{at_angle, unit};
 use crate::physics::{Artery, Muscle};
 use crate::space::FibreField;
@@ -33,7 +33,7 @@ pub enum FibreDirection {
     /// The same everywhere, by the angle to the x axis \[rad\].
     Angle(f64),
     /// Two expressions of x and y, a vector of any length.
-    Field(Pair),
+    Field(Components),
 }
 
 impl Default for FibreDirection {
@@ -52,7 +52,7 @@ impl FibreDirection {
     }
 
     /// The expressions, if it is a field.
-    pub(crate) fn field(&self) -> Option<&Pair> {
+    pub(crate) fn field(&self) -> Option<&Components> {
         match self {
             FibreDirection::Angle(_) => None,
             FibreDirection::Field(field) => Some(field),

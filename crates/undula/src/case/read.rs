@@ -25,14 +25,16 @@ pub(super) struct Checker<'d> {
     pub notes: RefCell<Vec<String>>,
     /// What the coordinates of the mesh mean, once that is read: integrals have other units around an axis.
     pub coordinates: Cell<Coordinates>,
+    /// How many components vectors have, once the mesh is read.
+    pub vectors: Cell<Vectors>,
     /// Origin of each dotted key that was read.
     pub origins: RefCell<BTreeMap<String, Origin>>,
 }
 
 impl<'d> Checker<'d> {
     pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
-        let (errors, notes, origins, coordinates) = Default::default();
-        Self { document, mesh, reads_tables: true, errors, notes, coordinates, origins }
+        let (errors, notes, origins, coordinates, vectors) = Default::default();
+        Self { document, mesh, reads_tables: true, errors, notes, coordinates, vectors, origins }
     }
 
     /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes
@@ -74,6 +76,33 @@ impl<'d> Checker<'d> {
     }
 }
 
+/// How many components vectors and points have.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub(super) enum Vectors {
+    /// x, y.
+    #[default]
+    Plane,
+    /// x, y, z, or x, y of the plane that is extruded: then z of points lies in the middle \[m\], and z of vectors is 0.
+    Extruded {
+        /// z of points \[m\].
+        middle: f64,
+    },
+    /// x, y, z.
+    Space,
+}
+
+impl Vectors {
+    /// Number of components.
+    pub fn len(self) -> usize {
+        if self == Vectors::Plane { 2 } else { 3 }
+    }
+
+    /// Whether so many may be given.
+    fn takes(self, given: usize) -> bool {
+        given == self.len() || (given == 2 && matches!(self, Vectors::Extruded { .. }))
+    }
+}
+
 /// What a number must be.
 #[derive(Copy, Clone)]
 pub(super) struct Range {
@@ -104,6 +133,14 @@ impl<'c, 'd> Section<'c, 'd> {
 
     pub fn has(&self, key: &str) -> bool {
         self.table.is_some_and(|t| t.get(key).is_some())
+    }
+
+    /// Number of values, if that of `key` is an array.
+    pub fn length(&self, key: &str) -> Option<usize> {
+        self.table.and_then(|t| t.get(key)).and_then(|item| match &item.value {
+            Value::Array(items) => Some(items.len()),
+            _ => None,
+        })
     }
 
     /// Whether the value of `key` is a table.

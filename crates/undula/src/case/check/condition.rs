@@ -163,8 +163,8 @@ fn check_series(s: &Section<'_, '_>, condition: &Condition) {
 /// Reads one datum; it stays as it is if it is not given.
 fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
     match datum {
-        Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
-        Datum::Components(pair) => *pair = s.components(name).unwrap_or_default(),
+        Datum::Vector(vector) => *vector = s.expressions(name).unwrap_or_default(),
+        Datum::Partial(vector) => *vector = s.components(name).unwrap_or_default(),
         Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
         Datum::Number(number) => *number = s.optional_number(name, POSITIVE).unwrap_or(*number),
         Datum::Series(list) => *list = s.series(name).unwrap_or_default(),

@@ -143,8 +143,8 @@ fn component(s: &mut Section<'_, '_>, available: &'static [Choice<Component>]) -
     component.unwrap_or(available[0].value)
 }
 
-fn required_point(s: &mut Section<'_, '_>, key: &str) -> [f64; 2] {
-    let point = s.pair(key, ANY);
+fn required_point(s: &mut Section<'_, '_>, key: &str) -> Vec<f64> {
+    let point = s.point(key);
     if !s.has(key) {
         s.missing(key, "a point of the reference domain [m], such as [0.6, 0.2]");
     }
