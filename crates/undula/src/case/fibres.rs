@@ -60,11 +60,11 @@ impl FibreDirection {
     }
 
     /// The direction at a position, a unit vector, if it is a field; where there is none it is 0.
-    pub(crate) fn directions(&self) -> Option<FibreField<2>> {
+    pub(crate) fn directions<const D: usize>(&self) -> Option<FibreField<D>> {
         let field = self.field()?.clone();
-        let at = move |x: &[f64; 2]| {
-            let a = [0, 1].map(|i: usize| field[i].eval(&[x[0], x[1], 0.0], 0.0));
-            unit(a).unwrap_or_default()
+        let at = move |x: &[f64; D]| {
+            let x = std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0));
+            unit(std::array::from_fn::<_, D, _>(|i| field[i].eval(&x, 0.0))).unwrap_or([0.0; D])
         };
         Some(Arc::new(at))
     }

@@ -8,6 +8,7 @@ use super::raw::{Document, Item, Origin, Table, Value};
 use super::schema::OwnMesh;
 use super::{keys, synonyms};
 use crate::space::Coordinates;
+use crate::space::coordinates::unit_of_space;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -46,6 +47,12 @@ impl<'d> Checker<'d> {
             Origin::File(_) => Files::In(folder.unwrap_or(Path::new(""))),
             Origin::Set(_) => Files::In(Path::new("")),
         }
+    }
+
+    /// The unit of an integral, or of what stands beside one, that has the unit `of_plane` per depth.
+    pub fn unit(&self, of_plane: &'static str) -> &'static str {
+        let in_plane = self.vectors.get() == Vectors::Plane && !self.coordinates.get().is_axisymmetric();
+        if in_plane { of_plane } else { unit_of_space(of_plane) }
     }
 
     pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {

@@ -111,6 +111,8 @@ pub struct MeshSpec {
     pub source: MeshSource,
     /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
     pub scale: f64,
+    /// Dimension of the mesh, 2 or 3.
+    pub dimension: usize,
     /// How a plane mesh becomes one of space; `None`: it stays as it is.
     pub extrude: Option<Extrude>,
     /// What the coordinates mean.

@@ -7,7 +7,7 @@ use crate::case::element::{PRESSURES, Stability, VELOCITIES};
 use crate::case::error::quoted;
 use crate::case::expression::Expression;
 use crate::case::literal::{number, numbers};
-use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Section, Vectors};
+use crate::case::read::{NOT_NEGATIVE, POSITIVE, Section, Vectors};
 use crate::case::schema::{
     Extrude, FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
     SolidSpec, SpaceSpec, VelocityElement,
@@ -81,7 +81,8 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     };
     let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
-    Some(MeshSpec { source, scale, extrude, coordinates, refine, grading, region, leave_out, absent: vec![] })
+    let dimension = root.checker.vectors.get().len();
+    Some(MeshSpec { source, dimension, scale, extrude, coordinates, refine, grading, region, leave_out, absent: vec![] })
 }
 
 /// How many components vectors have on the mesh in a file; as in the plane if it cannot be read, which is told later.

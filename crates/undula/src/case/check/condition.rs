@@ -99,7 +99,7 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
             s.checker.notes.borrow_mut().push(note);
         }
         if let Some(key) = needed {
-            let unit = s.checker.coordinates.get().unit(key.unit);
+            let unit = s.checker.unit(key.unit);
             s.missing(name, &format!("{} [{unit}]", key.about));
         }
         read_datum(s, name, datum);

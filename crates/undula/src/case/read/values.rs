@@ -49,7 +49,7 @@ impl Section<'_, '_> {
         let unit = each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("");
         // Around an axis what belongs to a whole boundary is that of space.
         let whole = self.dotted(name).starts_with("boundary.");
-        if whole { self.checker.coordinates.get().unit(unit).into() } else { unit.into() }
+        if whole { self.checker.unit(unit).into() } else { unit.into() }
     }
 
     pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
