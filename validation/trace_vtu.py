@@ -53,7 +53,7 @@ def sample(grid, ends, expect):
         x, velocity = vtk_to_numpy(probe.GetOutput().GetPoints().GetData()), vtk_to_numpy(data.GetArray("velocity"))
         for d, component in enumerate(expect.split(",")):
             value = eval(component, vars(np) | {"x": x[:, 0], "y": x[:, 1], "z": x[:, 2]})
-            error = max(error, np.abs(velocity[:, d] - value).max())
+            error = max(error, float(np.abs(velocity[:, d] - value).max()))
     return int((valid == 0).sum()), error
 
 
