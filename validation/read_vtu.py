@@ -3,13 +3,13 @@
 
     pip install vtk numpy
     read_vtu.py out/fsi3/fields.pvd
-    read_vtu.py fields.pvd --area 2.356194 --expect "pressure=x*x-y*y+x*y" --expect "velocity=-y,x,x*y"
+    read_vtu.py fields.pvd --size 2.356194 --expect "pressure=x*x-y*y+x*y" --expect "velocity=-y,x,x*y"
 
 Checked for every file: the collection's time is that of the file, all values are finite but those of one body where it
 is not, all cells have one type that Undula writes, every point belongs to a cell, and the Jacobian of every cell map, by
-VTK's own shape functions, is positive at 5 x 5 Gauss points: with nodes in a wrong order it is not. --area compares the area so integrated;
---expect compares point data with expressions of x, y at the points, and inside the cells the interpolation by
-VTK's shape functions. The exit code is 1 if anything is wrong.
+VTK's own shape functions, is positive at 5 Gauss points per direction: with nodes in a wrong order it is not. --size
+compares the area or the volume so integrated; --expect compares point data with expressions of x, y, z at the points,
+and inside the cells the interpolation by VTK's shape functions. The exit code is 1 if anything is wrong.
 """
 import argparse
 import os
@@ -33,38 +33,43 @@ def arrays_of(data):
     return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
 
 
-# Cells that Undula writes: quadrilaterals of degree 1, 2, above, triangles of degree 1, 2, 3.
+# Cells that Undula writes: quadrilaterals and hexahedra of degree 1, 2, above, triangles of degree 1, 2, 3.
 QUADRILATERALS = {vtk.VTK_QUAD, vtk.VTK_BIQUADRATIC_QUAD, vtk.VTK_LAGRANGE_QUADRILATERAL}
 TRIANGLES = {vtk.VTK_TRIANGLE, vtk.VTK_QUADRATIC_TRIANGLE, vtk.VTK_LAGRANGE_TRIANGLE}
+HEXAHEDRA = {vtk.VTK_HEXAHEDRON, vtk.VTK_TRIQUADRATIC_HEXAHEDRON, vtk.VTK_LAGRANGE_HEXAHEDRON}
 
 
-def gauss(is_triangle):
+def gauss(cell):
     """Points and weights on the reference cell; on triangles those of a square with one side collapsed."""
     at, weight = np.polynomial.legendre.leggauss(5)
-    at, weight = 0.5 * (at + 1), 0.5 * weight
-    for s, of_s in zip(at, weight):
-        side = 1 - s if is_triangle else 1
-        yield from (((r * side, s), of_r * of_s * side) for r, of_r in zip(at, weight))
+    line = list(zip(0.5 * (at + 1), 0.5 * weight))
+    for s, of_s in line:
+        side = 1 - s if cell.GetCellType() in TRIANGLES else 1
+        for r, of_r in line:
+            if cell.GetCellDimension() == 2:
+                yield (r * side, s, 0.0), of_r * of_s * side
+            else:
+                yield from (((r, s, t), of_r * of_s * of_t) for t, of_t in line)
 
 
 def derivatives_of(cell, at):
-    """Derivatives of the shape functions [2, n]. VTK stores them in one order for some cells and in another one for
-    others: the right one maps the parametric coordinates of the nodes to the unit matrix."""
-    n = cell.GetNumberOfPoints()
-    flat, coordinates = [0.0] * (2 * n), np.reshape([cell.GetParametricCoords()[i] for i in range(3 * n)], (n, 3))
-    cell.InterpolateDerivs([*at, 0.0], flat)
-    for candidate in (np.reshape(flat, (2, n)), np.reshape(flat, (n, 2)).T):
-        if np.allclose(candidate @ coordinates[:, :2], np.eye(2), atol=1e-9):
+    """Derivatives of the shape functions [dimension, n]. VTK stores them in one order for some cells and in another one
+    for others: the right one maps the parametric coordinates of the nodes to the unit matrix."""
+    n, dimension = cell.GetNumberOfPoints(), cell.GetCellDimension()
+    flat, coordinates = [0.0] * (dimension * n), np.reshape([cell.GetParametricCoords()[i] for i in range(3 * n)], (n, 3))
+    cell.InterpolateDerivs(at, flat)
+    for candidate in (np.reshape(flat, (dimension, n)), np.reshape(flat, (n, dimension)).T):
+        if np.allclose(candidate @ coordinates[:, :dimension], np.eye(dimension), atol=1e-9):
             return candidate
     raise ValueError(f"derivatives of {cell.GetClassName()} in an order that is not known")
 
 
 def tables(cell):
-    """Weights, shape functions and their derivatives at 5 x 5 Gauss points, by the cell's own class."""
+    """Weights, shape functions and their derivatives at Gauss points, by the cell's own class."""
     weights, values, derivatives = [], [], []
-    for at, weight in gauss(cell.GetCellType() in TRIANGLES):
+    for at, weight in gauss(cell):
         phi = [0.0] * cell.GetNumberOfPoints()
-        cell.InterpolateFunctions([*at, 0.0], phi)
+        cell.InterpolateFunctions(at, phi)
         weights.append(weight)
         values.append(phi)
         derivatives.append(derivatives_of(cell, at))
@@ -88,20 +93,20 @@ def check(time, path, args):
         wrong.append(f"time {stored} in the file, {time} in the collection")
     if len(types) != 1:
         return wrong + [f"{len(types)} cell types"]
-    if not types.keys() <= QUADRILATERALS | TRIANGLES:
+    if not types.keys() <= QUADRILATERALS | TRIANGLES | HEXAHEDRA:
         return wrong + [f"cells that Undula does not write: {types}"]
 
     nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
     if len(np.unique(nodes)) != len(points):
         wrong.append(f"{len(points) - len(np.unique(nodes))} points in no cell")
     weights, phi, d_phi = tables(grid.GetCell(0))
-    jacobian = np.linalg.det(np.einsum("qrn,cnd->cqrd", d_phi, points[nodes][:, :, :2]))
-    area = float((jacobian @ weights).sum())
-    print(f"  area {area:.12g}, Jacobian of the cell maps {jacobian.min():.3e} .. {jacobian.max():.3e}")
+    jacobian = np.linalg.det(np.einsum("qrn,cnd->cqrd", d_phi, points[nodes][:, :, :d_phi.shape[1]]))
+    size = float((jacobian @ weights).sum())
+    print(f"  area or volume {size:.12g}, Jacobian of the cell maps {jacobian.min():.3e} .. {jacobian.max():.3e}")
     if jacobian.min() <= 0:
         wrong.append(f"{(jacobian.min(axis=1) <= 0).sum()} cells with a Jacobian that is not positive")
-    if args.area is not None and abs(area - args.area) > args.tolerance * abs(args.area):
-        wrong.append(f"area {area:.12g}, expected {args.area:.12g}")
+    if args.size is not None and abs(size - args.size) > args.tolerance * abs(args.size):
+        wrong.append(f"area or volume {size:.12g}, expected {args.size:.12g}")
 
     at_points, in_cells = arrays_of(grid.GetPointData()), arrays_of(grid.GetCellData())
     for kind, arrays in (("points", at_points), ("cells", in_cells), ("points", {"(position)": points})):
@@ -117,7 +122,7 @@ def check(time, path, args):
         columns = at_points[name].reshape(len(points), -1)
         interpolated = np.einsum("qn,cnd->cqd", phi, columns[nodes])
         for d, component in enumerate(expression.split(",")):
-            at = lambda x: eval(component, vars(np) | {"x": x[..., 0], "y": x[..., 1]})  # noqa: B023
+            at = lambda x: eval(component, vars(np) | {"x": x[..., 0], "y": x[..., 1], "z": x[..., 2]})  # noqa: B023
             error = np.abs(columns[:, d] - at(points)).max(), np.abs(interpolated[..., d] - at(inside)).max()
             print(f"  {name}[{d}] - ({component}): {error[0]:.2e} at points, {error[1]:.2e} inside cells")
             if error[0] > args.tolerance or error[1] > args.inside:
@@ -128,9 +133,9 @@ def check(time, path, args):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("path", nargs="+", help=".pvd or .vtu")
-    parser.add_argument("--area", type=float, help="of the deformed domain [m2]")
+    parser.add_argument("--size", type=float, help="of the deformed domain [m2 or m3]")
     parser.add_argument("--expect", action="append", default=[], metavar="NAME=EXPR[,EXPR..]")
-    parser.add_argument("--tolerance", type=float, default=1e-6, help="at points; relative for the area")
+    parser.add_argument("--tolerance", type=float, default=1e-6, help="at points; relative for the size")
     parser.add_argument("--inside", type=float, default=1e-2, help="inside cells, where interpolation errs")
     args = parser.parse_args()
     n_wrong = 0

@@ -3,12 +3,13 @@
 
     pip install vtk numpy
     trace_vtu.py out/fsi3/fields.pvd --line 0.05,0.26,2.45,0.26
+    trace_vtu.py out/tube/fields.pvd --line 0,0,0,0,0,0.05
     trace_vtu.py out/fsi3/fields.pvd --seeds 0.3,0.22,0.3,0.4 --until 2.4
 
 The last file of the collection is read. --line: 201 points between two places, all of which must lie in a cell.
 --seeds: 41 streamlines by RK2 from points between two places, all of which must reach x = --until (a streamline ends
 within a step of the outflow; one that begins on the stagnation streamline of an obstacle ends there). --expect compares
-velocity along --line with an expression of x, y. The exit code is 1 if anything is wrong.
+velocity along --line with an expression of x, y, z. Places have two or three coordinates. The exit code is 1 if anything is wrong.
 """
 import argparse
 import os
@@ -31,8 +32,9 @@ def last_file(path):
 
 def line_of(ends, resolution):
     line = vtk.vtkLineSource()
-    line.SetPoint1(*ends[:2], 0)
-    line.SetPoint2(*ends[2:], 0)
+    half = len(ends) // 2
+    line.SetPoint1(*(ends[:half] + [0.0])[:3])
+    line.SetPoint2(*(ends[half:] + [0.0])[:3])
     line.SetResolution(resolution)
     line.Update()
     return line.GetOutput()
@@ -50,8 +52,8 @@ def sample(grid, ends, expect):
     if expect:
         x, velocity = vtk_to_numpy(probe.GetOutput().GetPoints().GetData()), vtk_to_numpy(data.GetArray("velocity"))
         for d, component in enumerate(expect.split(",")):
-            value = eval(component, vars(np) | {"x": x[:, 0], "y": x[:, 1]})
-            error = max(error, np.abs(velocity[:, d] - value).max())
+            value = eval(component, vars(np) | {"x": x[:, 0], "y": x[:, 1], "z": x[:, 2]})
+            error = max(error, float(np.abs(velocity[:, d] - value).max()))
     return int((valid == 0).sum()), error
 
 
@@ -80,10 +82,10 @@ def main():
     numbers = lambda text: [float(x) for x in text.split(",")]
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("path", help=".pvd or .vtu")
-    parser.add_argument("--line", type=numbers, metavar="X,Y,X,Y")
+    parser.add_argument("--line", type=numbers, metavar="X,Y[,Z],X,Y[,Z]")
     parser.add_argument("--expect", metavar="EXPR,EXPR")
     parser.add_argument("--tolerance", type=float, default=1e-6)
-    parser.add_argument("--seeds", type=numbers, metavar="X,Y,X,Y")
+    parser.add_argument("--seeds", type=numbers, metavar="X,Y[,Z],X,Y[,Z]")
     parser.add_argument("--until", type=float, metavar="X")
     args = parser.parse_args()
     reader = vtk.vtkXMLUnstructuredGridReader()

@@ -26,6 +26,18 @@ pub enum CellKind {
     Quadrilateral,
     /// `(degree + 1) (degree + 2) / 2` points.
     Triangle,
+    /// `(degree + 1)³` points.
+    Hexahedron,
+}
+
+impl CellKind {
+    /// Space dimension.
+    pub const fn dim(self) -> usize {
+        match self {
+            CellKind::Quadrilateral | CellKind::Triangle => 2,
+            CellKind::Hexahedron => 3,
+        }
+    }
 }
 
 /// The fields of one moment on cells of degree 1, 2 or higher, triangles up to 3.
@@ -55,6 +67,7 @@ impl FieldSnapshot {
         match self.kind {
             CellKind::Quadrilateral => (self.degree + 1).pow(2),
             CellKind::Triangle => (self.degree + 1) * (self.degree + 2) / 2,
+            CellKind::Hexahedron => (self.degree + 1).pow(3),
         }
     }
 
@@ -63,7 +76,7 @@ impl FieldSnapshot {
         self.cells.len() / self.points_per_cell()
     }
 
-    /// The same points and values with each cell of degree k cut into k² cells of degree 1.
+    /// The same points and values with each cell of degree k cut into k^D cells of degree 1.
     ///
     /// The values at all points stay, and straight cells can be sampled and traced through. The cell data `cell` has the
     /// number of the curved cell that a straight one is part of.
@@ -71,7 +84,7 @@ impl FieldSnapshot {
         let k = self.degree;
         let n = self.points_per_cell();
         let pieces = self.pieces();
-        let (per_cell, n_cells) = (k * k, self.n_cells());
+        let (per_cell, n_cells) = (k.pow(self.kind.dim() as u32), self.n_cells());
         let cells = self.cells.chunks_exact(n).flat_map(|cell| pieces.iter().map(|&i| cell[i])).collect();
         let repeated = |field: Field| {
             let tuples = field.values.chunks_exact(field.components);
@@ -85,7 +98,7 @@ impl FieldSnapshot {
         FieldSnapshot { degree: 1, cells, cell_data, ..self }
     }
 
-    /// The points of the k² straight pieces of a cell, all pieces one after the other, each in lexicographic order.
+    /// The points of the k^D straight pieces of a cell, all pieces one after the other, each in lexicographic order.
     fn pieces(&self) -> Vec<usize> {
         let k = self.degree;
         let mut pieces = Vec::new();
@@ -104,6 +117,14 @@ impl FieldSnapshot {
                         pieces.extend([number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)]);
                     }
                 }
+            }
+            CellKind::Hexahedron => {
+                let [row, layer] = [k + 1, (k + 1).pow(2)];
+                let corners = |n: usize| {
+                    let from = n % k + row * (n / k % k) + layer * (n / (k * k));
+                    (0..8).map(move |c| from + (c & 1) + row * (c >> 1 & 1) + layer * (c >> 2))
+                };
+                pieces.extend((0..k.pow(3)).flat_map(corners));
             }
         }
         pieces

@@ -1,10 +1,11 @@
 //! VTU files: fields on the deformed mesh as ParaView reads them.
 //!
 //! An `UnstructuredGrid` with appended raw data in zlib-compressed blocks, little endian, `UInt64`
-//! headers. Cells of degree 1 are `VTK_QUAD` and `VTK_TRIANGLE`; curved cells of degree 2 are
-//! `VTK_BIQUADRATIC_QUAD` and `VTK_QUADRATIC_TRIANGLE`. VTK 9.2 to 9.7 cannot find a point in such a curved cell, so
-//! that lines through it have holes: [`FieldSnapshot::linear`]. [`read_vtu`] reads what [`write_vtu`] writes,
-//! nothing else.
+//! headers. Cells of degree 1 are `VTK_QUAD`, `VTK_TRIANGLE` and `VTK_HEXAHEDRON`; curved cells of degree 2 are
+//! `VTK_BIQUADRATIC_QUAD`, `VTK_QUADRATIC_TRIANGLE` and `VTK_TRIQUADRATIC_HEXAHEDRON`. VTK 9.2 to 9.7 cannot find a
+//! point in such a curved cell of the plane, so that lines through it have holes: [`FieldSnapshot::linear`]. It finds
+//! points in `VTK_TRIQUADRATIC_HEXAHEDRON`, but not in the `VTK_LAGRANGE_HEXAHEDRON` of any degree. [`read_vtu`] reads
+//! what [`write_vtu`] writes, nothing else.
 
 use super::history::number;
 use super::{CellKind, Field, FieldSnapshot, OutputError, write_atomic};
@@ -25,6 +26,9 @@ pub enum Precision {
     Double,
 }
 
+/// No file has cells of a higher degree.
+const HIGHEST: usize = 16;
+
 /// Bytes per compressed block.
 const BLOCK: usize = 1 << 16;
 
@@ -35,6 +39,9 @@ const BLOCK: usize = 1 << 16;
 /// go round, too.
 fn vtk_order(kind: CellKind, degree: usize) -> Vec<usize> {
     let k = degree;
+    if kind == CellKind::Hexahedron {
+        return hexahedron_order(k);
+    }
     if kind == CellKind::Triangle {
         let mut lattice = vec![(0, 0), (k, 0), (0, k)];
         lattice.extend((1..k).map(|i| (i, 0)));
@@ -53,16 +60,57 @@ fn vtk_order(kind: CellKind, degree: usize) -> Vec<usize> {
     lattice.into_iter().map(|(i, j)| i + (k + 1) * j).collect()
 }
 
+/// The same for hexahedra: vertices and edges of the bottom and of the top, upright edges, faces x-, x+, y-, y+, z-, z+,
+/// interior.
+///
+/// This is the order of `VTK_HEXAHEDRON`, `VTK_TRIQUADRATIC_HEXAHEDRON` and, in files of version 2.1, of
+/// `VTK_LAGRANGE_HEXAHEDRON`; in older files the last two upright edges of the latter change places.
+fn hexahedron_order(k: usize) -> Vec<usize> {
+    let round = [(0, 0), (k, 0), (k, k), (0, k)];
+    let between = || 1..k;
+    let inside = || between().flat_map(move |b| between().map(move |a| (a, b)));
+    let mut lattice: Vec<[usize; 3]> = Vec::with_capacity((k + 1).pow(3));
+    for z in [0, k] {
+        lattice.extend(round.map(|(x, y)| [x, y, z]));
+    }
+    for z in [0, k] {
+        lattice.extend(between().map(|x| [x, 0, z]));
+        lattice.extend(between().map(|y| [k, y, z]));
+        lattice.extend(between().map(|x| [x, k, z]));
+        lattice.extend(between().map(|y| [0, y, z]));
+    }
+    for (x, y) in round {
+        lattice.extend(between().map(|z| [x, y, z]));
+    }
+    for x in [0, k] {
+        lattice.extend(inside().map(|(y, z)| [x, y, z]));
+    }
+    for y in [0, k] {
+        lattice.extend(inside().map(|(x, z)| [x, y, z]));
+    }
+    for z in [0, k] {
+        lattice.extend(inside().map(|(x, y)| [x, y, z]));
+    }
+    lattice.extend(between().flat_map(|z| inside().map(move |(x, y)| [x, y, z])));
+    lattice.into_iter().map(|[x, y, z]| x + (k + 1) * (y + (k + 1) * z)).collect()
+}
+
+/// Cell types of VTK of degree 1, 2 and above.
+const TYPES: [(CellKind, [u8; 3]); 3] = [
+    (CellKind::Quadrilateral, [9, 28, 70]),
+    (CellKind::Triangle, [5, 22, 69]),
+    (CellKind::Hexahedron, [12, 29, 72]),
+];
+
 /// Number of the cell type in VTK.
 fn vtk_cell_type(kind: CellKind, degree: usize) -> u8 {
-    match (kind, degree) {
-        (CellKind::Quadrilateral, 1) => 9,
-        (CellKind::Quadrilateral, 2) => 28,
-        (CellKind::Quadrilateral, _) => 70,
-        (CellKind::Triangle, 1) => 5,
-        (CellKind::Triangle, 2) => 22,
-        (CellKind::Triangle, _) => 69,
-    }
+    let of_kind = TYPES.iter().find(|(other, _)| *other == kind);
+    of_kind.map_or(0, |(_, types)| types[degree.clamp(1, 3) - 1])
+}
+
+/// Version of the file: readers before VTK 9 refuse 2.1, which means something for one type of cells only.
+fn version(kind: CellKind, degree: usize) -> &'static str {
+    if vtk_cell_type(kind, degree) == 72 { "2.1" } else { "1.0" }
 }
 
 /// Writes `snapshot` at time `time` \[s\], atomically.
@@ -98,8 +146,9 @@ pub fn write_vtu(
         + &data.array("UInt8", "types", 1, &vec![vtk_cell_type(snapshot.kind, snapshot.degree); n_cells]);
     let point_data: String = snapshot.point_data.iter().map(|f| data.field(f, n_points, single)).collect();
     let cell_data: String = snapshot.cell_data.iter().map(|f| data.field(f, n_cells, single)).collect();
+    let version = version(snapshot.kind, snapshot.degree);
     let header = format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"{version}\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n\
          <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n\
          </FieldData>\n<Piece NumberOfPoints=\"{n_points}\" NumberOfCells=\"{n_cells}\">\n<Points>\n{points}\
@@ -218,11 +267,15 @@ fn parse(bytes: &[u8]) -> Result<(FieldSnapshot, f64), String> {
 /// Fills in degree and cells.
 fn cells(snapshot: &mut FieldSnapshot, connectivity: &[f64], types: &[f64]) -> Result<(), String> {
     let n = connectivity.len().checked_div(types.len()).unwrap_or(4);
-    let is_triangle = types.first().is_some_and(|kind| [5.0, 22.0, 69.0].contains(kind));
-    (snapshot.kind, snapshot.degree) = match is_triangle {
-        true => (CellKind::Triangle, (2 * n).isqrt().max(2) - 1),
-        false => (CellKind::Quadrilateral, n.isqrt().max(2) - 1),
+    let first = types.first().copied().unwrap_or(9.0);
+    let of_type = TYPES.iter().find(|(_, types)| types.iter().any(|t| f64::from(*t) == first));
+    let Some((kind, _)) = of_type else {
+        return Err(format!("cells of type {first} of VTK, which are not read here"));
     };
+    let points_per_cell =
+        |degree: usize| FieldSnapshot { kind: *kind, degree, ..FieldSnapshot::default() }.points_per_cell();
+    (snapshot.kind, snapshot.degree) =
+        (*kind, (1..HIGHEST).find(|&k| points_per_cell(k) >= n).unwrap_or(HIGHEST));
     let kind = f64::from(vtk_cell_type(snapshot.kind, snapshot.degree));
     if snapshot.points_per_cell() * types.len() != connectivity.len() || types.iter().any(|t| *t != kind) {
         return Err("cells that are not all of the same kind".into());
@@ -304,5 +357,18 @@ mod tests {
         assert_eq!(triangle(1), [0, 1, 2]);
         assert_eq!(triangle(2), [0, 2, 5, 1, 4, 3]);
         assert_eq!(triangle(3), [0, 3, 9, 1, 2, 6, 8, 7, 4, 5]);
+        let hexahedron = |k| vtk_order(CellKind::Hexahedron, k);
+        assert_eq!(hexahedron(1), [0, 1, 3, 2, 4, 5, 7, 6]);
+        let [corners, bottom, top] =
+            [[0, 2, 8, 6, 18, 20, 26, 24].as_slice(), &[1, 5, 7, 3], &[19, 23, 25, 21]];
+        let [upright, faces] = [[9, 11, 17, 15].as_slice(), &[12, 14, 10, 16, 4, 22, 13]];
+        assert_eq!(hexahedron(2), [corners, bottom, top, upright, faces].concat());
+        let third = hexahedron(3);
+        assert_eq!(third[..12], [0, 3, 15, 12, 48, 51, 63, 60, 1, 2, 7, 11]);
+        assert_eq!(third[24..32], [16, 32, 19, 35, 31, 47, 28, 44]);
+        assert_eq!(third[32..40], [20, 24, 36, 40, 23, 27, 39, 43]);
+        assert_eq!(third[56..], [21, 22, 25, 26, 37, 38, 41, 42]);
+        let every: std::collections::BTreeSet<usize> = hexahedron(4).into_iter().collect();
+        assert!(every.into_iter().eq(0..125));
     }
 }
