@@ -64,7 +64,8 @@ where
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    pub(crate) fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+    #[doc(hidden)]
+    pub fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
         let start = Start::of(&mut case)?;
         let mut simulation = Simulation::at_rest(case, threads)?;
         start.begin(&mut simulation)?;
