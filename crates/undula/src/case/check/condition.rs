@@ -7,7 +7,7 @@ use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
 use crate::case::profile::{PROFILE_KEYS, PROFILES, Profile};
-use crate::case::read::{Checker, POSITIVE, Section};
+use crate::case::read::{Checker, POSITIVE, Section, Vectors};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
@@ -44,6 +44,12 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         }
         s.finish();
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
+    }
+    if matches!(all.checker.vectors.get(), Vectors::Extruded { .. }) {
+        // The plane goes on behind them.
+        for side in ["front", "back"] {
+            boundary.entry(side.into()).or_insert(Condition::Symmetry);
+        }
     }
     partners(&mut boundary, &mut all);
     (boundary, directional)

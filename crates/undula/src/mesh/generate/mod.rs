@@ -38,10 +38,3 @@ const HEIGHT: f64 = 0.41;
 pub fn cylinder() -> Curve<2> {
     Curve::Sphere { boundaries: vec!["cylinder".into(), "clamp".into()], centre: CENTRE, radius: RADIUS }
 }
-
-/// STUB
-pub fn hexahedra(_: [f64; 3], _: [f64; 3], _: [usize; 3], _: usize) -> Result<super::Mesh<3>, super::MeshError> { unimplemented!() }
-impl super::Mesh<2> {
-    /// STUB
-    pub fn extruded(&self, _: f64, _: usize) -> Result<super::Mesh<3>, super::MeshError> { unimplemented!() }
-}
