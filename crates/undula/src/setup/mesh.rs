@@ -129,10 +129,11 @@ impl Case {
     /// The mesh of space, refined.
     pub(super) fn refined_space(&self) -> Result<Refined<3>, Error> {
         if let Some(Extrude { depth, layers }) = self.mesh.extrude {
-            let (plane, ..) = self.refined_plane()?;
+            let (plane, hierarchy, _) = self.refined_plane()?;
             self.check_shape(&plane)?;
-            let mesh = plane.extruded(depth, layers).map_err(|e| self.blame("mesh.extrude", e))?;
-            return Ok((mesh, Hierarchy::default(), vec![]));
+            let whole = hierarchy.extruded(&plane, depth, layers);
+            let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
+            return Ok((mesh, hierarchy, vec![]));
         }
         let mesh = match &self.mesh.source {
             MeshSource::Box { lower, upper, cells } => {
