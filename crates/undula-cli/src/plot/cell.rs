@@ -52,7 +52,9 @@ impl Reference {
         for (i, j) in self.lattice(n.saturating_sub(1)) {
             let corner = |a: usize, b: usize| number(i + a, j + b);
             let halves = match self.kind {
-                CellKind::Quadrilateral | CellKind::Hexahedron => [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]],
+                CellKind::Quadrilateral | CellKind::Hexahedron => {
+                    [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]]
+                }
                 // The second one is missing at the long side.
                 CellKind::Triangle => [[(0, 0), (1, 0), (0, 1)], [(1, 0), (1, 1), (0, 1)]],
             };
@@ -75,7 +77,9 @@ impl Reference {
         let mut sides = vec![on(&|_, j| j == 0), on(&|i, _| i == 0)];
         match self.kind {
             CellKind::Triangle => sides.push(on(&|i, j| i + j == k)),
-            CellKind::Quadrilateral | CellKind::Hexahedron => sides.extend([on(&|i, _| i == k), on(&|_, j| j == k)]),
+            CellKind::Quadrilateral | CellKind::Hexahedron => {
+                sides.extend([on(&|i, _| i == k), on(&|_, j| j == k)])
+            }
         }
         sides
     }

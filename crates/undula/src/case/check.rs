@@ -10,6 +10,7 @@ mod condition;
 mod functional;
 mod initial;
 mod material;
+mod mesh;
 mod solver;
 mod stabilization;
 
@@ -90,7 +91,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let name = name(&mut root);
     let title = root.string("title").unwrap_or_default();
     let reference = reference(&mut root);
-    let mesh = body::mesh(root.section("mesh"), &root);
+    let mesh = mesh::mesh(root.section("mesh"), &root);
     let space = body::space(root.section("space"), mesh.as_ref());
     let fluids = bodies::read(&mut root, "fluid", body::fluid);
     if !fluids.is_empty() {

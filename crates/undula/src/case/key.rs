@@ -143,6 +143,31 @@ fn outside_quotes(text: &str) -> impl Iterator<Item = (usize, char)> + '_ {
     })
 }
 
+/// A key with a number or an array of numbers.
+pub(super) const fn number(
+    key: &'static str,
+    unit: &'static str,
+    default: &'static str,
+    about: &'static str,
+) -> Key {
+    Key::data(key, unit, default, about)
+}
+
+/// A key with a text.
+pub(super) const fn text(key: &'static str, default: &'static str, about: &'static str) -> Key {
+    number(key, "", default, about)
+}
+
+/// A key with one of the names of a table.
+pub(super) const fn word(
+    key: &'static str,
+    choices: &'static dyn Table,
+    default: &'static str,
+    about: &'static str,
+) -> Key {
+    Key { key, unit: "", default, about, choices: Some(choices) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,10 +10,11 @@ use super::error::did_you_mean;
 use super::functionals::FUNCTIONALS;
 use super::initial::INITIAL;
 pub use super::key::Key;
-use super::key::NAME;
+use super::key::{NAME, number, text, word};
 use super::material_keys::{OF_FLUID, OF_SOLID};
+use super::mesh_keys::MESH;
 use super::profile::PROFILE_KEYS;
-use super::schema::{GENERATORS, KRYLOV};
+use super::schema::KRYLOV;
 use super::{key, synonyms};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::Table;
@@ -24,31 +25,15 @@ use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
-use crate::space::{COORDINATES, WALLS};
+use crate::space::WALLS;
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::sync::LazyLock;
 
-const fn number(key: &'static str, unit: &'static str, default: &'static str, about: &'static str) -> Key {
-    Key::data(key, unit, default, about)
-}
-
-const fn text(key: &'static str, default: &'static str, about: &'static str) -> Key {
-    number(key, "", default, about)
-}
-
-const fn word(
-    key: &'static str,
-    choices: &'static dyn Table,
-    default: &'static str,
-    about: &'static str,
-) -> Key {
-    Key { key, unit: "", default, about, choices: Some(choices) }
-}
-
 /// All keys, table by table.
 pub static KEYS: LazyLock<Vec<&'static Key>> = LazyLock::new(|| {
     let data = |key: &Key| match key.key {
+        "reference" => &MESH[..],
         "boundary.NAME.condition" => &DATA[..],
         "boundary.NAME.backflow" => &PROFILE_KEYS[..],
         "time.adaptive.safety" => &INITIAL[..],
@@ -65,20 +50,6 @@ static KEYS_BUT_DATA: &[Key] = &[
     text("name", "name of the file", "short name, also of the output directory"),
     text("title", "empty", "one line for people"),
     text("reference", "none", "built-in case whose published results belong to this problem"),
-    word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
-    text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
-    number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
-    word("mesh.coordinates", &COORDINATES, "cartesian", "what the coordinates of the mesh mean"),
-    number("mesh.refine", "", "0", "uniform refinements"),
-    number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
-    number("mesh.extrude.depth", "m", "none", "a plane mesh becomes one of space, 0 < z < depth"),
-    number("mesh.extrude.layers", "", "required with depth", "layers of cells along z"),
-    number("mesh.lower", "m", "box: required", "least corner of the box, as [0, 0], in space as [0, 0, 0]"),
-    number("mesh.upper", "m", "box: required", "opposite corner of the box, as [2, 1]"),
-    number("mesh.radii", "m", "annulus: required", "radii of the inner and the outer circle, as [1, 2]"),
-    number("mesh.cells", "", "box, annulus: required", "cells before refinement: x, y (and z) or round, across"),
-    text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
-    text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),
     word("space.velocity", &VELOCITIES, "Q2, triangles: P2", "element of velocity and displacement"),
     word("space.pressure", &PRESSURES, "from the velocity", "element of the pressure"),
     number(

@@ -24,6 +24,7 @@ pub(crate) mod key;
 pub mod keys;
 pub(crate) mod literal;
 mod material_keys;
+mod mesh_keys;
 pub mod profile;
 mod raw;
 mod read;

@@ -1,6 +1,9 @@
 //! Reading of a table: the keys that it has and those that it was asked for, and what is wrong with them.
 
 mod values;
+mod vectors;
+
+pub(super) use vectors::Vectors;
 
 use super::error::{CaseError, did_you_mean, quoted};
 use super::expression::Files;
@@ -80,33 +83,6 @@ impl<'d> Checker<'d> {
             known: Vec::new(),
             explained: Vec::new(),
         }
-    }
-}
-
-/// How many components vectors and points have.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub(super) enum Vectors {
-    /// x, y.
-    #[default]
-    Plane,
-    /// x, y, z, or x, y of the plane that is extruded: then z of points lies in the middle \[m\], and z of vectors is 0.
-    Extruded {
-        /// z of points \[m\].
-        middle: f64,
-    },
-    /// x, y, z.
-    Space,
-}
-
-impl Vectors {
-    /// Number of components.
-    pub fn len(self) -> usize {
-        if self == Vectors::Plane { 2 } else { 3 }
-    }
-
-    /// Whether so many may be given.
-    fn takes(self, given: usize) -> bool {
-        given == self.len() || (given == 2 && matches!(self, Vectors::Extruded { .. }))
     }
 }
 

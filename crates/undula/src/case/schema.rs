@@ -5,8 +5,8 @@
 
 mod solver;
 
-pub use super::conditions::Condition;
 use super::conditions::Components;
+pub use super::conditions::Condition;
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;

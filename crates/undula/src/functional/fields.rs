@@ -138,7 +138,10 @@ impl<'a, const D: usize> Fields<'a, D> {
     pub fn value(&self, point: &Located<D>) -> PointFields<D> {
         let FsiSpace { mesh, nodes, pressure, regions, .. } = self.space;
         let &Located { cell, xi } = point;
-        let rule = Quadrature { points: vec![std::array::from_fn(|d| if d < D { xi[d] } else { 0.0 })], weights: vec![1.0] };
+        let rule = Quadrature {
+            points: vec![std::array::from_fn(|d| if d < D { xi[d] } else { 0.0 })],
+            weights: vec![1.0],
+        };
         let table = nodes.table(mesh.shape, &rule);
         let map = Tensor(mesh.map_gradient(cell, xi));
         let inverse_t = map.cofactor() * (1.0 / map.det());
@@ -180,7 +183,11 @@ impl<'a, const D: usize> Fields<'a, D> {
 }
 
 /// Pressure of a region at the nodes, the mean over its cells; `None` where it has none.
-pub(crate) fn nodal_pressure<const D: usize>(space: &FsiSpace<D>, state: &State, region: Region) -> Vec<Option<f64>> {
+pub(crate) fn nodal_pressure<const D: usize>(
+    space: &FsiSpace<D>,
+    state: &State,
+    region: Region,
+) -> Vec<Option<f64>> {
     let n = space.nodes.n_lagrange;
     let (mut sum, mut count) = (vec![0.0; n], vec![0.0; n]);
     for cell in 0..space.mesh.n_cells() {

@@ -65,7 +65,8 @@ impl<const D: usize> Functional<D> for Moment<D> {
             });
             arm[0] * force.0[1] - arm[1] * force.0[0]
         };
-        let residual = |node: u32| Vector(std::array::from_fn::<_, D, _>(|i| at.fluid_residual[D * node as usize + i]));
+        let residual =
+            |node: u32| Vector(std::array::from_fn::<_, D, _>(|i| at.fluid_residual[D * node as usize + i]));
         let nodes: f64 = self.parts.iter().map(|&(node, part)| part * turned(node, residual(node))).sum();
         let facets: f64 = self.tractions.iter().map(|(node, facet)| turned(*node, facet.sum(at))).sum();
         -(nodes + facets)

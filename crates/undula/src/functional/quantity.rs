@@ -48,7 +48,11 @@ pub static COMPONENTS: [Choice<Component>; 14] = [
     choice("xz", Component::Entry(0, 2), "shear stress, in space"),
     choice("yy", Component::Entry(1, 1), "normal stress along y"),
     choice("yz", Component::Entry(1, 2), "shear stress, in space"),
-    choice("zz", Component::Entry(2, 2), "normal stress along z: across the plane; hoop stress around an axis"),
+    choice(
+        "zz",
+        Component::Entry(2, 2),
+        "normal stress along z: across the plane; hoop stress around an axis",
+    ),
     choice(
         VON_MISES,
         Component::VonMises,

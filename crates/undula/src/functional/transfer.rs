@@ -40,7 +40,11 @@ impl<const D: usize> Source<'_, D> {
 ///
 /// # Errors
 /// [`MeshError::Outside`] for a node further from all cells of its body than a tenth of the size of a cell.
-pub fn transfer<const D: usize>(from: &FsiSpace<D>, state: &State, to: &FsiSpace<D>) -> Result<State, MeshError> {
+pub fn transfer<const D: usize>(
+    from: &FsiSpace<D>,
+    state: &State,
+    to: &FsiSpace<D>,
+) -> Result<State, MeshError> {
     let source = Source { space: from, fields: Fields::new(from, state), locator: Locator::new(&from.mesh) };
     let mut new = State::zero(to.n_v(), to.n_u(), to.n_p());
     nodes(&source, to, &mut new)?;
@@ -77,7 +81,11 @@ fn nodes<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut Sta
 }
 
 /// v at the centres of cells with a bubble: its coefficient is what the nodal basis leaves, over the bubble there.
-fn bubbles<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut State) -> Result<(), MeshError> {
+fn bubbles<const D: usize>(
+    source: &Source<'_, D>,
+    to: &FsiSpace<D>,
+    new: &mut State,
+) -> Result<(), MeshError> {
     let mesh = &to.mesh;
     let centre = mesh.reference_centre();
     let padded = std::array::from_fn(|d| if d < D { centre[d] } else { 0.0 });
@@ -94,7 +102,11 @@ fn bubbles<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut S
     Ok(())
 }
 
-fn continuous<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, p: &mut [f64]) -> Result<(), MeshError> {
+fn continuous<const D: usize>(
+    source: &Source<'_, D>,
+    to: &FsiSpace<D>,
+    p: &mut [f64],
+) -> Result<(), MeshError> {
     let one_valued = matches!(source.space.pressure.kind, PressureKind::Continuous(_));
     let mut count = vec![0.0; p.len()];
     for cell in 0..to.mesh.n_cells() {
@@ -116,7 +128,11 @@ fn continuous<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, p: &mut 
     Ok(())
 }
 
-fn discontinuous<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, p: &mut [f64]) -> Result<(), MeshError> {
+fn discontinuous<const D: usize>(
+    source: &Source<'_, D>,
+    to: &FsiSpace<D>,
+    p: &mut [f64],
+) -> Result<(), MeshError> {
     let rule = Quadrature::cell(to.mesh.shape, to.pressure.kind.degree() + 2);
     for cell in 0..to.mesh.n_cells() {
         let dofs = to.pressure.cell(cell);

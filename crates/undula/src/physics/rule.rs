@@ -53,11 +53,8 @@ pub const GALERKIN: &[TimePoint] =
 /// Two Gauss points, exact to degree 3: in the plane for all terms along linear u and v but the viscous stress.
 pub const GAUSS: &[(f64, f64)] = &[(0.5, 0.211_324_865_405_187_1), (0.5, 0.788_675_134_594_812_9)];
 /// Three Gauss points, exact to degree 5: the same in space, where the cofactor is quadratic in u.
-pub const GAUSS_IN_SPACE: &[(f64, f64)] = &[
-    (5.0 / 18.0, 0.112_701_665_379_258_3),
-    (8.0 / 18.0, 0.5),
-    (5.0 / 18.0, 0.887_298_334_620_741_7),
-];
+pub const GAUSS_IN_SPACE: &[(f64, f64)] =
+    &[(5.0 / 18.0, 0.112_701_665_379_258_3), (8.0 / 18.0, 0.5), (5.0 / 18.0, 0.887_298_334_620_741_7)];
 
 impl TimePoint {
     /// Weight and τ, the point being (1 − τ) U⁻ + τ U.

@@ -44,7 +44,10 @@ fn overfilled<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure)
 fn backflow<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Option<Special> {
     let space = &simulation.stepper.assembler.space;
     let found = inflow::explains(&simulation.case, space, &simulation.stepper.new, failure)?;
-    let (speed, point) = (shortest(rounded(found.speed, found.speed, 3)), space.mesh.shown(&std::array::from_fn(|d| found.point[d])));
+    let (speed, point) = (
+        shortest(rounded(found.speed, found.speed, 3)),
+        space.mesh.shown(&std::array::from_fn(|d| found.point[d])),
+    );
     let key = key::join("boundary", &found.boundary);
     Some(Special {
         cause: "backflow",

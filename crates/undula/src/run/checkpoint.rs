@@ -203,7 +203,11 @@ pub(super) fn restore<const D: usize>(
 }
 
 /// What a checkpoint says, for `simulation`.
-fn memory<const D: usize>(simulation: &Simulation<D>, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<Memory, Error> {
+fn memory<const D: usize>(
+    simulation: &Simulation<D>,
+    checkpoint: &Checkpoint,
+    metadata: &Metadata,
+) -> Result<Memory, Error> {
     let Stepper { assembler, settings, .. } = &simulation.stepper;
     let (space, s) = (&assembler.space, simulation.stepper.new.s.len());
     let sizes = Sizes { v: space.n_v(), u: space.n_u(), p: space.n_p(), s };

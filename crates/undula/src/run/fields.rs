@@ -13,7 +13,12 @@ use crate::system::Physics;
 ///
 /// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
 /// one.
-pub fn fields<const D: usize>(space: &FsiSpace<D>, physics: &Physics, state: &State, output: &OutputSpec) -> FieldSnapshot {
+pub fn fields<const D: usize>(
+    space: &FsiSpace<D>,
+    physics: &Physics,
+    state: &State,
+    output: &OutputSpec,
+) -> FieldSnapshot {
     let mut snapshot = snapshot(space, state, output.deformed);
     let [velocity, displacement, pressure] =
         [NodalField::Velocity, NodalField::Displacement, NodalField::Pressure]

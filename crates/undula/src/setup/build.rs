@@ -1,28 +1,24 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::functions::{body_force, current_force, function, motion, padded};
 use super::dimension::Dimension;
+use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
-use super::outlets::law;
 use super::overview::Overview;
+use super::terms::has_correction;
 use crate::algebra::{self, LinearSolver};
 use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
-use crate::functional::spatial::Spatial;
 use crate::functional::force::Surfaces;
+use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
-use crate::operators::outlet::Outlet;
-use crate::operators::pressure::pressure;
-use crate::operators::spring::spring;
-use crate::operators::traction::Traction;
 use crate::physics::Projection;
 use crate::space::{
     BoundaryCondition, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
-use crate::system::{self, Assembler, Dim, Operator, Physics};
+use crate::system::{self, Assembler, Dim, Physics};
 use crate::time::{MaterialForce, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
@@ -118,9 +114,11 @@ impl Case {
         if !needed || system::patches(space).is_some() {
             return Ok(());
         }
-        let message =
-            "the fluid does not consist of cells refined in all directions: give mesh.refine of at least 1, or `cell`";
-        Err(self.refuse("stabilization.projection", message.into()))
+        let parts = if D == 3 { "eight" } else { "four" };
+        let message = format!(
+            "the fluid does not consist of cells refined in {parts}: give mesh.refine of at least 1, or `cell`"
+        );
+        Err(self.refuse("stabilization.projection", message))
     }
 
     /// Parameters of the equations.
@@ -130,7 +128,6 @@ impl Case {
         let solids: Vec<_> = self.solids.iter().map(SolidSpec::physics).collect();
         Physics::of_several(&fluids, &solids)
     }
-
 }
 
 #[doc(hidden)]
@@ -151,7 +148,10 @@ impl Case {
     ///
     /// # Errors
     /// As [`Case::build_stepper`].
-    pub(crate) fn build_with_notes<const D: usize>(&self, threads: usize) -> Result<(Stepper<D>, Vec<String>), Error>
+    pub(crate) fn build_with_notes<const D: usize>(
+        &self,
+        threads: usize,
+    ) -> Result<(Stepper<D>, Vec<String>), Error>
     where
         Dim<D>: Dimension<D>,
     {
@@ -164,7 +164,11 @@ impl Case {
         Ok((self.stepper_on(space, threads)?, notes))
     }
 
-    pub(super) fn stepper_on<const D: usize>(&self, space: Arc<FsiSpace<D>>, threads: usize) -> Result<Stepper<D>, Error>
+    pub(super) fn stepper_on<const D: usize>(
+        &self,
+        space: Arc<FsiSpace<D>>,
+        threads: usize,
+    ) -> Result<Stepper<D>, Error>
     where
         Dim<D>: Dimension<D>,
     {
@@ -263,65 +267,6 @@ impl Case {
         mesh.boundaries.iter().map(of).collect()
     }
 
-    /// The terms that the conditions on boundaries add to the equations.
-    fn terms<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<Box<dyn Operator<D>>> {
-        let mut terms = vec![];
-        for (boundary, name) in (0..).zip(&space.mesh.boundaries) {
-            for body in [Region::Fluid, Region::Solid] {
-                let condition = self.boundary.get(name);
-                terms.extend(condition.and_then(|condition| self.term(condition, space, boundary, body)));
-                terms.extend(condition.and_then(|condition| self.bed(condition, space, boundary, body)));
-            }
-        }
-        terms
-    }
-
-    /// The bed of a condition `spring`, whose pressure is a term of its own.
-    fn bed<const D: usize>(
-        &self,
-        condition: &Condition,
-        space: &FsiSpace<D>,
-        boundary: u16,
-        body: Region,
-    ) -> Option<Box<dyn Operator<D>>> {
-        let Condition::Spring { stiffness, damping, normal, .. } = condition else { return None };
-        let both = [stiffness.clone(), damping.clone()];
-        let data =
-            Box::new(move |x: &[f64; D], t: f64| [0, 1].map(|i: usize| both[i].eval(&padded(x), t)));
-        let bed = spring(space, boundary, (data, *normal), self.space.quadrature);
-        (body == Region::Solid).then(|| Box::new(bed) as Box<dyn Operator<D>>)
-    }
-
-    /// The term of a condition on the facets of `body` at a boundary of the mesh.
-    fn term<const D: usize>(
-        &self,
-        condition: &Condition,
-        space: &FsiSpace<D>,
-        boundary: u16,
-        body: Region,
-    ) -> Option<Box<dyn Operator<D>>> {
-        let n = self.space.quadrature;
-        match condition {
-            Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
-            Condition::Pressure { pressure: p, .. } | Condition::Spring { pressure: p, .. }
-                if body == Region::Solid || has_correction(condition) =>
-            {
-                let follows = !matches!(condition, Condition::Pressure { follows: false, .. });
-                let p = p.clone();
-                let data = Box::new(move |x: &[f64; D], t: f64| p.eval(&padded(x), t));
-                Some(Box::new(pressure(space, body, boundary, (data, follows), n)))
-            }
-            _ if condition.is_lumped() && body == Region::Fluid => {
-                let start = match condition {
-                    Condition::Windkessel { initial, .. } => initial.eval(&[0.0; 3], 0.0),
-                    _ => 0.0,
-                };
-                Some(Box::new(Outlet::new(space, boundary, law(condition)?, start, n)))
-            }
-            _ => None,
-        }
-    }
-
     /// Whether a displacement is given somewhere, so that there is one without a solid, too.
     pub(super) fn has_displacements(&self) -> bool {
         self.boundary.values().any(|condition| matches!(condition, Condition::Displacement(_)))
@@ -335,7 +280,10 @@ impl Case {
 
     /// E_e(x) with the distance to the interface and to boundaries that are moved, and its largest value.
     #[allow(clippy::type_complexity)]
-    fn stiffness<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(Box<dyn Fn(&[f64; D]) -> f64>, f64), MeshError> {
+    fn stiffness<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+    ) -> Result<(Box<dyn Fn(&[f64; D]) -> f64>, f64), MeshError> {
         let (model, numbers) = (self.motion.model, self.motion_on(space).numbers());
         let mut moving = self.displaced(&space.mesh);
         moving.extend(space.mesh.boundary(INTERFACE).map(|_| INTERFACE));
@@ -368,11 +316,6 @@ impl Case {
 /// The directions of the fibres of a solid, if they are a field.
 fn fibres<const D: usize>(solid: &SolidSpec) -> Option<FibreField<D>> {
     solid.fibres.as_ref()?.direction.directions()
-}
-
-/// Whether the fluid has the do-nothing correction.
-fn has_correction(condition: &Condition) -> bool {
-    matches!(condition, Condition::DoNothing | Condition::Pressure { .. })
 }
 
 #[doc(hidden)]

@@ -53,7 +53,12 @@ impl Case {
     }
 
     /// The mistake that a displacement is not 0 at the beginning, where u is.
-    fn starts_elsewhere<const D: usize>(&self, key: &str, data: &[Expression], places: &[[f64; D]]) -> Option<CaseError> {
+    fn starts_elsewhere<const D: usize>(
+        &self,
+        key: &str,
+        data: &[Expression],
+        places: &[[f64; D]],
+    ) -> Option<CaseError> {
         let time = self.time.as_ref().filter(|_| self.starts_undeformed())?;
         let extent = |d: usize| {
             let along = places.iter().map(|x| x[d]);
@@ -75,21 +80,30 @@ impl Case {
     }
 
     /// The mistake that fibres have no direction at a quadrature point of the solid `material`.
-    fn no_direction<const D: usize>(&self, space: &FsiSpace<D>, material: u16, solid: &SolidSpec) -> Option<CaseError> {
+    fn no_direction<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        material: u16,
+        solid: &SolidSpec,
+    ) -> Option<CaseError> {
         let (data, t) = (solid.fibre_field()?, self.time.as_ref().map_or(0.0, |time| time.start));
         let here = |&c: &usize| space.regions[c] == Region::Solid && space.material[c] == material;
         let rule = Quadrature::cell(space.mesh.shape, self.space.quadrature);
-        let mut points = (0..space.mesh.n_cells())
-            .filter(here)
-            .flat_map(|cell| rule.points.iter().map(move |xi| space.mesh.map(cell, std::array::from_fn(|d| xi[d]))));
-        let at = points.find(|x| is_zero(&values(data, x, t)))?;
+        let mut points = (0..space.mesh.n_cells()).filter(here).flat_map(|cell| {
+            rule.points.iter().map(move |xi| space.mesh.map(cell, std::array::from_fn(|d| xi[d])))
+        });
+        let at = points.find(|x| !has_direction(&values(data, x, t)))?;
         let key = format!("{}.fibre-direction", solid.table());
         let value = values(data, &at, t);
         let found = Found { at: at.to_vec(), time: t, value: value.clone() };
         if !is_finite(&value) {
             return Some(self.not_finite(space, &key, data, found));
         }
-        let message = format!("expected a direction everywhere; it is ({}) at {}", ["0"; D].join(", "), space.mesh.shown(&at));
+        let message = format!(
+            "expected a direction everywhere; it is ({}) at {}",
+            ["0"; D].join(", "),
+            space.mesh.shown(&at)
+        );
         Some(CaseError { message, ..self.not_finite(space, &key, data, found) })
     }
 
@@ -167,7 +181,13 @@ impl Case {
         (0..=n).skip(usize::from(!start)).map(of).collect()
     }
 
-    fn not_finite<const D: usize>(&self, space: &FsiSpace<D>, key: &str, data: &[Expression], found: Found) -> CaseError {
+    fn not_finite<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        key: &str,
+        data: &[Expression],
+        found: Found,
+    ) -> CaseError {
         let in_time = data.iter().any(Expression::depends_on_time);
         CaseError {
             place: self.place_of(key),
@@ -198,7 +218,10 @@ impl Found {
     fn message<const D: usize>(&self, case: &Case, space: &FsiSpace<D>, in_time: bool) -> String {
         let value: Vec<String> = self.value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
         let value = if let [one] = &value[..] { one.clone() } else { format!("({})", value.join(", ")) };
-        let mut message = format!("expected finite values; it is {value} at {}", space.mesh.shown(&std::array::from_fn(|d| self.at[d])));
+        let mut message = format!(
+            "expected finite values; it is {value} at {}",
+            space.mesh.shown(&std::array::from_fn(|d| self.at[d]))
+        );
         if in_time || case.time.is_some() {
             message += &format!(", t = {} s", shortest(self.time));
         }
@@ -230,8 +253,8 @@ fn place(at: &[f64]) -> [f64; 3] {
     std::array::from_fn(|d| at.get(d).copied().unwrap_or(0.0))
 }
 
-fn is_zero(value: &[f64]) -> bool {
-    value.iter().all(|x| *x == 0.0)
+fn has_direction(value: &[f64]) -> bool {
+    is_finite(value) && value.iter().any(|x| *x != 0.0)
 }
 
 fn is_finite(value: &[f64]) -> bool {

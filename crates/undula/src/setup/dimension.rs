@@ -1,10 +1,12 @@
 //! What is made in one way in the plane and in another in space; all else is generic in the dimension.
 
-use super::mesh::Refined;
 use crate::case::Case;
 use crate::error::Error;
-use crate::mesh::Mesh;
+use crate::mesh::{Curve, Hierarchy, Mesh};
 use crate::system::{Dim, Kernels};
+
+/// A mesh that is refined as the case asks, with those before it and the curves that its boundaries follow.
+pub type Refined<const D: usize> = (Mesh<D>, Hierarchy<D>, Vec<Curve<D>>);
 
 /// A dimension in which cases are computed.
 pub trait Dimension<const D: usize>: Kernels<D> {

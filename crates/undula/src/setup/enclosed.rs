@@ -68,7 +68,12 @@ impl Case {
 
     /// Why no solution can be expected at time `t` \[s\]: parts of the fluid that are closed in, and into which the
     /// velocity data let more flow in than out.
-    pub fn overfilled<const D: usize>(&self, space: &FsiSpace<D>, constraints: &Constraints<D>, t: f64) -> Option<String> {
+    pub fn overfilled<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        constraints: &Constraints<D>,
+        t: f64,
+    ) -> Option<String> {
         let parts = enclosed(space, &self.conditions(&space.mesh));
         let whole = is_whole(space, &parts);
         parts.iter().find_map(|part| {
@@ -108,7 +113,12 @@ impl Case {
 }
 
 /// ∫ v·n of the data of `part` at time `t` \[s\], and the size of what it is the sum of.
-fn net<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>, part: &Enclosed<D>, t: f64) -> (f64, f64) {
+fn net<const D: usize>(
+    space: &FsiSpace<D>,
+    constraints: &Constraints<D>,
+    part: &Enclosed<D>,
+    t: f64,
+) -> (f64, f64) {
     let State { mut v, mut u, .. } = State::zero(space.n_v(), space.n_u(), 0);
     let whole = Constraints { load: 1.0, ..constraints.clone() };
     whole.apply(space, t, &mut v, &mut u);

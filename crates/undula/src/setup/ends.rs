@@ -152,7 +152,12 @@ fn note(kind: EndKind, name: &str, places: &str) -> String {
 }
 
 /// The largest speed of `data` on `nodes` at `times`; `None` if there is none above 0.
-fn largest<const D: usize>(space: &FsiSpace<D>, data: &[Expression], nodes: &[u32], times: &[f64]) -> Option<Largest> {
+fn largest<const D: usize>(
+    space: &FsiSpace<D>,
+    data: &[Expression],
+    nodes: &[u32],
+    times: &[f64],
+) -> Option<Largest> {
     let mut found: Option<Largest> = None;
     for &node in nodes {
         let point = space.nodes.points[node as usize];

@@ -16,7 +16,11 @@ use crate::space::{FluidBoundary, FsiSpace, Region};
 
 impl Case {
     /// The fluid at the first of the boundaries `names` that it touches; without one the first fluid.
-    pub(super) fn fluid_at<const D: usize>(&self, space: &FsiSpace<D>, names: &[impl AsRef<str>]) -> Option<&FluidSpec> {
+    pub(super) fn fluid_at<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        names: &[impl AsRef<str>],
+    ) -> Option<&FluidSpec> {
         let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
         let surface = FluidBoundary::new(space);
         let facets = surface.numbers(&space.mesh.facets_on(&names));
@@ -67,7 +71,9 @@ impl FunctionalSpec {
             FunctionalSpec::Displacement { point, component } => {
                 Box::new(Displacement::new(space, point_of(point), *component)?)
             }
-            FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, point_of(a), point_of(b))?),
+            FunctionalSpec::PressureDifference { a, b } => {
+                Box::new(PressureDifference::new(space, point_of(a), point_of(b))?)
+            }
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
             FunctionalSpec::Flux { on } => {

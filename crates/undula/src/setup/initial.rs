@@ -77,10 +77,12 @@ impl Case {
         }
         let given = state.u.clone();
         constraints.apply(space, t, &mut state.v, &mut state.u);
-        let extent =
-            space.mesh.nodes.iter().flatten().fold([f64::MAX, f64::MIN], |[low, high], x| {
-                [low.min(*x), high.max(*x)]
-            });
+        let extent = space
+            .mesh
+            .nodes
+            .iter()
+            .flatten()
+            .fold([f64::MAX, f64::MIN], |[low, high], x| [low.min(*x), high.max(*x)]);
         let tolerance = STARTS * (extent[1] - extent[0]);
         let differs =
             |node: &usize| (0..D).any(|i| (given[D * node + i] - state.u[D * node + i]).abs() > tolerance);
@@ -100,7 +102,12 @@ impl Case {
     }
 
     /// The initial fields at the nodes: v everywhere, u in the solid and on boundaries whose displacement is given.
-    fn given_fields<const D: usize>(&self, space: &FsiSpace<D>, constraints: &Constraints<D>, t: f64) -> State {
+    fn given_fields<const D: usize>(
+        &self,
+        space: &FsiSpace<D>,
+        constraints: &Constraints<D>,
+        t: f64,
+    ) -> State {
         let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
         let mut moves: Vec<bool> = space.owner.iter().map(|owner| *owner == PsiOwner::Relation).collect();
         constraints.motion.iter().for_each(|(node, _)| moves[*node as usize] = true);
@@ -174,7 +181,11 @@ impl Case {
     ///
     /// # Errors
     /// What should be known if there is no such step; `state` is then as before.
-    fn start_pressure<const D: usize>(&self, stepper: &mut Stepper<D>, state: &mut State) -> Result<(), String> {
+    fn start_pressure<const D: usize>(
+        &self,
+        stepper: &mut Stepper<D>,
+        state: &mut State,
+    ) -> Result<(), String> {
         let Some(time) = self.time.as_ref().filter(|_| !state.p.is_empty()) else { return Ok(()) };
         let k = time.step.eval(&[0.0; 3], time.start);
         let short = if self.stabilization.acts() { k } else { SHORT * k };

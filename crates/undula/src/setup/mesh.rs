@@ -1,6 +1,6 @@
 //! The mesh of a case: made or read, refined, with its regions and the names of their sides.
 
-use super::dimension::Dimension;
+use super::dimension::{Dimension, Refined};
 use super::names::MeshNames;
 use super::regions::mesh_key;
 use crate::case::error::{CaseError, CaseErrors};
@@ -24,9 +24,6 @@ pub(super) struct Marked<const D: usize> {
     /// What should be known of it.
     pub notes: Vec<String>,
 }
-
-/// A mesh that is refined as the case asks, with those before it and the curves that its boundaries follow.
-pub type Refined<const D: usize> = (Mesh<D>, Hierarchy<D>, Vec<Curve<D>>);
 
 #[doc(hidden)]
 impl Case {
@@ -148,7 +145,6 @@ impl Case {
         let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &[]);
         Ok((mesh, hierarchy, vec![]))
     }
-
 
     /// Refuses cells on which the velocity does not live.
     fn check_shape<const D: usize>(&self, mesh: &Mesh<D>) -> Result<(), Error> {

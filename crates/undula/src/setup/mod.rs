@@ -28,3 +28,4 @@ pub(crate) mod prestress;
 pub mod profile;
 mod regions;
 mod supports;
+mod terms;

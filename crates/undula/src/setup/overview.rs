@@ -259,8 +259,11 @@ impl fmt::Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [lower, upper] = &self.extents;
         let [v, u, p] = self.unknowns;
-        let (names, about) =
-            if self.around_axis { (["r", "z", ""], ", around the axis r = 0") } else { (["x", "y", "z"], "") };
+        let (names, about) = if self.around_axis {
+            (["r", "z", ""], ", around the axis r = 0")
+        } else {
+            (["x", "y", "z"], "")
+        };
         let sides = names.iter().zip(lower).zip(upper);
         let sides: Vec<String> =
             sides.map(|((x, a), b)| format!("{x} from {} to {} m", short(*a), short(*b))).collect();

@@ -13,7 +13,10 @@ use crate::space::{Constraints, FsiSpace, Region};
 const EQUAL: f64 = 1e-9;
 
 /// The distance \[m\] from a place to the nearest of the facets, those beyond seams among them.
-pub(super) fn nearest<const D: usize>(space: &FsiSpace<D>, facets: FacetDistance<D>) -> impl Fn(&[f64; D]) -> f64 + use<D> {
+pub(super) fn nearest<const D: usize>(
+    space: &FsiSpace<D>,
+    facets: FacetDistance<D>,
+) -> impl Fn(&[f64; D]) -> f64 + use<D> {
     let shifts = space.shifts();
     move |x| {
         let to = |shift: &[f64; D]| facets.distance(std::array::from_fn(|d| x[d] + shift[d]));

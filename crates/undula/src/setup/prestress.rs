@@ -76,7 +76,11 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Breakdown`] if there is no such state, [`Error::Case`] if a part of the problem is not well posed.
-    pub(crate) fn prestress<const D: usize>(&self, space: &Arc<FsiSpace<D>>, threads: usize) -> Result<Prestress, Error>
+    pub(crate) fn prestress<const D: usize>(
+        &self,
+        space: &Arc<FsiSpace<D>>,
+        threads: usize,
+    ) -> Result<Prestress, Error>
     where
         Dim<D>: Dimension<D>,
     {

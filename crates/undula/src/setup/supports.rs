@@ -133,11 +133,7 @@ fn free_motion<const D: usize>(
     };
     for &node in nodes {
         let given = constraints.u[node as usize];
-        axes()
-            .into_iter()
-            .zip(given)
-            .filter(|(_, given)| *given)
-            .for_each(|(n, _)| held(node, n));
+        axes().into_iter().zip(given).filter(|(_, given)| *given).for_each(|(n, _)| held(node, n));
     }
     springs.iter().for_each(|(node, n)| held(*node, *n));
     for at in constraints.directions.iter().filter(|at| at.u && nodes.binary_search(&at.node).is_ok()) {

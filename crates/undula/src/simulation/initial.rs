@@ -138,7 +138,8 @@ impl Start {
                 at(simulation, (state, unloading), note)
             }
             Start::Static => {
-                let found = simulation.install(|simulation| simulation.case.initial_equilibrium::<D>(threads));
+                let found =
+                    simulation.install(|simulation| simulation.case.initial_equilibrium::<D>(threads));
                 let (state, parts) = found?;
                 let load =
                     if parts == 1 { String::new() } else { format!(", found in {parts} parts of the load") };
@@ -237,7 +238,8 @@ impl Former {
     where
         Dim<D>: Dimension<D>,
     {
-        let own: FsiSpace<D> = self.case.space_in().map_err(|error| format!("the case of the run: {error}"))?;
+        let own: FsiSpace<D> =
+            self.case.space_in().map_err(|error| format!("the case of the run: {error}"))?;
         let new = self.state("new", &own)?;
         if same(&own, space) {
             return Ok((new, self.state("old", &own)?, self.clock[1]));

@@ -86,7 +86,10 @@ fn surroundings(key: &Key) -> Vec<Vec<String>> {
         return vec![vec![]];
     }
     let kinds = find("functional.f.kind").unwrap().choices();
-    kinds.iter().map(|(kind, _)| vec![format!("functional.x.kind={kind}")]).collect()
+    let meshes = [vec![], vec!["mesh.extrude={depth=1,layers=1}".to_string()]];
+    let kind = |(kind, _): &(&str, _)| format!("functional.x.kind={kind}");
+    let of = |row| meshes.iter().map(move |mesh| [&mesh[..], &[kind(row)]].concat());
+    kinds.iter().flat_map(of).collect()
 }
 
 /// What reading says of `key` with this value in all surroundings.

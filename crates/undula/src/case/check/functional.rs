@@ -36,9 +36,10 @@ impl FunctionalSpec {
                 component: component(s, Component::of_velocity(dim(s))),
                 at: site(s, true),
             },
-            FunctionalSpec::Stress { .. } => {
-                FunctionalSpec::Stress { component: component(s, Component::of_stress(dim(s))), at: site(s, false) }
-            }
+            FunctionalSpec::Stress { .. } => FunctionalSpec::Stress {
+                component: component(s, Component::of_stress(dim(s))),
+                at: site(s, false),
+            },
             FunctionalSpec::WallShearStress { .. } => FunctionalSpec::WallShearStress {
                 component: component(s, Component::of_shear(dim(s))),
                 on: boundaries(s),

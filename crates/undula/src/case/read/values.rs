@@ -1,7 +1,6 @@
 //! Values by their type: each method takes a key, tells what is wrong with its value, and goes on.
 
-use super::{ANY, Range, Section, Vectors};
-use crate::case::conditions::Components;
+use super::{ANY, Range, Section};
 use crate::case::error::{did_you_mean, quoted};
 use crate::case::expression::{self, Expression};
 use crate::case::fibres::FibreDirection;
@@ -16,7 +15,7 @@ impl Section<'_, '_> {
     }
 
     /// The number of an item, in SI units, if it is one in `range`; else what is wrong is told.
-    fn number_of(&self, key: &str, item: &Item, range: Range) -> Option<f64> {
+    pub(super) fn number_of(&self, key: &str, item: &Item, range: Range) -> Option<f64> {
         match self.value_of(key, &item.value) {
             Some(Ok(value)) if (range.holds)(value) => return Some(value),
             Some(Ok(_)) => self.wrong_item(key, item, format!("expected {}", range.text)),
@@ -143,7 +142,7 @@ impl Section<'_, '_> {
         }
     }
 
-    fn expression_of(&self, key: &str, item: &Item) -> Option<Expression> {
+    pub(super) fn expression_of(&self, key: &str, item: &Item) -> Option<Expression> {
         let expression = match &item.value {
             Value::Float(x) => Expression::constant(*x),
             Value::Integer(i) => Expression::constant(*i as f64),
@@ -219,32 +218,6 @@ impl Section<'_, '_> {
         Some([a?, b?])
     }
 
-    /// One value for each component; of an extruded plane that of z, `along_z`, may be left out.
-    fn vector_of<T: Clone>(
-        &mut self,
-        key: &str,
-        expected: &str,
-        along_z: T,
-        read: impl Fn(&Self, &str, &Item) -> Option<T>,
-    ) -> Option<Vec<T>> {
-        let item = self.item(key)?;
-        let vectors = self.checker.vectors.get();
-        let expected = format!("{} {expected}", if vectors == Vectors::Space { "three" } else { "two" });
-        let Value::Array(items) = &item.value else {
-            self.wrong_type(key, item, &expected);
-            return None;
-        };
-        if !vectors.takes(items.len()) {
-            self.wrong_item(key, item, format!("expected {expected}, not {} values", items.len()));
-            return None;
-        }
-        let values: Vec<_> =
-            (0..).zip(items).map(|(i, item)| read(self, &format!("{key}[{i}]"), item)).collect();
-        let mut values = values.into_iter().collect::<Option<Vec<T>>>()?;
-        values.resize(vectors.len(), along_z);
-        Some(values)
-    }
-
     /// An angle to the x axis, or expressions of x, y and, in space, z.
     pub fn direction(&mut self, key: &str) -> Option<FibreDirection> {
         let item = self.item(key)?;
@@ -252,45 +225,27 @@ impl Section<'_, '_> {
             let angle = Range { text: "an angle, or two expressions as [\"-y\", \"x\"]", ..ANY };
             return self.number_of(key, item, angle).map(FibreDirection::Angle);
         }
-        let field = self.vector_of(key, "expressions, as [\"-y\", \"x\"]", Expression::default(), |section, key, item| {
-            let unit = matches!(&item.value, Value::String(text) if unit::quantity(text).is_some());
-            if unit {
-                section.wrong_item(
-                    key,
-                    item,
-                    "expected a component without unit: only the ratio counts".into(),
-                );
-                return None;
-            }
-            section.expression_of(key, item)
-        })?;
+        let field = self.vector_of(
+            key,
+            "expressions, as [\"-y\", \"x\"]",
+            Expression::default(),
+            |section, key, item| {
+                let unit = matches!(&item.value, Value::String(text) if unit::quantity(text).is_some());
+                if unit {
+                    section.wrong_item(
+                        key,
+                        item,
+                        "expected a component without unit: only the ratio counts".into(),
+                    );
+                    return None;
+                }
+                section.expression_of(key, item)
+            },
+        )?;
         if field.iter().any(Expression::depends_on_time) {
             self.wrong(key, "a direction of fibres cannot depend on t");
         }
         Some(FibreDirection::Field(field))
-    }
-
-    /// One expression for each component.
-    pub fn expressions(&mut self, key: &str) -> Option<Components> {
-        self.vector_of(key, "expressions, as [\"x component\", \"y component\"]", Expression::default(), Self::expression_of)
-    }
-
-    /// The same, zero if it is not there.
-    pub fn expressions_or_zero(&mut self, key: &str) -> Components {
-        self.expressions(key).unwrap_or_else(|| vec![Expression::default(); self.checker.vectors.get().len()])
-    }
-
-    /// One expression for each component, or `None` for the word `free`.
-    pub fn components(&mut self, key: &str) -> Option<Vec<Option<Expression>>> {
-        let expected = "expressions or \"free\", as [\"x component\", \"free\"]";
-        let found = self.vector_of(key, expected, Some(Expression::default()), |section, key, item| match &item.value {
-            Value::String(word) if word == "free" => Some(None),
-            _ => section.expression_of(key, item).map(Some),
-        });
-        if found.as_ref().is_some_and(|all| all.iter().all(Option::is_none)) {
-            self.wrong(key, "expected one component at least that is not free; else use `traction-free`");
-        }
-        found
     }
 
     /// Two numbers in `range`.
@@ -371,26 +326,6 @@ impl Section<'_, '_> {
             }
         }
         Some(values)
-    }
-
-    /// A position \[m\].
-    pub fn point(&mut self, key: &str) -> Option<Vec<f64>> {
-        let middle = match self.checker.vectors.get() {
-            Vectors::Extruded { middle } => middle,
-            _ => 0.0,
-        };
-        self.vector_of(key, "numbers", middle, |section, key, item| section.number_of(key, item, ANY))
-    }
-
-    /// Two counts, 1 or above, or in space three.
-    pub fn counts(&mut self, key: &str) -> Option<Vec<usize>> {
-        self.vector_of(key, "integers", 1, |section, key, item| match item.value {
-            Value::Integer(i) if (1..=100_000).contains(&i) => usize::try_from(i).ok(),
-            _ => {
-                section.wrong_type(key, item, "an integer from 1 to 100000");
-                None
-            }
-        })
     }
 
     /// A non-empty array of strings; a single string counts as one.

@@ -154,9 +154,8 @@ where
     /// The operators of all materials.
     fn all(&self, physics: &Physics) -> Result<Regions<D>, SolverError> {
         let fluids = physics.fluids().map(|(n, form)| self.region((Region::Fluid, n), form, true));
-        let solids = physics.solids().map(|(n, form)| {
-            self.region((Region::Solid, n), form, guards(physics, &form))
-        });
+        let solids =
+            physics.solids().map(|(n, form)| self.region((Region::Solid, n), form, guards(physics, &form)));
         fluids.chain(solids).collect()
     }
 }
@@ -173,9 +172,9 @@ where
         }
         let fluids =
             physics.fluids().map(|(n, form)| self.region((Region::Fluid, n), Axisymmetric(form), true));
-        let solids = physics.solids().map(|(n, form)| {
-            self.region((Region::Solid, n), Axisymmetric(form), guards(physics, &form))
-        });
+        let solids = physics
+            .solids()
+            .map(|(n, form)| self.region((Region::Solid, n), Axisymmetric(form), guards(physics, &form)));
         fluids.chain(solids).collect()
     }
 }

@@ -191,7 +191,13 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>) -> Vec<Unknown> {
         }
     }
     for position in &space.pressure.points {
-        list.push(Unknown { index: list.len(), field: Field::P, component: 0, position: padded(position), dim: D });
+        list.push(Unknown {
+            index: list.len(),
+            field: Field::P,
+            component: 0,
+            position: padded(position),
+            dim: D,
+        });
     }
     list
 }

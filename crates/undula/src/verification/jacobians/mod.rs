@@ -110,7 +110,10 @@ const CENTRAL_TOLERANCE: f64 = 1e-6;
 ///
 /// # Errors
 /// If the matrix has too many entries to be numbered.
-pub fn compare<const D: usize>(simulation: &mut Simulation<D>, at: At) -> Result<JacobianReport, SolverError> {
+pub fn compare<const D: usize>(
+    simulation: &mut Simulation<D>,
+    at: At,
+) -> Result<JacobianReport, SolverError> {
     simulation.install(|simulation| {
         let setting = Setting::new(simulation, at);
         let case = simulation.case.name.clone();

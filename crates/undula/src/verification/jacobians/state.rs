@@ -76,7 +76,12 @@ fn random<const D: usize>(simulation: &mut Simulation<D>, seed: u64, spacing: Ve
     setting
 }
 
-fn state<const D: usize>(assembler: &Assembler<D>, spacing: &[f64], density: f64, random: &mut Random) -> State {
+fn state<const D: usize>(
+    assembler: &Assembler<D>,
+    spacing: &[f64],
+    density: f64,
+    random: &mut Random,
+) -> State {
     let (space, s) = (&assembler.space, assembler.zero().s);
     let v = (0..space.n_v()).map(|_| 2.0 * random.next()).collect();
     let u = (0..space.n_u()).map(|i| 2.0 * DEFORMATION * spacing[i / D] * random.next()).collect();

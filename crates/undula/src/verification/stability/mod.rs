@@ -36,7 +36,10 @@ pub type Conditions = Vec<(&'static str, Condition)>;
 ///
 /// # Errors
 /// If a matrix cannot be factorised.
-pub fn constants<const D: usize>(simulation: &Simulation<D>, present: bool) -> Result<Option<Constants>, SolverError> {
+pub fn constants<const D: usize>(
+    simulation: &Simulation<D>,
+    present: bool,
+) -> Result<Option<Constants>, SolverError> {
     let assembler = &simulation.stepper.assembler;
     let (space, quadrature) = (&*assembler.space, simulation.case.space.quadrature);
     if assembler.physics.fluid.is_none() {
