@@ -138,6 +138,14 @@ fn hierarchies_are_extruded() {
         let (finest, hierarchy) = planes.extruded(&plane, 0.3, layers).unwrap();
         finest.check().unwrap();
         assert_eq!((finest.n_cells(), hierarchy.coarser().len()), (layers * plane.n_cells(), levels));
+        // Names that the finest mesh has are those of all levels.
+        let named = hierarchy.clone().named_as(&finest);
+        assert_eq!(named.coarser().len(), levels);
+        for (one, two) in named.coarser().iter().zip(hierarchy.coarser()) {
+            let sides =
+                |mesh: &Mesh<3>| mesh.facets.iter().map(|f| (f.side(), f.boundary)).collect::<HashSet<_>>();
+            assert_eq!(sides(one), sides(two));
+        }
         let volume = 0.3 * plane.quality().total_volume();
         assert!((finest.quality().total_volume() / volume - 1.0).abs() < 1e-13);
         let meshes: Vec<_> = hierarchy.levels(&finest).collect();
@@ -357,6 +365,8 @@ fn folds_of_hexahedra_are_found_between_their_nodes() {
                     missed += usize::from(mesh.quality().inverted.is_empty());
                     assert!(least < 0.05 && found.det < least + 1e-3, "{least} {found}");
                     assert!(found.to_string().contains("m^3 in cell 0 at ("));
+                    let message = mesh.check_orientation().unwrap_err().to_string();
+                    assert!(message.contains("(folded or numbered against the right-hand rule): 0 at ("));
                 }
                 Err(other) => panic!("{other}"),
             }
@@ -535,10 +545,10 @@ fn turned(mesh: &Mesh<3>) -> Mesh<3> {
     for cell in 0..mesh.n_cells() {
         seed = (seed * 1_103_515_245 + 12_345) % (1 << 31);
         let choice = seed >> 12;
-        let even = choice % 2 == 0;
+        let even = choice & 1 == 0;
         let first = choice / 2 % 3;
         let axes = [first, (first + if even { 1 } else { 2 }) % 3, (first + if even { 2 } else { 1 }) % 3];
-        let mut flipped = [choice / 6 % 2 == 0, choice / 12 % 2 == 0, false];
+        let mut flipped = [choice / 6 & 1 == 0, choice / 12 & 1 == 0, false];
         flipped[2] = (flipped[0] != flipped[1]) == even;
         for node in 0..n {
             let (at, mut old) = (mesh.shape.lattice(k, node), [0; 3]);
