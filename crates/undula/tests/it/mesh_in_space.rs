@@ -548,7 +548,7 @@ fn turned(mesh: &Mesh<3>) -> Mesh<3> {
         let even = choice & 1 == 0;
         let first = choice / 2 % 3;
         let axes = [first, (first + if even { 1 } else { 2 }) % 3, (first + if even { 2 } else { 1 }) % 3];
-        let mut flipped = [choice / 6 & 1 == 0, choice / 12 & 1 == 0, false];
+        let mut flipped = [(choice / 6) & 1 == 0, (choice / 12) & 1 == 0, false];
         flipped[2] = (flipped[0] != flipped[1]) == even;
         for node in 0..n {
             let (at, mut old) = (mesh.shape.lattice(k, node), [0; 3]);
