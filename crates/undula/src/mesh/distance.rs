@@ -32,7 +32,7 @@ impl<const D: usize> FacetDistance<D> {
     }
 
     /// Distance \[m\] from `x` to the nearest of the facets; exact for straight ones, to rounding for
-    /// curved ones unless `x` is far beyond their centre of curvature; infinite if there are none.
+    /// curved ones unless `x` is at their centre of curvature or far beyond it; infinite if there are none.
     pub fn distance(&self, x: [f64; D]) -> f64 {
         self.tree.nearest(x, |i| self.facets[i].distance(x))
     }

@@ -51,6 +51,13 @@ pub struct Least {
     pub at: Vec<f64>,
 }
 
+impl Least {
+    /// How the nodes of a cell run that has det(DX) < 0 everywhere.
+    fn sense(&self) -> &'static str {
+        if self.at.len() > 2 { "against the right-hand rule" } else { "clockwise" }
+    }
+}
+
 impl fmt::Display for Least {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // Six digits, however small the numbers are.
@@ -121,7 +128,7 @@ pub enum MeshError {
         known: String,
     },
     /// Cells whose map is not orientation-preserving.
-    #[error("cells with det(DX) <= 0 somewhere (folded or numbered clockwise): {0}; {1}")]
+    #[error("cells with det(DX) <= 0 somewhere (folded or numbered {sense}): {0}; {1}", sense = .1.sense())]
     Inverted(CellList, Least),
     /// A facet shared by more than two cells, or by two cells with different mid nodes.
     #[error(

@@ -86,23 +86,29 @@ fn lowest<const D: usize>(piece: &Piece<D>) -> f64 {
 
 /// det DX on the cells of a mesh as polynomials on the unit cube. A triangle is the image of the square under
 /// (s, t) ↦ (s, t (1 − s)), on which a polynomial keeps its degree in s and t.
-struct Determinant {
+struct Determinant<const D: usize> {
     /// Degree in each coordinate.
     degree: usize,
+    /// What the nodes add to DX at the points of the lattice of this degree.
+    weights: Vec<Vec<[f64; D]>>,
     /// From values at i/degree to Bernstein coefficients, `(degree + 1)²` by rows.
     coefficients: Vec<f64>,
 }
 
-impl Determinant {
-    fn new<const D: usize>(mesh: &Mesh<D>) -> Self {
+impl<const D: usize> Determinant<D> {
+    fn new(mesh: &Mesh<D>) -> Self {
         let degree = match mesh.shape {
             Shape::Triangle => D * (mesh.degree - 1),
             _ => D * mesh.degree - 1,
         };
-        Determinant { degree, coefficients: bernstein(degree) }
+        let n = degree + 1;
+        let at = |i: usize, d: u32| (i / n.pow(d) % n) as f64 / degree.max(1) as f64;
+        let xi = |i: usize| Self::xi(mesh.shape, std::array::from_fn(|d| at(i, d as u32)));
+        let weights = (0..n.pow(D as u32)).map(|i| mesh.gradient_weights(xi(i))).collect();
+        Determinant { degree, weights, coefficients: bernstein(degree) }
     }
 
-    fn xi<const D: usize>(shape: Shape, s: [f64; D]) -> [f64; D] {
+    fn xi(shape: Shape, s: [f64; D]) -> [f64; D] {
         let mut xi = s;
         if shape == Shape::Triangle {
             xi[1] *= 1.0 - s[0];
@@ -111,15 +117,11 @@ impl Determinant {
     }
 
     /// The whole of `cell`.
-    fn whole<const D: usize>(&self, mesh: &Mesh<D>, cell: usize) -> Piece<D> {
+    fn whole(&self, mesh: &Mesh<D>, cell: usize) -> Piece<D> {
         let n = self.degree + 1;
-        let at = |i: usize, d: u32| (i / n.pow(d) % n) as f64 / self.degree.max(1) as f64;
-        let mut values: Vec<f64> = (0..n.pow(D as u32))
-            .map(|i| {
-                let s = std::array::from_fn(|d| at(i, d as u32));
-                determinant(mesh.map_gradient(cell, Self::xi(mesh.shape, s)))
-            })
-            .collect();
+        let weights = self.weights.iter();
+        let mut values: Vec<f64> =
+            weights.map(|weights| determinant(mesh.gradient_by(cell, weights))).collect();
         for d in 0..D {
             lines(n, D, d, |line| {
                 let old: Vec<f64> = line.clone().map(|i| values[i]).collect();
@@ -131,7 +133,7 @@ impl Determinant {
         Piece { lower: [0.0; D], upper: [1.0; D], coefficients: values, axis: 0 }
     }
 
-    fn sign<const D: usize>(&self, mesh: &Mesh<D>, cell: usize) -> Sign {
+    fn sign(&self, mesh: &Mesh<D>, cell: usize) -> Sign {
         let mut boxes = vec![self.whole(mesh, cell)];
         for _ in 0..BOXES {
             let Some(piece) = boxes.pop() else { return Sign::Positive };
@@ -146,7 +148,7 @@ impl Determinant {
     }
 
     /// The smallest value in `cell`, to a thousandth of itself.
-    fn least<const D: usize>(&self, mesh: &Mesh<D>, cell: usize) -> Least {
+    fn least(&self, mesh: &Mesh<D>, cell: usize) -> Least {
         let whole = self.whole(mesh, cell);
         let size = whole.coefficients.iter().fold(0.0, |size: f64, c| size.max(c.abs()));
         let (mut least, mut at) = (f64::INFINITY, [0.0; D]);
@@ -170,10 +172,7 @@ impl Determinant {
     }
 
     /// Values at the corners of a box, and where these are.
-    fn corners<'a, const D: usize>(
-        &'a self,
-        piece: &'a Piece<D>,
-    ) -> impl Iterator<Item = (f64, [f64; D])> + 'a {
+    fn corners<'a>(&'a self, piece: &'a Piece<D>) -> impl Iterator<Item = (f64, [f64; D])> + 'a {
         (0..1_usize << D).map(move |corner| {
             let upper = |d: usize| corner >> d & 1 == 1;
             let stride = |d: usize| (self.degree + 1).pow(d as u32) * self.degree;
@@ -184,7 +183,7 @@ impl Determinant {
     }
 
     /// The two halves of a box, by de Casteljau's algorithm.
-    fn halves<const D: usize>(&self, piece: Piece<D>) -> [Piece<D>; 2] {
+    fn halves(&self, piece: Piece<D>) -> [Piece<D>; 2] {
         let (n, axis) = (self.degree + 1, piece.axis);
         let (mut left, mut right) = (piece.coefficients.clone(), piece.coefficients);
         lines(n, D, axis, |line| {

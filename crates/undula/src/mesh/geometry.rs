@@ -104,6 +104,35 @@ impl<const D: usize> Mesh<D> {
         gradient
     }
 
+    /// What each node adds to DX at `xi`: `∂X_i/∂ξ_j = Σ_n w_nj x_ni`, for many cells at one point.
+    pub(super) fn gradient_weights(&self, xi: [f64; D]) -> Vec<[f64; D]> {
+        let n = self.shape.n_nodes(self.degree);
+        if self.shape == Shape::Triangle {
+            let slopes = triangle(self.degree, [xi[0], xi[1]]).into_iter().take(n);
+            return slopes.map(|(_, slope)| std::array::from_fn(|d| slope[d])).collect();
+        }
+        let basis = xi.map(|s| lagrange(self.degree, s));
+        let slope = xi.map(|s| lagrange_slope(self.degree, s));
+        let weights = (0..n).map(|local| {
+            let at = self.shape.lattice(self.degree, local);
+            let factor = |j: usize, d: usize| if d == j { slope[d][at[d]] } else { basis[d][at[d]] };
+            std::array::from_fn(|j| (0..D).map(|d| factor(j, d)).product())
+        });
+        weights.collect()
+    }
+
+    /// DX of `cell` at the point of `weights`, to the bit what [`Mesh::map_gradient`] gives.
+    pub(super) fn gradient_by(&self, cell: usize, weights: &[[f64; D]]) -> [[f64; D]; D] {
+        let mut gradient = [[0.0; D]; D];
+        for (&node, weights) in self.cell(cell).iter().zip(weights) {
+            let x = self.nodes[node as usize];
+            for i in 0..D {
+                (0..D).for_each(|j| gradient[i][j] += weights[j] * x[i]);
+            }
+        }
+        gradient
+    }
+
     /// The map of a triangle and its gradient.
     fn map_triangle(&self, cell: usize, xi: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
         let (mut x, mut gradient) = ([0.0; D], [[0.0; D]; D]);

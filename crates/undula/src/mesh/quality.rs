@@ -53,11 +53,12 @@ impl<const D: usize> Mesh<D> {
             let at = lagrange::node(self.shape, self.degree, n);
             (std::array::from_fn(|d| at[d]), 0.0)
         }));
+        let points: Vec<_> = points.into_iter().map(|(xi, w)| (self.gradient_weights(xi), w)).collect();
         let mut quality = Quality { scaled_jacobian: vec![], volume: vec![], inverted: vec![] };
         for cell in 0..self.n_cells() {
             let (mut worst, mut volume) = (f64::INFINITY, 0.0);
-            for &(xi, weight) in &points {
-                let gradient = self.map_gradient(cell, xi);
+            for (weights, weight) in &points {
+                let gradient = self.gradient_by(cell, weights);
                 let det = determinant(gradient);
                 worst = worst.min(scaled(self.shape, gradient, det));
                 volume += weight * det;

@@ -32,6 +32,7 @@ mod examples;
 mod extension;
 mod fibres;
 mod functionals;
+mod gmsh_in_space;
 mod hierarchy;
 mod hydrofoil;
 mod incompressible;

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 use undula::mesh::generate::{annulus, circles, cylinders, hexahedra, rectangle, tube, turek_hron};
-use undula::mesh::{Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
+use undula::mesh::{Curve, Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
 
 fn count(mesh: &Mesh<3>, boundary: &str) -> usize {
     let number = mesh.boundary(boundary).unwrap();
@@ -138,6 +138,14 @@ fn hierarchies_are_extruded() {
         let (finest, hierarchy) = planes.extruded(&plane, 0.3, layers).unwrap();
         finest.check().unwrap();
         assert_eq!((finest.n_cells(), hierarchy.coarser().len()), (layers * plane.n_cells(), levels));
+        // Names that the finest mesh has are those of all levels.
+        let named = hierarchy.clone().named_as(&finest);
+        assert_eq!(named.coarser().len(), levels);
+        for (one, two) in named.coarser().iter().zip(hierarchy.coarser()) {
+            let sides =
+                |mesh: &Mesh<3>| mesh.facets.iter().map(|f| (f.side(), f.boundary)).collect::<HashSet<_>>();
+            assert_eq!(sides(one), sides(two));
+        }
         let volume = 0.3 * plane.quality().total_volume();
         assert!((finest.quality().total_volume() / volume - 1.0).abs() < 1e-13);
         let meshes: Vec<_> = hierarchy.levels(&finest).collect();
@@ -244,6 +252,13 @@ fn points_of_curved_hexahedra_are_located() {
     }
 }
 
+/// Moves the plane at height z onto the sphere of that radius.
+fn blown_up([x, y, z]: [f64; 3]) -> [f64; 3] {
+    let [x, y] = [x, y].map(|x| (x * std::f64::consts::FRAC_PI_4).tan());
+    let scale = z / (1.0 + x * x + y * y).sqrt();
+    [x * scale, y * scale, scale]
+}
+
 /// The distance to surfaces of known shape: a plane with its edges and corners, a cylinder, a sphere.
 #[test]
 fn distances_to_surfaces_are_those_of_their_formulas() {
@@ -266,11 +281,7 @@ fn distances_to_surfaces_are_those_of_their_formulas() {
     let inner = FacetDistance::new(&ring, &["inner"]).unwrap();
     // A part of a cube, blown up: |x| = 2 at its back.
     let cube = hexahedra([-1.0, -1.0, 1.0], [1.0, 1.0, 2.0], [16, 16, 1], 0).unwrap();
-    let sphere = moved(&cube, |[x, y, z]| {
-        let [x, y] = [x, y].map(|x| (x * std::f64::consts::FRAC_PI_4).tan());
-        let scale = z / (1.0 + x * x + y * y).sqrt();
-        [x * scale, y * scale, scale]
-    });
+    let sphere = moved(&cube, blown_up);
     let outer = FacetDistance::new(&sphere, &["back"]).unwrap();
     for [s, t, u] in points(300) {
         let (sin, cos) = (s * std::f64::consts::TAU).sin_cos();
@@ -354,6 +365,8 @@ fn folds_of_hexahedra_are_found_between_their_nodes() {
                     missed += usize::from(mesh.quality().inverted.is_empty());
                     assert!(least < 0.05 && found.det < least + 1e-3, "{least} {found}");
                     assert!(found.to_string().contains("m^3 in cell 0 at ("));
+                    let message = mesh.check_orientation().unwrap_err().to_string();
+                    assert!(message.contains("(folded or numbered against the right-hand rule): 0 at ("));
                 }
                 Err(other) => panic!("{other}"),
             }
@@ -408,6 +421,13 @@ fn a_tube_has_the_promised_names_and_volumes() {
         assert!(coarse.iter().zip(fine).all(|(coarse, fine)| *fine < coarse / 14.0), "{errors:?}");
     }
     assert!(errors[2][0] < 1e-5, "{errors:?}");
+    for (size, cells) in
+        [([1.0; 3], [1, 4, 1]), ([1.0, 1.0, 0.01], [2, 16, 2]), ([1.0, 1.0, 9.0], [1, 20, 4])]
+    {
+        let mesh = tube(size, cells, 0).unwrap();
+        mesh.check_matching("fluid", "solid", &cylinders(size)).unwrap();
+        assert!(mesh.quality().min_scaled_jacobian() > 0.7);
+    }
     for (size, cells) in [
         ([0.0, 1.0, 1.0], [1, 8, 1]),
         ([1.0, 1.0, 0.0], [1, 8, 1]),
@@ -418,6 +438,48 @@ fn a_tube_has_the_promised_names_and_volumes() {
         ([1.0; 3], [1, 8, 0]),
     ] {
         assert!(tube(size, cells, 0).unwrap_err().to_string().starts_with("mesh generator `tube`: "));
+    }
+}
+
+/// Sides on spheres and cylinders are refined onto them: order four in the volume.
+#[test]
+fn boundaries_follow_spheres_and_cylinders_under_refinement() {
+    let spheres = [("front", 1.0), ("back", 2.0)].map(|(name, radius)| Curve::Sphere {
+        boundaries: vec![name.into()],
+        centre: [0.0; 3],
+        radius,
+    });
+    // A sixth of a hollow ball.
+    let cube = hexahedra([-1.0, -1.0, 1.0], [1.0, 1.0, 2.0], [2, 2, 1], 0).unwrap();
+    let hollow = moved(&cube, blown_up);
+    // Half of a cylinder about an axis that is none of the coordinates.
+    let (axis, pi) = ([1.0, 2.0, 2.0].map(|x| x / 3.0), std::f64::consts::PI);
+    let (e, f) = ([2.0, 1.0, -2.0].map(|x| x / 3.0), [-2.0, 2.0, -1.0].map(|x| x / 3.0));
+    let plate = hexahedra([1.0, 0.0, 0.0], [2.0, 1.0, 1.0], [1, 2, 1], 0).unwrap();
+    let shell = moved(&plate, |[r, t, z]| {
+        let (sin, cos) = (pi * t).sin_cos();
+        std::array::from_fn(|d| 0.3 + r * (cos * e[d] + sin * f[d]) + z * axis[d])
+    });
+    let cylinders = [("left", 1.0), ("right", 2.0)].map(|(name, radius)| {
+        let (point, axis) = (axis.map(|a| 0.3 - 7.0 * a), axis.map(|a| 5.0 * a));
+        Curve::Cylinder { boundaries: vec![name.into()], point, axis, radius }
+    });
+    for (mesh, curves, exact) in
+        [(hollow, spheres.to_vec(), 14.0 / 9.0 * pi), (shell, cylinders.to_vec(), 1.5 * pi)]
+    {
+        let levels: Vec<Mesh<3>> = (0..3).map(|level| mesh.clone().refined(level, &curves)).collect();
+        let errors: Vec<f64> = levels
+            .iter()
+            .map(|mesh| {
+                mesh.check().unwrap();
+                mesh.check_curves(&curves).unwrap();
+                neighbours_meet(mesh);
+                (mesh.quality().total_volume() / exact - 1.0).abs()
+            })
+            .collect();
+        assert!(errors.windows(2).all(|e| e[1] < e[0] / 10.0) && errors[2] < 2e-4, "{errors:?}");
+        let least = levels[2].quality().min_scaled_jacobian();
+        assert!(least > 0.3, "{least}");
     }
 }
 
@@ -474,4 +536,64 @@ fn gaps_between_hexahedra_are_refused() {
     let new = misfit.nodes.len() as u32 - 1;
     misfit.cell_nodes[27..].iter_mut().filter(|node| **node == middle).for_each(|node| *node = new);
     assert!(matches!(misfit.check(), Err(MeshError::NotConforming(_))));
+}
+
+/// The mesh with every cell numbered along other axes, right-handed ones.
+fn turned(mesh: &Mesh<3>) -> Mesh<3> {
+    let mut seed = 7_usize;
+    let (n, k, mut new) = (mesh.shape.n_nodes(mesh.degree), mesh.degree, mesh.clone());
+    for cell in 0..mesh.n_cells() {
+        seed = (seed * 1_103_515_245 + 12_345) % (1 << 31);
+        let choice = seed >> 12;
+        let even = choice & 1 == 0;
+        let first = choice / 2 % 3;
+        let axes = [first, (first + if even { 1 } else { 2 }) % 3, (first + if even { 2 } else { 1 }) % 3];
+        let mut flipped = [(choice / 6) & 1 == 0, (choice / 12) & 1 == 0, false];
+        flipped[2] = (flipped[0] != flipped[1]) == even;
+        for node in 0..n {
+            let (at, mut old) = (mesh.shape.lattice(k, node), [0; 3]);
+            (0..3).for_each(|d| old[axes[d]] = if flipped[d] { k - at[d] } else { at[d] });
+            new.cell_nodes[cell * n + node] = mesh.cell(cell)[mesh.shape.number(k, old)];
+        }
+        for facet in new.facets.iter_mut().filter(|f| f.cell as usize == cell) {
+            let d = (0..3).find(|&d| axes[d] == facet.local as usize / 2).unwrap();
+            facet.local = 2 * d as u8 + if flipped[d] { 1 - facet.local % 2 } else { facet.local % 2 };
+        }
+    }
+    new
+}
+
+/// Nothing depends on how cells are numbered, nor on how a face looks from its two cells.
+#[test]
+fn cells_may_be_numbered_along_any_axes() {
+    let size = [2.0, 0.5, 0.1];
+    let mesh = tube(size, [2, 8, 1], 0).unwrap();
+    let other = turned(&mesh);
+    assert!(mesh.cell_nodes != other.cell_nodes);
+    let curves = cylinders(size);
+    let (fine, fine_other) = (mesh.refine(&curves), other.refine(&curves));
+    for (mesh, other) in [(&mesh, &other), (&fine, &fine_other)] {
+        other.check_matching("fluid", "solid", &curves).unwrap();
+        neighbours_meet(other);
+        assert_eq!((mesh.nodes.len(), mesh.facets.len()), (other.nodes.len(), other.facets.len()));
+        let [a, b] = [mesh, other].map(Mesh::quality);
+        assert!((a.total_volume() - b.total_volume()).abs() < 1e-14);
+        assert!((a.min_scaled_jacobian() - b.min_scaled_jacobian()).abs() < 1e-12);
+        for name in ["interface", "clamp"] {
+            let [one, two] = [mesh, other].map(|mesh| FacetDistance::new(mesh, &[name]).unwrap());
+            // On the axis all points of the facets are nearly as near.
+            let beside = |x: &[f64; 3]| x[0].hypot(x[1]) > 0.01;
+            for x in points(80).map(|[s, t, u]| [1.4 * s - 0.7, 1.4 * t - 0.7, 2.0 * u]).filter(beside) {
+                assert!((one.distance(x) - two.distance(x)).abs() < 1e-12);
+            }
+        }
+        let locator = Locator::new(other);
+        for (i, xi) in points(100).enumerate() {
+            let x = mesh.map(i % mesh.n_cells(), xi);
+            let at = locator.find(x).unwrap();
+            assert!(away(other.map(at.cell, at.xi), x) < 1e-12);
+        }
+    }
+    assert!(fine.nodes.iter().all(|x| fine_other.nearest_node(*x).unwrap().1 < 1e-14));
+    assert_eq!(other.seams(["inflow", "outflow"]).unwrap().len(), 12);
 }

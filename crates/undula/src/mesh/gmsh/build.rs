@@ -1,52 +1,46 @@
 //! From the sections of a file to a mesh.
 
+use super::kinds::{KINDS, Kind};
 use super::raw::{Element, Node, Raw, Version};
 use super::source::{At, Source, error};
-use crate::element::Shape;
 use crate::mesh::topology::FacetKey;
 use crate::mesh::{Mesh, MeshError, Side};
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-/// Cells that Gmsh has a type for.
-pub(super) struct Kind {
-    pub shape: Shape,
-    degree: usize,
-    n_nodes: usize,
-    /// Nodes in lexicographic order; Gmsh has corners first, then mid nodes, both counter-clockwise.
-    order: &'static [usize],
+/// The dimension of the mesh: the highest of its elements.
+pub(super) fn dimension(raw: &Raw) -> usize {
+    raw.elements.iter().map(|e| e.dim).max().unwrap_or(0).max(2)
 }
-
-const KINDS: [Kind; 4] = [
-    Kind { shape: Shape::Triangle, degree: 1, n_nodes: 3, order: &[0, 1, 2] },
-    Kind { shape: Shape::Triangle, degree: 2, n_nodes: 6, order: &[0, 3, 1, 5, 4, 2] },
-    Kind { shape: Shape::Quadrilateral, degree: 1, n_nodes: 4, order: &[0, 1, 3, 2] },
-    Kind { shape: Shape::Quadrilateral, degree: 2, n_nodes: 9, order: &[0, 4, 1, 7, 8, 5, 3, 6, 2] },
-];
 
 /// The one kind that all cells have.
 pub(super) fn kind(raw: &Raw, source: &Source) -> Result<&'static Kind, MeshError> {
-    let mut cells = raw.elements.iter().filter(|e| e.dim == 2);
+    let dim = dimension(raw);
+    let mut cells = raw.elements.iter().filter(|e| e.dim == dim);
     let Some(first) = cells.next() else {
         let advice = "give surfaces a named one, such as `Physical Surface(\"fluid\") = {…};`, and mesh with `gmsh -2`";
         let reason = format!("the mesh has no triangles or quadrilaterals in a physical group: {advice}");
         return Err(source.error(reason));
     };
     match cells.find(|e| e.nodes.len() != first.nodes.len()) {
-        None => Ok(KINDS.iter().find(|k| k.n_nodes == first.nodes.len()).unwrap_or(&KINDS[0])),
-        Some(other) => Err(error(source.path, other.at, mixed(raw))),
+        None => Ok(kinds(dim).find(|k| k.n_nodes() == first.nodes.len()).unwrap_or(&KINDS[0])),
+        Some(other) => Err(error(source.path, other.at, mixed(raw, dim))),
     }
 }
 
+/// What cells of this dimension can be.
+fn kinds(dim: usize) -> impl Iterator<Item = &'static Kind> {
+    KINDS.iter().filter(move |kind| kind.dim == dim)
+}
+
 /// What is wrong with cells of several kinds.
-fn mixed(raw: &Raw) -> String {
-    let count = |n: usize| raw.elements.iter().filter(|e| e.dim == 2 && e.nodes.len() == n).count();
-    let some: Vec<_> = KINDS.iter().map(|kind| (kind, count(kind.n_nodes))).filter(|(_, n)| *n > 0).collect();
+fn mixed(raw: &Raw, dim: usize) -> String {
+    let count = |n: usize| raw.elements.iter().filter(|e| e.dim == dim && e.nodes.len() == n).count();
+    let some: Vec<_> = kinds(dim).map(|kind| (kind, count(kind.n_nodes()))).filter(|(_, n)| *n > 0).collect();
     let degrees = some.iter().any(|(kind, _)| kind.degree != some[0].0.degree);
     let name = |&(kind, n): &(&Kind, usize)| {
-        let name = if kind.shape == Shape::Triangle { "triangle" } else { "quadrilateral" };
-        let nodes = if degrees { format!(" with {} nodes", kind.n_nodes) } else { String::new() };
-        format!("{n} {name}{}{nodes}", if n == 1 { "" } else { "s" })
+        let nodes = if degrees { format!(" with {} nodes", kind.n_nodes()) } else { String::new() };
+        format!("{n} {}{nodes}", kind.names()[usize::from(n != 1)])
     };
     let counts = some.iter().map(name).collect::<Vec<_>>().join(" and ");
     let mut advice = vec![];
@@ -62,12 +56,16 @@ fn mixed(raw: &Raw) -> String {
     format!("the mesh has {counts}; all must be alike: {}", advice.join("; "))
 }
 
-/// Builds the mesh.
-pub(super) fn mesh(raw: Raw, source: &Source) -> Result<Mesh<2>, MeshError> {
-    let (surfaces, curves): (Vec<&Element>, Vec<&Element>) = raw.elements.iter().partition(|e| e.dim == 2);
+/// Builds the mesh, which must be one of dimension `D`.
+pub(super) fn mesh<const D: usize>(raw: Raw, source: &Source) -> Result<Mesh<D>, MeshError> {
+    let of_dim = |dim: usize| raw.elements.iter().filter(|e| e.dim == dim).collect::<Vec<_>>();
     let kind = kind(&raw, source)?;
+    let Some(shape) = kind.shape.filter(|_| kind.dim == D) else {
+        return Err(other_dimension(&raw, source, kind));
+    };
+    let (cells, sides) = (of_dim(D), of_dim(D - 1));
     let mut mesh = Mesh {
-        shape: kind.shape,
+        shape,
         degree: kind.degree,
         nodes: vec![],
         cell_nodes: vec![],
@@ -77,11 +75,11 @@ pub(super) fn mesh(raw: Raw, source: &Source) -> Result<Mesh<2>, MeshError> {
         boundaries: vec![],
         parts: vec![],
     };
-    let number = nodes(&raw, &surfaces, &mut mesh, source)?;
-    let regions = Groups::new(&raw, 2, source);
+    let number = nodes(&raw, &cells, &mut mesh, source)?;
+    let regions = Groups::new(&raw, D, true, source);
     mesh.regions = regions.names.clone();
     let mut once: HashMap<Vec<u64>, (&Element, u16)> = HashMap::new();
-    for element in &surfaces {
+    for element in &cells {
         let region = regions.index(element)?;
         let mut key = element.nodes.clone();
         key.sort_unstable();
@@ -95,19 +93,35 @@ pub(super) fn mesh(raw: Raw, source: &Source) -> Result<Mesh<2>, MeshError> {
         mesh.cell_region.push(region);
     }
     mesh.turn_clockwise_cells();
-    let boundaries = Groups::new(&raw, 1, source);
-    facets(&curves, &number, &boundaries, &mut mesh)?;
+    let boundaries = Groups::new(&raw, D - 1, false, source);
+    facets(&sides, &number, &boundaries, &mut mesh)?;
     mesh.boundaries = boundaries.names;
     // Groups without elements go.
     mesh.drop_cells(|_| true);
     Ok(mesh)
 }
 
+/// What is wrong with a mesh of space where a plane one is needed, or the other way round.
+fn other_dimension(raw: &Raw, source: &Source, kind: &Kind) -> MeshError {
+    let [_, cells] = kind.names();
+    let reason = match kind.dim {
+        2 => {
+            format!("a plane mesh of {cells}, where one of hexahedra is needed: give volumes physical groups")
+        }
+        _ => format!(
+            "a mesh of {cells}, where a plane one is needed: give physical groups to surfaces and curves of a plane \
+             geometry only, and mesh it with `gmsh -2`"
+        ),
+    };
+    let first = raw.elements.iter().find(|e| e.dim == kind.dim);
+    first.map_or_else(|| source.error(reason.clone()), |e| error(source.path, e.at, reason.clone()))
+}
+
 /// Adds the nodes of the cells in the order of the file; returns their numbers by tag.
-fn nodes(
+fn nodes<const D: usize>(
     raw: &Raw,
-    surfaces: &[&Element],
-    mesh: &mut Mesh<2>,
+    cells: &[&Element],
+    mesh: &mut Mesh<D>,
     source: &Source,
 ) -> Result<HashMap<u64, u32>, MeshError> {
     let refuse = |at: At, reason: String| Err(error(source.path, at, reason));
@@ -123,7 +137,7 @@ fn nodes(
         }
     }
     let mut used: HashSet<u64> = HashSet::new();
-    for element in surfaces {
+    for element in cells {
         if let Some(tag) = element.nodes.iter().find(|tag| !at.contains_key(tag)) {
             return refuse(element.at, format!("node {tag} is not in section `$Nodes`"));
         }
@@ -133,53 +147,66 @@ fn nodes(
     for node in raw.nodes.iter().filter(|node| used.contains(&node.tag)) {
         if let Entry::Vacant(free) = number.entry(node.tag) {
             free.insert(mesh.nodes.len() as u32);
-            mesh.nodes.push([node.x[0], node.x[1]]);
+            mesh.nodes.push(std::array::from_fn(|d| node.x[d]));
         }
     }
-    let mut used = raw.nodes.iter().filter(|node| used.contains(&node.tag));
-    let level = used.next().map_or(0.0, |node| node.x[2]);
-    let rounding = FLAT * mesh.diameter();
-    if let Some(&Node { at, tag, x: [_, _, z] }) = used.find(|node| (node.x[2] - level).abs() > rounding) {
-        let reason =
-            format!("node {tag} at z = {z}, others at z = {level}; a plane mesh in x and y is needed");
-        return refuse(at, reason);
+    if D == 2 {
+        let used: Vec<&Node> = raw.nodes.iter().filter(|node| used.contains(&node.tag)).collect();
+        check_level(&used, FLAT * mesh.diameter(), source)?;
     }
     Ok(number)
+}
+
+/// Refuses nodes that are not on one level but for `rounding`.
+fn check_level(nodes: &[&Node], rounding: f64, source: &Source) -> Result<(), MeshError> {
+    let level = nodes.first().map_or(0.0, |node| node.x[2]);
+    let Some(Node { at, tag, x: [_, _, z] }) = nodes.iter().find(|node| (node.x[2] - level).abs() > rounding)
+    else {
+        return Ok(());
+    };
+    let reason = format!("node {tag} at z = {z}, others at z = {level}; a plane mesh in x and y is needed");
+    Err(error(source.path, *at, reason))
 }
 
 /// A mesh is plane if its nodes are on one level, but for this part of its diameter.
 const FLAT: f64 = 1e-10;
 
 /// Adds the named facets.
-fn facets(
-    curves: &[&Element],
+fn facets<const D: usize>(
+    elements: &[&Element],
     number: &HashMap<u64, u32>,
     groups: &Groups,
-    mesh: &mut Mesh<2>,
+    mesh: &mut Mesh<D>,
 ) -> Result<(), MeshError> {
     let mut sides: HashMap<FacetKey, Vec<Side>> = HashMap::new();
     for (key, side) in mesh.sides_by_vertices() {
         sides.entry(key).or_default().push(side);
     }
     let mut named: BTreeMap<Side, (u16, &Element)> = BTreeMap::new();
-    for &element in curves {
+    let what = groups.what;
+    for &element in elements {
         let refuse = |reason: String| Err(error(groups.source.path, element.at, reason));
         if groups.raw.group(element, groups.source)? == 0 {
             continue;
         }
         let boundary = groups.index(element)?;
         let mut key = [u32::MAX; 4];
-        for (entry, tag) in key.iter_mut().zip(&element.nodes[..2]) {
+        let corners =
+            kinds(D - 1).find(|kind| kind.n_nodes() == element.nodes.len()).map_or(0, Kind::n_vertices);
+        for (entry, tag) in key.iter_mut().zip(&element.nodes[..corners]) {
             *entry = number.get(tag).copied().unwrap_or(u32::MAX);
         }
         key.sort_unstable();
         let region = |side: &Side| mesh.cell_region[side.cell as usize];
         let side = match sides.get(&key).map_or(&[][..], |at| &at[..]) {
-            [] => return refuse("a line that is no edge of a cell".into()),
+            [] => {
+                let side = if D == 2 { "edge" } else { "side" };
+                return refuse(format!("a {what} that is no {side} of a cell"));
+            }
             [one, two] if region(one) == region(two) => {
                 let region = &mesh.regions[region(one) as usize];
                 return refuse(format!(
-                    "a line inside of region `{region}`; boundaries and interfaces only have names"
+                    "a {what} inside of region `{region}`; boundaries and interfaces only have names"
                 ));
             }
             at => *at.iter().min_by_key(|side| (region(side), **side)).unwrap_or(&at[0]),
@@ -199,6 +226,8 @@ struct Groups<'a> {
     raw: &'a Raw,
     source: &'a Source<'a>,
     dim: usize,
+    /// What their elements are in the mesh.
+    what: &'static str,
     /// Their names in the order of the file, each once.
     names: Vec<String>,
     /// Index into `names` by tag.
@@ -206,8 +235,13 @@ struct Groups<'a> {
 }
 
 impl<'a> Groups<'a> {
-    fn new(raw: &'a Raw, dim: usize, source: &'a Source) -> Self {
-        let mut groups = Groups { raw, source, dim, names: vec![], by_tag: HashMap::new() };
+    fn new(raw: &'a Raw, dim: usize, cells: bool, source: &'a Source) -> Self {
+        let what = match (cells, dim) {
+            (true, _) => "cell",
+            (_, 1) => "line",
+            _ => "facet",
+        };
+        let mut groups = Groups { raw, source, dim, what, names: vec![], by_tag: HashMap::new() };
         for (_, tag, name) in raw.names.iter().filter(|(d, _, _)| *d == dim) {
             let index = groups.names.iter().position(|n| n == name).unwrap_or(groups.names.len());
             if index == groups.names.len() {
@@ -220,10 +254,9 @@ impl<'a> Groups<'a> {
 
     /// Index of the group of `element`, which must have a name.
     fn index(&self, element: &Element) -> Result<u16, MeshError> {
-        let (kind, what, example) = match self.dim {
-            1 => ("Curve", "line", "walls"),
-            _ => ("Surface", "cell", "fluid"),
-        };
+        let what = self.what;
+        let kind = ["Point", "Curve", "Surface", "Volume"][self.dim];
+        let example = if what == "cell" { "fluid" } else { "walls" };
         let group = self.raw.group(element, self.source)?;
         let reason = match self.by_tag.get(&group) {
             Some(&index) => return Ok(index),
@@ -244,7 +277,7 @@ impl<'a> Groups<'a> {
 
     /// What is wrong with an element that is in the file twice, as version 2.2 has those of several groups.
     fn twice(&self, before: &Element, element: &Element) -> Result<MeshError, MeshError> {
-        let what = if self.dim == 1 { "line" } else { "cell" };
+        let what = self.what;
         let name = |e: &Element| self.raw.group(e, self.source).map(|group| self.raw.name(self.dim, group));
         let reason = format!(
             "a {what} in physical groups {} and {} (it is in {} already); it can be in one only",

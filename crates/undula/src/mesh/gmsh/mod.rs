@@ -1,13 +1,16 @@
-//! Meshes of triangles or quadrilaterals from Gmsh: `.msh` files of version 2.2 or 4.1, text or binary (of either order
-//! of bytes), whole or divided into partitions, with parameters of the nodes or without.
+//! Meshes of triangles, quadrilaterals or hexahedra from Gmsh: `.msh` files of version 2.2 or 4.1, text or binary (of
+//! either order of bytes), whole or divided into partitions, with parameters of the nodes or without.
 //!
 //! Sections may come in any order; unknown ones, and what stands between sections, are skipped. Every cell and every
-//! boundary line must be in exactly one *named* physical group; the names of
-//! surfaces become regions, those of curves boundaries. Triangles have 3 or 6 nodes, quadrilaterals 4 or 9. In Gmsh:
-//! `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};`, `Mesh.ElementOrder = 2`, and for
-//! quadrilaterals `Mesh.RecombineAll = 1` and for 9 nodes `Mesh.SecondOrderIncomplete = 0`.
+//! facet of the boundary must be in exactly one *named* physical group. In a plane mesh the names of surfaces become
+//! regions, those of curves boundaries; triangles have 3 or 6 nodes, quadrilaterals 4 or 9. A file with elements of
+//! volumes is a mesh of space: the names of volumes become regions, those of surfaces boundaries, those of curves are left
+//! out; hexahedra have 8 or 27 nodes. In Gmsh: `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};` and
+//! `Physical Volume("fluid") = {…};`, `Physical Surface("walls") = {…};` in space, `Mesh.ElementOrder = 2`, for
+//! quadrilaterals and hexahedra `Mesh.RecombineAll = 1` and for 9 and 27 nodes `Mesh.SecondOrderIncomplete = 0`.
 
 mod build;
+mod kinds;
 mod raw;
 mod sections;
 mod source;
@@ -20,7 +23,24 @@ use crate::element::Shape;
 use source::Source;
 use std::path::Path;
 
-/// Reads the mesh in file `path`.
+/// A mesh of either dimension.
+#[derive(Clone, Debug)]
+pub enum AnyMesh {
+    /// Of triangles or quadrilaterals.
+    Plane(Mesh<2>),
+    /// Of hexahedra.
+    Space(Mesh<3>),
+}
+
+/// Reads the mesh in file `path`: one of space if there are elements of volumes.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_any(path: &Path) -> Result<AnyMesh, MeshError> {
+    parse_any(bytes(path)?, path)
+}
+
+/// Reads the plane mesh in file `path`.
 ///
 /// Cells numbered clockwise are turned round, nodes without a cell are dropped. Facets inside of the mesh
 /// that carry a name are seen from the cell of the region named first in the file. Nothing else is
@@ -51,10 +71,24 @@ pub fn shape(path: &Path) -> Result<Shape, MeshError> {
     let bytes = bytes(path)?;
     let mut source = Source::new(&bytes, path);
     let raw = sections::parse(&mut source)?;
-    build::kind(&raw, &source).map(|kind| kind.shape)
+    let kind = build::kind(&raw, &source)?;
+    kind.shape.ok_or_else(|| source.error("the mesh has no cells".into()))
 }
 
 /// Reads a mesh from the bytes of a file; `path` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse_any(bytes: impl AsRef<[u8]>, path: &Path) -> Result<AnyMesh, MeshError> {
+    let mut source = Source::new(bytes.as_ref(), path);
+    let raw = sections::parse(&mut source)?;
+    match build::dimension(&raw) {
+        2 => build::mesh(raw, &source).map(AnyMesh::Plane),
+        _ => build::mesh(raw, &source).map(AnyMesh::Space),
+    }
+}
+
+/// Reads a plane mesh from the bytes of a file; `path` is for messages.
 ///
 /// # Errors
 /// As [`read`].

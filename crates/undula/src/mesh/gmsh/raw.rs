@@ -4,14 +4,14 @@ use super::source::{At, Source};
 use crate::mesh::MeshError;
 use std::collections::HashMap;
 
-/// What a file contains that a plane mesh is made of.
+/// What a file contains that a mesh is made of.
 pub(super) struct Raw {
     pub version: Version,
     /// Names of the physical groups by dimension and tag, in the order of the file.
     pub names: Vec<(usize, i64, String)>,
     /// The nodes.
     pub nodes: Vec<Node>,
-    /// Lines, triangles and quadrilaterals.
+    /// Lines, triangles, quadrilaterals and hexahedra.
     pub elements: Vec<Element>,
     /// Entities of version 4 by dimension and tag, and those of partitions.
     pub entities: [HashMap<(usize, i64), Entity>; 2],
@@ -27,11 +27,11 @@ pub(super) struct Node {
     pub x: [f64; 3],
 }
 
-/// A line, a triangle or a quadrilateral.
+/// A line, a triangle, a quadrilateral or a hexahedron.
 pub(super) struct Element {
     /// Where it stands.
     pub at: At,
-    /// Dimension: 1 or 2.
+    /// Dimension: 1, 2 or 3.
     pub dim: usize,
     /// Tag of the physical group of version 2, of the entity of version 4; 0 for none.
     owner: i64,
@@ -81,7 +81,7 @@ impl Raw {
             [] => Ok(0),
             [group] => Ok(*group),
             several => {
-                let what = if element.dim == 1 { "curve" } else { "surface" };
+                let what = ["point", "curve", "surface", "volume"][element.dim];
                 let names: Vec<_> = several.iter().map(|&tag| self.name(element.dim, tag)).collect();
                 let reason = format!(
                     "{what} {} is in physical groups {}; it can be in one only",

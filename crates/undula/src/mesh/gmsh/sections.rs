@@ -1,5 +1,6 @@
 //! The sections of a `.msh` file, of either version, as they are.
 
+use super::kinds::KINDS;
 use super::raw::{Entity, Node, Raw, Version};
 use super::source::{Encoding, Record, Source};
 use crate::mesh::MeshError;
@@ -264,35 +265,42 @@ fn elements_4(source: &mut Source, raw: &mut Raw) -> Result<(), MeshError> {
 
 /// Dimension and number of nodes of elements of type `kind`.
 fn shape(kind: i64, record: &Record) -> Result<(usize, u64), MeshError> {
-    match kind {
-        15 => Ok((0, 1)),
-        1 => Ok((1, 2)),
-        8 => Ok((1, 3)),
-        2 => Ok((2, 3)),
-        9 => Ok((2, 6)),
-        3 => Ok((2, 4)),
-        10 => Ok((2, 9)),
-        _ => Err(record.error(refusal(kind))),
+    match KINDS.iter().find(|known| known.number == kind) {
+        Some(known) => Ok((known.dim, known.n_nodes() as u64)),
+        None => Err(record.error(refusal(kind))),
     }
 }
 
 /// Why elements of type `kind` cannot be used, and what to do.
 fn refusal(kind: i64) -> String {
-    match kind {
-        16 => "quadrilaterals with 8 nodes are not supported: write 9 nodes with \
-             `Mesh.SecondOrderIncomplete = 0;`"
-            .into(),
-        20..=28 | 36..=66 => {
-            "elements of order above 2 are not supported: write order 2 with `Mesh.ElementOrder = 2;`".into()
+    let cells = match kind {
+        16 => {
+            return "quadrilaterals with 8 nodes are not supported: write 9 nodes with \
+                    `Mesh.SecondOrderIncomplete = 0;`"
+                .into();
         }
-        4..=7 | 11..=14 | 17..=19 | 29..=33 | 35 | 71..=83 | 87..=132 | 137 => "elements of three dimensions are not \
-             supported: give physical groups to surfaces and curves of a plane geometry only, and mesh it with \
-             `gmsh -2`"
-            .into(),
+        17 => {
+            return "hexahedra with 20 nodes are not supported: write 27 nodes with \
+                    `Mesh.SecondOrderIncomplete = 0;`"
+                .into();
+        }
+        20..=28 | 36..=66 | 92..=105 => {
+            return "elements of order above 2 are not supported: write order 2 with `Mesh.ElementOrder = 2;`".into();
+        }
+        4 | 11 | 29..=33 | 35 | 71..=83 | 137 => "tetrahedra",
+        6 | 13 | 18 | 87..=91 | 106..=117 => "wedges",
+        7 | 14 | 19 | 118..=132 => "pyramids",
         _ => {
-            format!(
-                "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9) and quadrilaterals (3, 10) are"
-            )
+            return format!(
+                "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9), quadrilaterals (3, 10) and \
+                 hexahedra (5, 12) are"
+            );
         }
-    }
+    };
+    format!(
+        "{cells} are not supported in three dimensions, hexahedra of 8 or 27 nodes are: in Gmsh, `Extrude {{…}} {{…; \
+         Layers{{n}}; Recombine;}}` and `Transfinite Volume` with `Mesh.RecombineAll = 1;` make them, and \
+         `Mesh.SubdivisionAlgorithm = 2;` makes them of others; for a plane mesh, give physical groups to surfaces and \
+         curves only and mesh with `gmsh -2`"
+    )
 }
