@@ -102,7 +102,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     let solids = bodies::read(&mut root, "solid", body::solid);
     bodies::refuse(&mut root, &fluids, &solids, &space, &how);
     let motion = root.section("motion");
-    let (boundary, directional) = condition::boundary(root.section("boundary"));
+    let (boundary, backflow) = condition::boundary(root.section("boundary"));
     let (time, at_time) = solver::time(root.section("time"));
     let initial = initial::initial(root.section("initial"), time.is_some());
     bodies::refuse_prestress(&mut root, &solids, time.is_some(), initial.as_ref());
@@ -129,7 +129,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         solids,
         motion,
         boundary,
-        directional,
+        backflow,
         time,
         at_time: at_time.unwrap_or(0.0),
         initial,

@@ -21,12 +21,6 @@ pub static SPRING_DIRECTIONS: [Choice<bool>; 2] = [
     choice("normal", true, "on the part normal to the reference boundary"),
 ];
 
-/// Whether an outlet has the directional term.
-pub static BACKFLOW: [Choice<bool>; 2] = [
-    choice("none", false, "no term against flow that comes in"),
-    choice("directional", true, "directional do-nothing condition (Braack and Mucha 2014)"),
-];
-
 /// Whether a force is a surface integral.
 pub static METHODS: [Choice<bool>; 2] = [
     choice("residual", false, "residual of the fluid; the more accurate way"),

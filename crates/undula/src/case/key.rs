@@ -86,7 +86,16 @@ pub(crate) fn parts(key: &str) -> Vec<&str> {
 }
 
 /// Keys of which `none` is a value like others: an override gives it and does not remove the key.
-pub const WITH_NONE: [&str; 1] = ["stabilization.map"];
+pub const WITH_NONE: [&str; 2] = ["stabilization.map", "boundary.NAME.backflow"];
+
+/// Whether the key of these parts is one of them.
+pub(super) fn takes_none(parts: &[String]) -> bool {
+    let is = |key: &str| {
+        key.split('.').count() == parts.len()
+            && key.split('.').zip(parts).all(|(of, part)| of == NAME || of == part)
+    };
+    WITH_NONE.into_iter().any(is)
+}
 
 /// The parts of the key before the first `=` of an override, and the value behind it.
 ///

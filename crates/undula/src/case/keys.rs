@@ -3,7 +3,7 @@
 //! Reading asks for keys of this table only, unknown-key messages list its keys, `case.toml` takes its comments from it,
 //! and `undula keys` prints it.
 
-use super::choices::{BACKFLOW, BODY_FORCE_AT, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{BODY_FORCE_AT, METHODS, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::{CONDITIONS, DATA};
 use super::element::{PRESSURES, VELOCITIES};
 use super::error::did_you_mean;
@@ -25,7 +25,7 @@ use crate::functional::quantity::{COMPONENTS, TAKES};
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
-use crate::space::WALLS;
+use crate::space::{BACKFLOW, WALLS};
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::sync::LazyLock;
@@ -110,7 +110,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("motion.exponent", "", "2", "exponent of the stiffening; 0: none"),
     number("motion.scale", "m", "from the mesh", "L of the stiffening 2 − erf(5 d/L)"),
     word("boundary.NAME.condition", &CONDITIONS, "required", "condition on the boundary NAME of the mesh"),
-    word("boundary.NAME.backflow", &BACKFLOW, "none", "term against flow that comes in through an outlet"),
+    word("boundary.NAME.backflow", &BACKFLOW, "none, pressure: tangential", "term against flow back in"),
     word(
         "time.scheme",
         &SCHEMES,

@@ -3,11 +3,12 @@
 //! [`Case`] and its parts stand in `schema`. On the way from a text to a case, `raw` reads TOML with the overrides,
 //! `read` one table, `check` the whole case, so that all mistakes are told at once (`error`); `write` is the way back,
 //! and `builtin` has the cases of the program. Of the language itself, `keys` has the table of all keys, `synonyms`
-//! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `profile` profiles of flows, `functionals` the kinds of
+//! their other names, `choices` and `element` values by name, `conditions` those on boundaries, `backflow` their terms against flow that comes in, `profile` profiles of flows, `functionals` the kinds of
 //! functionals, `bodies` fluids and solids, `expression` the
 //! formulas in x, y and t with tables of values, `expressions` those of a case, `fibres` the directions of fibres, `unit` units, `key` dotted keys and `literal` numbers and words. Nothing here looks at the cells of a mesh:
 //! that is `crate::setup`.
 
+mod backflow;
 mod bodies;
 pub mod builtin;
 mod check;

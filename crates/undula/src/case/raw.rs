@@ -185,7 +185,7 @@ fn set(root: &mut Table, text: &str, index: usize) -> Result<(), String> {
     if value.is_empty() {
         return Err("expected a value after `=` (`none` removes the key)".into());
     }
-    let removes = value == "none" && !key::WITH_NONE.contains(&path.join(".").as_str());
+    let removes = value == "none" && !key::takes_none(&path);
     let mut table = root;
     for (depth, part) in tables.iter().enumerate() {
         let found = table.0.iter().position(|(k, _)| k == part);

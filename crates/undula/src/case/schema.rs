@@ -22,11 +22,11 @@ use crate::physics::{
     Artery, CarreauYasuda, Damping, Extension, Fluid, Material, OwnLaw, Reference, Solid, Stabilization,
 };
 pub use crate::physics::{MotionModel, SolidLaw};
-use crate::space::{Coordinates, Walls};
+use crate::space::{Against, Coordinates, Walls};
 pub use crate::tangent::{Linearization, Tangent};
 pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
 pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -53,8 +53,8 @@ pub struct Case {
     pub motion: MotionSpec,
     /// What holds on each named boundary (except `interface`).
     pub boundary: BTreeMap<String, Condition>,
-    /// Boundaries with the directional term against flow that comes in, all of them `do-nothing` or `traction-free`.
-    pub directional: BTreeSet<String>,
+    /// Terms against flow that comes in where they are not those of the condition, see [`Case::against`].
+    pub backflow: BTreeMap<String, Against>,
     /// `None`: a stationary solution is sought.
     pub time: Option<TimeSpec>,
     /// Stationary cases only: the time \[s\] at which expressions are taken (`time.end`, else 0).

@@ -3,7 +3,7 @@
 mod functional;
 mod material;
 
-use super::choices::{BACKFLOW, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
+use super::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::initial::Initial;
@@ -17,7 +17,7 @@ use crate::functional::nodal::FIELDS;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::stabilization::{MAPPINGS, PRESSURE_TERMS, PROJECTIONS, TRANSPORT_TERMS};
 use crate::physics::{PressureTerm, TransportTerm};
-use crate::space::{COORDINATES, WALLS};
+use crate::space::{Against, BACKFLOW, COORDINATES, WALLS};
 use crate::tangent::{DIFFERENCES, LINEARIZATIONS, TANGENTS};
 use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 use std::path::{Component, Path, PathBuf};
@@ -108,8 +108,9 @@ impl Case {
         for (name, condition) in &self.boundary {
             out.table(&key::join("boundary", name));
             write_condition(&mut out, condition);
-            if self.directional.contains(name) {
-                out.choice("backflow", &BACKFLOW, &true);
+            let of_fluid = !self.fluids.is_empty() && self.against(name) != Against::None;
+            if of_fluid || self.backflow.contains_key(name) {
+                out.choice("backflow", &BACKFLOW, &self.against(name));
             }
         }
         self.write_time(&mut out);

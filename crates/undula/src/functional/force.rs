@@ -7,7 +7,7 @@ use crate::mesh::{Facet, Side};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Fluid, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
-use crate::space::{BoundaryCondition, FluidBoundary, FsiSpace, State};
+use crate::space::{BoundaryCondition, FluidBoundary, FluidFacet, FsiSpace, State};
 use std::collections::BTreeMap;
 
 /// Boundaries of the fluid of which forces are asked for.
@@ -16,8 +16,14 @@ pub struct Surfaces<'a, const D: usize> {
     boundary: FluidBoundary,
     /// By facet: whether the traction is given there, or the fluid goes on behind it, and the velocity is not given.
     natural: Vec<bool>,
+    /// By facet: the components along which nothing is exerted, for the condition is `slip` and they lie in the facet;
+    /// `None` of other conditions.
+    smooth: Vec<Option<[bool; D]>>,
     quadrature: usize,
 }
+
+/// A part of a unit normal that is rounding.
+const STRAIGHT: f64 = 1e-9;
 
 impl<'a, const D: usize> Surfaces<'a, D> {
     /// All boundaries of the fluid, with one condition per boundary of the mesh and `n` Gauss points.
@@ -29,7 +35,26 @@ impl<'a, const D: usize> Surfaces<'a, D> {
             .iter()
             .map(|f| f.at_seam || !f.at_solid && f.boundary.is_some_and(outflow))
             .collect();
-        Surfaces { space, boundary, natural, quadrature: n }
+        let slip = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Slip);
+        let smooth = |f: &FluidFacet| {
+            let points = || facet_points(space, &f.facet(), n).into_iter();
+            let lies_along = |i: usize| {
+                points().all(|point| {
+                    let normal = point.normal;
+                    normal.0[i].abs() <= STRAIGHT * normal.dot(normal).sqrt()
+                })
+            };
+            (!f.at_solid && f.boundary.is_some_and(slip)).then(|| std::array::from_fn(lies_along))
+        };
+        let smooth = boundary.facets.iter().map(smooth).collect();
+        Surfaces { space, boundary, natural, smooth, quadrature: n }
+    }
+
+    /// Whether the facet of number `n` takes part in the residual of its nodes, as far as the `components` go: those of a
+    /// force, or without any the power.
+    fn carries(&self, n: usize, components: &[usize]) -> bool {
+        let is_smooth = |smooth: [bool; D]| components.iter().all(|&i| smooth[i]);
+        !self.natural[n] && !self.smooth[n].is_some_and(is_smooth)
     }
 
     /// Whether each facet belongs to one of the boundaries `names`.
@@ -48,9 +73,9 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         (self.space, facets.collect(), self.quadrature)
     }
 
-    /// The nodes of the boundaries `names` whose velocity is not free, ascending.
+    /// The nodes of the boundaries `names` at which power may flow: where the velocity is given, ascending.
     pub(super) fn nodes_on(&self, names: &[String]) -> Vec<u32> {
-        self.carrying(&self.of(names)).into_keys().collect()
+        self.carrying(&self.of(names), &[]).into_keys().collect()
     }
 
     pub(super) fn nodes(&self, n: usize) -> Vec<u32> {
@@ -79,8 +104,8 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     }
 
     /// For each node of the facets `on` all facets there that take part in its residual.
-    fn carrying(&self, on: &[bool]) -> BTreeMap<u32, Vec<usize>> {
-        let carries = |&n: &usize| !self.natural[n];
+    fn carrying(&self, on: &[bool], components: &[usize]) -> BTreeMap<u32, Vec<usize>> {
+        let carries = |&n: &usize| self.carries(n, components);
         let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for n in (0..on.len()).filter(|&n| on[n]).filter(carries) {
             at_node.extend(self.nodes(n).into_iter().map(|node| (node, vec![])));
@@ -95,10 +120,10 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         at_node
     }
 
-    /// What the facets `on` take of the residual of the fluid.
-    pub(super) fn shares(&self, names: &[String]) -> Shares {
+    /// What the facets `on` take of the `components` of the residual of the fluid.
+    pub(super) fn shares(&self, names: &[String], components: &[usize]) -> Shares {
         let on = self.of(names);
-        let at_node = self.carrying(&on);
+        let at_node = self.carrying(&on, components);
         let (mut whole, mut shared) = (vec![], vec![]);
         let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
         for (&node, list) in &at_node {
@@ -155,7 +180,8 @@ pub(super) struct Shares {
 /// facet takes its own integral, and a part of the rest d_a in proportion to its size. So forces on parts add up
 /// to that on the whole to rounding, they are exact where the discrete solution is, and elsewhere the last facet
 /// alone errs as the surface integral does. A facet with an outflow condition takes the traction that the
-/// condition gives it, of which R_a contains nothing. A facet of a periodic boundary takes its surface integral.
+/// condition gives it, of which R_a contains nothing. A facet of a periodic boundary takes its surface integral. Along
+/// a boundary with `slip` nothing is exerted, so that nodes at its rim belong wholly to its neighbours in these directions.
 ///
 /// A residual over fluid and solid would contain the inertia of the body, which is force only when steady.
 pub struct ForceByResidual<const D: usize> {
@@ -183,7 +209,7 @@ impl<const D: usize> ForceByResidual<D> {
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let Shares { nodes, whole, shared, integrals, outflow, seams } = surfaces.shares(names);
+        let Shares { nodes, whole, shared, integrals, outflow, seams } = surfaces.shares(names, &[component]);
         ForceByResidual {
             nodes,
             whole,
@@ -303,7 +329,7 @@ impl<const D: usize> Tractions<D> {
                 }
             } else {
                 let (old, new) = (fields(at.old), fields(at.new));
-                at.rule.quadrature.iter().for_each(|&(part, tau)| add(part, &old.lerp(&new, tau)));
+                at.rule.gauss_points::<D>().iter().for_each(|&(part, tau)| add(part, &old.lerp(&new, tau)));
             }
         }
         sum

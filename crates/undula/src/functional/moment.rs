@@ -23,7 +23,7 @@ pub struct Moment<const D: usize> {
 impl<const D: usize> Moment<D> {
     /// On the boundaries `names`, about a point \[m\].
     pub fn new(surfaces: &Surfaces<'_, D>, names: &[String], about: [f64; D]) -> Self {
-        let shares = surfaces.shares(names);
+        let shares = surfaces.shares(names, &[0, 1]);
         let whole = shares.whole.iter().map(|&node| (node, 1.0));
         let ends = shares.integrals.iter().flat_map(|(&n, at)| at.iter().map(move |&at| (n, at)));
         let outflow = shares

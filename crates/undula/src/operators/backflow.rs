@@ -1,15 +1,15 @@
-//! The directional term on outlets, against flow that comes in.
+//! The terms on outlets against flow that comes in.
 
 use super::End;
 use super::facets::{FacetOperator, FacetTerm};
 use crate::mesh::Facet;
 use crate::physics::{Backflow, Fluid};
-use crate::space::{BoundaryCondition, FsiSpace, Region};
+use crate::space::{Against, BoundaryCondition, FsiSpace, Region};
 
-/// ρ of the term.
-pub struct Directional(Backflow);
+/// The term at every point.
+pub struct Term(Backflow);
 
-impl<const D: usize> FacetTerm<D> for Directional {
+impl<const D: usize> FacetTerm<D> for Term {
     type Form = Backflow;
     const RATE: bool = true;
     const DEPENDS: [bool; 2] = [true, true];
@@ -19,18 +19,19 @@ impl<const D: usize> FacetTerm<D> for Directional {
     }
 }
 
-/// The term on the outlets of a fluid with its material, whose condition has it, `n` Gauss points per direction.
-pub fn directional<const D: usize>(
+/// The term `against` on the outlets of a fluid with its material, whose condition has it, `n` Gauss points per direction.
+pub fn backflow<const D: usize>(
     space: &FsiSpace<D>,
     (material, fluid): (u16, Fluid),
     conditions: &[BoundaryCondition<D>],
+    against: Against,
     n: usize,
-) -> FacetOperator<Directional, D> {
+) -> FacetOperator<Term, D> {
     let here = |facet: &Facet| {
         let condition = &conditions[facet.boundary as usize];
         space.material[facet.cell as usize] == material
-            && matches!(condition, BoundaryCondition::Outflow { directional: true, .. })
+            && matches!(condition, BoundaryCondition::Outflow { backflow, .. } if *backflow == against)
     };
-    let form = Backflow { density: fluid.rho };
-    FacetOperator::new(space, Region::Fluid, |facet| here(facet), n, |_| Directional(form))
+    let form = Backflow { density: fluid.rho, tangential: against == Against::Tangential };
+    FacetOperator::new(space, Region::Fluid, |facet| here(facet), n, |_| Term(form))
 }

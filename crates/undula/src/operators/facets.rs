@@ -4,15 +4,16 @@
 //! A term of this kind is a [`FacetTerm`]: `outflow.rs`, `backflow.rs`, `pressure.rs`.
 
 use super::columns::Columns;
+use super::instant::{fields, stretch};
 use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
 use crate::algebra::SolverError;
 use crate::loops::scatter::DROP;
 use crate::math::Vector;
 use crate::mesh::{Facet, Side};
+use crate::physics::FacetForm;
 use crate::physics::axisymmetric::Seen;
-use crate::physics::{FacetForm, Fields};
-use crate::sampling::{FacetPoint, facet_points, fields_at};
-use crate::space::{FsiSpace, Region, State};
+use crate::sampling::{FacetPoint, facet_points};
+use crate::space::{FsiSpace, Region};
 use crate::tangent::{self, FacetByHand, Linearization, Tangent};
 
 /// What acts at the points of facets.
@@ -21,7 +22,8 @@ pub trait FacetTerm<const D: usize>: Send + Sync {
     type Form: FacetByHand<D> + FacetByHand<3>;
 
     /// Whether the form takes ∂_t u of the step in place of u. Its term at the old time then depends on the new state, so
-    /// that it belongs to the residual.
+    /// that it belongs to the residual. Around an axis it knows nothing of u_r/r then: its traction must be one per area of
+    /// the boundary in motion, and is taken (r + u_r)/r times.
     const RATE: bool = false;
 
     /// Whether the form depends on v, and on u or ∂_t u.
@@ -133,19 +135,34 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
 
     /// The form at a point of a facet.
     fn form(&self, facet: &SeenFacet<D>, q: usize, end: End) -> Seen<T::Form> {
-        Seen { form: self.term.form(facet.first + q, end), radius: facet.points[q].radius }
+        let radius = facet.points[q].radius.filter(|_| !T::RATE);
+        Seen { form: self.term.form(facet.first + q, end), radius }
+    }
+
+    /// The weight of a point in that of a moment, and its derivative by u_r there.
+    fn weight(
+        &self,
+        (nodes, point): (&[u32], &FacetPoint<D>),
+        (weight, tau, _): Moment,
+        step: &StepView<'_>,
+    ) -> [f64; 2] {
+        let weight = weight * point.weight;
+        match point.radius.filter(|_| T::RATE) {
+            Some(r) => [weight * stretch((nodes, point), step, tau), weight * tau / r],
+            None => [weight, 0.0],
+        }
     }
 
     /// What stands before φ at a point of a facet, weighed.
     fn traction(
         &self,
         facet: &SeenFacet<D>,
-        (q, (weight, tau, end)): (usize, Moment),
+        (q, moment): (usize, Moment),
         step: &StepView<'_>,
     ) -> Vector<f64, D> {
-        let point = &facet.points[q];
-        let at = fields::<T, D>(&facet.nodes, point, step, tau);
-        self.form(facet, q, end).traction(&at, &at, &point.normal, weight * point.weight)
+        let here = (&facet.nodes[..], &facet.points[q]);
+        let (at, [weight, _]) = (fields(T::RATE, here, step, moment.1), self.weight(here, moment, step));
+        self.form(facet, q, moment.2).traction(&at, &at, &here.1.normal, weight)
     }
 
     fn add(&self, moment: Moment, step: &StepView<'_>, out: &mut [f64]) {
@@ -202,14 +219,18 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
         let zero = Vector::zero();
         let mut columns = Columns { value: [[zero; D]; 2], grad: [[[zero; D]; D]; 2] };
         let point = &facet.points[q];
-        for (weight, tau, end) in moments::<D, T>(step) {
-            let at = fields::<T, D>(&facet.nodes, point, step, tau);
-            let form = self.form(facet, q, end);
+        for moment @ (_, tau, end) in moments::<D, T>(step) {
+            let here = (&facet.nodes[..], point);
+            let (at, form) = (fields(T::RATE, here, step, tau), self.form(facet, q, end));
+            let [weight, by_radius] = self.weight(here, moment, step);
             columns.add(&self.fields, |w, of_u| {
                 // ∂_t u moves by 1/k where u moves by 1.
                 let share = if of_u && T::RATE { step.rule.per_k } else { tau };
-                tangent::facet(how, &form, weight * point.weight, &at, &point.normal, w) * share
+                tangent::facet(how, &form, weight, &at, &point.normal, w) * share
             });
+            if by_radius != 0.0 && !how.1 {
+                columns.value[1][0] += form.traction(&at, &at, &point.normal, by_radius);
+            }
         }
         columns
     }
@@ -225,9 +246,11 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
     ) -> Vector<f64, D> {
         let point = &facet.points[q];
         let mut sum = Vector::zero();
-        for (weight, tau, end) in moments::<D, T>(step) {
-            let at = fields::<T, D>(&facet.nodes, point, step, tau);
-            let form = self.form(facet, q, end);
+        for moment @ (_, tau, end) in moments::<D, T>(step) {
+            let here = (&facet.nodes[..], point);
+            let (at, form) = (fields(T::RATE, here, step, tau), self.form(facet, q, end));
+            let [weight, by_radius] = self.weight(here, moment, step);
+            let by_radius = if field == 1 && j == 0 && !lagged { by_radius } else { 0.0 };
             let mut moved = at;
             let (value, grad) = match field {
                 0 => (&mut moved.v, &mut moved.grad_v),
@@ -239,8 +262,9 @@ impl<T: FacetTerm<D>, const D: usize> FacetOperator<T, D> {
                 grad.0[j][d] += tau * h * point.grad[b][d];
             }
             let lag = if lagged { at } else { moved };
-            let term = |at, lag| form.traction(at, lag, &point.normal, weight * point.weight);
-            sum += (term(&moved, &lag) - term(&at, &at)) * (1.0 / h);
+            let longer = weight + by_radius * h * point.value[b];
+            let term = |at, lag, weight| form.traction(at, lag, &point.normal, weight);
+            sum += (term(&moved, &lag, longer) - term(&at, &at, weight)) * (1.0 / h);
         }
         sum
     }
@@ -373,19 +397,4 @@ impl<T: FacetTerm<D>, const D: usize> Operator<D> for FacetOperator<T, D> {
         }
         sum
     }
-}
-
-/// Fields v and u, or v and ∂_t u of the step, at (1 − τ) U⁻ + τ U.
-fn fields<T: FacetTerm<D>, const D: usize>(
-    nodes: &[u32],
-    point: &FacetPoint<D>,
-    step: &StepView<'_>,
-    tau: f64,
-) -> Fields<f64, D> {
-    let of = |state: &State| fields_at(nodes, &point.value, &point.grad, state);
-    if T::RATE {
-        let (old, new) = (of(step.old), of(step.new));
-        return Fields { u: step.rule.per_k * (new.u - old.u), ..old.lerp(&new, tau) };
-    }
-    if tau == 1.0 { of(step.new) } else { of(step.old).lerp(&of(step.new), tau) }
 }

@@ -12,6 +12,7 @@ pub mod biharmonic;
 pub mod border;
 mod columns;
 pub mod facets;
+mod instant;
 pub mod nodal_load;
 pub mod outflow;
 pub mod outlet;

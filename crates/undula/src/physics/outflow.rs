@@ -46,14 +46,19 @@ impl<const D: usize> FacetForm<D> for Outflow {
 ///
 /// The term vanishes where the flow leaves. Where the flow comes in, ½ ρ ((v − ∂_t u)·n) |v|² of kinetic energy comes
 /// in through the boundary, which nothing bounds; the term takes exactly this energy away.
+///
+/// Its tangential part has t = v − n (n·v) in place of the last v, n the unit normal of the boundary in motion. It takes
+/// ½ ρ ((v − ∂_t u)·n) |t|² away, and leaves flow alone that comes straight in.
 #[derive(Copy, Clone, Debug)]
 pub struct Backflow {
     /// ρ_f \[kg/m³\].
     pub density: f64,
+    /// Whether it is the tangential part alone.
+    pub tangential: bool,
 }
 
 impl<const D: usize> FacetForm<D> for Backflow {
-    /// `u` holds ∂_t u. The flow through the boundary is that of `lag`, the v that it carries that of `at`.
+    /// `u` holds ∂_t u. Normal and flow through the boundary are those of `lag`, the v that it carries that of `at`.
     #[inline(always)]
     fn traction<T: Scalar>(
         &self,
@@ -62,7 +67,9 @@ impl<const D: usize> FacetForm<D> for Backflow {
         normal: &Vector<T::Value, D>,
         weight: f64,
     ) -> Vector<T, D> {
-        let flow = (lag.v - lag.u).dot(cofactor(&lag.grad_u) * normal.map(T::lift));
-        at.v * (flow * flow.below_zero() * (-0.5 * weight * self.density))
+        let n = cofactor(&lag.grad_u) * normal.map(T::lift);
+        let flow = (lag.v - lag.u).dot(n);
+        let carried = if self.tangential { at.v - n * (n.dot(at.v) / n.dot(n)) } else { at.v };
+        carried * (flow * flow.below_zero() * (-0.5 * weight * self.density))
     }
 }

@@ -211,8 +211,8 @@ pub fn outflow<S: Scalar<Value = S>, const D: usize>(
     newtonian * law.factor(&twice) - theta * form.viscosity * q * (dfactor * J)
 }
 
-/// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩, absent from the printed theorem; `at.u`
-/// and `W.u` are ∂_t u and its direction.
+/// Derivative of the directional term −⟨½ ρ min(0, (v − ∂_t u)·J F⁻ᵀ n) v, φ⟩ or of its tangential part, absent from the
+/// printed theorem; `at.u` and `W.u` are ∂_t u and its direction.
 #[inline(always)]
 pub fn backflow<S: Scalar<Value = S>, const D: usize>(
     form: &Backflow,
@@ -228,7 +228,15 @@ pub fn backflow<S: Scalar<Value = S>, const D: usize>(
     let relative = at.v - at.u;
     let flow = relative.dot(n) * J;
     let dflow = ((W.v - W.u).dot(n) + relative.dot(dn)) * J;
-    (at.v * dflow + W.v * flow) * (flow.below_zero() * (-0.5 * theta * form.density))
+    let (mut carried, mut change) = (at.v, W.v);
+    if form.tangential {
+        let square = n.dot(n);
+        let share = n.dot(at.v) / square;
+        let dshare = (dn.dot(at.v) + n.dot(W.v) - share * S::constant(2.0) * n.dot(dn)) / square;
+        carried -= n * share;
+        change -= dn * share + n * dshare;
+    }
+    (carried * dflow + change * flow) * (flow.below_zero() * (-0.5 * theta * form.density))
 }
 
 /// Derivative of a pressure that follows its boundary, ⟨p J F⁻ᵀ n, φ⟩: p (tr(F⁻¹ ∇w) I − F⁻ᵀ ∇wᵀ) J F⁻ᵀ n.

@@ -2,7 +2,7 @@
 
 use super::inflow;
 use crate::case::key;
-use crate::case::{Case, Linearization, MotionModel};
+use crate::case::{Case, Condition, Linearization, MotionModel};
 use crate::math::{rounded, shortest};
 use crate::output::Breakdown;
 use crate::simulation::Simulation;
@@ -49,13 +49,16 @@ fn backflow<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -
         space.mesh.shown(&std::array::from_fn(|d| found.point[d])),
     );
     let key = key::join("boundary", &found.boundary);
+    // With the other one a given pressure would be another, the total one.
+    let inlet = matches!(simulation.case.boundary.get(&found.boundary), Some(Condition::Pressure { .. }));
+    let term = if inlet { "tangential" } else { "directional" };
     Some(Special {
         cause: "backflow",
         sentence: format!(
             "the flow comes back in through the outlet `{}`, with {speed} m/s at {point}",
             found.boundary
         ),
-        remedy: format!("{key}.backflow = \"directional\" computes through it"),
+        remedy: format!("{key}.backflow = \"{term}\" computes through it"),
         place: format!("boundary `{}` at {point}", found.boundary),
     })
 }

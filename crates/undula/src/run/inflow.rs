@@ -4,7 +4,7 @@ use crate::case::{Case, Condition};
 use crate::math::Vector;
 use crate::physics::kinematics::cofactor;
 use crate::sampling::{facet_points, fields_at};
-use crate::space::{FsiSpace, Region, State};
+use crate::space::{Against, FsiSpace, Region, State};
 use crate::time::StepFailure;
 
 /// Part of the largest speed from which on flow that comes in is named as the cause.
@@ -30,14 +30,14 @@ pub struct Inflow {
     pub point: Vec<f64>,
 }
 
-/// The fastest flow in `state` that comes in through an outlet of `case` without directional term; `None` if it leaves
+/// The fastest flow in `state` that comes in through an outlet of `case` without a term against it; `None` if it leaves
 /// through all of them.
 pub fn inflow<const D: usize>(case: &Case, space: &FsiSpace<D>, state: &State) -> Option<Inflow> {
     let mut found: Option<Inflow> = None;
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
         let name = &space.mesh.boundaries[facet.boundary as usize];
         let outlet = case.boundary.get(name).is_some_and(Condition::is_natural);
-        if !outlet || case.directional.contains(name) {
+        if !outlet || case.against(name) != Against::None {
             continue;
         }
         let nodes = space.nodes.cell(facet.cell as usize);

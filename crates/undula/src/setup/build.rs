@@ -251,12 +251,10 @@ impl Case {
             // The domain goes on: the space knows it.
             Some(Condition::Periodic(_)) => BoundaryCondition::Free,
             Some(condition) if condition.is_lumped() || has_correction(condition) => {
-                BoundaryCondition::Outflow { do_nothing: true, directional: self.directional.contains(name) }
+                BoundaryCondition::Outflow { do_nothing: true, backflow: self.against(name) }
             }
             // The load, if there is one, is among the terms of the equations. The solid is free.
-            Some(_) => {
-                BoundaryCondition::Outflow { do_nothing: false, directional: self.directional.contains(name) }
-            }
+            Some(_) => BoundaryCondition::Outflow { do_nothing: false, backflow: self.against(name) },
             // The interface: inside the domain, or the surface of the region that is left.
             None if name == INTERFACE && (both || self.fluids.is_empty()) => BoundaryCondition::Free,
             // Between two regions of bodies that hang together.

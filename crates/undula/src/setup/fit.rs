@@ -6,7 +6,7 @@ use crate::case::error::{CaseError, CaseErrors, Place, quoted, suggestion};
 use crate::case::key;
 use crate::case::{Case, Condition, FunctionalSpec};
 use crate::mesh::INTERFACE;
-use crate::space::Region;
+use crate::space::{Against, Region};
 
 #[doc(hidden)]
 impl Case {
@@ -132,7 +132,8 @@ impl Fit<'_> {
                 }
                 Some(_) => {}
             }
-            if self.case.directional.contains(name) && !self.case.fluids.is_empty() && !fluid {
+            let given = self.case.backflow.get(name).is_some_and(|against| *against != Against::None);
+            if given && !self.case.fluids.is_empty() && !fluid {
                 let message = "it is for an outlet of the fluid, and only the solid is here; remove it";
                 self.error(&format!("{key}.backflow"), message.into());
             }

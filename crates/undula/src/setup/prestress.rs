@@ -55,7 +55,7 @@ impl Case {
         for solid in &mut case.solids {
             (solid.reference, solid.body_force) = (Reference::Sought, Default::default());
         }
-        case.directional.clear();
+        case.backflow.clear();
         for condition in case.boundary.values_mut() {
             match condition {
                 Condition::NoSlip | Condition::Clamped | Condition::Displacement(_) => {}

@@ -27,12 +27,35 @@ pub enum BoundaryCondition<const D: usize> {
     Outflow {
         /// Apply the correction that makes the condition do-nothing instead of traction-free.
         do_nothing: bool,
-        /// Add the directional term against flow that comes in.
-        directional: bool,
+        /// The term against flow that comes in.
+        backflow: Against,
     },
     /// v and u free: surface of the solid without traction, and seams of the domain.
     Free,
 }
+
+/// The term against flow that comes in through an outlet, see [`crate::physics::Backflow`].
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub enum Against {
+    /// There is none.
+    #[default]
+    None,
+    /// It takes out the kinetic energy of the flow.
+    Directional,
+    /// It takes out that of the flow along the boundary.
+    Tangential,
+}
+
+/// Their names in a case.
+pub static BACKFLOW: [Choice<Against>; 3] = [
+    choice("none", Against::None, "no term against flow that comes in"),
+    choice("directional", Against::Directional, "directional do-nothing condition (Braack and Mucha 2014)"),
+    choice(
+        "tangential",
+        Against::Tangential,
+        "its part along the boundary: flow straight in is as without it",
+    ),
+];
 
 /// What the deformation does on the outer boundary of the fluid.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]

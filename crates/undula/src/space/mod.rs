@@ -14,7 +14,7 @@ pub mod seams;
 mod sliding;
 pub mod state;
 
-pub use boundary::{BoundaryCondition, MotionData, VelocityData, WALLS, Walls};
+pub use boundary::{Against, BACKFLOW, BoundaryCondition, MotionData, VelocityData, WALLS, Walls};
 pub use conditions::{Constraints, Directions};
 pub use coordinates::{COORDINATES, Coordinates};
 pub use dofs::Nodes;

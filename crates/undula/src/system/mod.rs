@@ -11,7 +11,7 @@ use crate::algebra::SolverError;
 pub use crate::loops::width::{available, best_lanes};
 use crate::math::Vector;
 use crate::mesh::Side;
-use crate::operators::backflow::directional;
+use crate::operators::backflow::backflow;
 use crate::operators::biharmonic::Biharmonic;
 pub use crate::operators::border::{Border, Borders};
 use crate::operators::outflow::correction;
@@ -22,7 +22,7 @@ pub use crate::operators::stabilization::patches;
 use crate::operators::{Blocks, RegionOperator};
 pub use crate::operators::{DataTime, End, ForceAt, Matrix, NotFinite, Operator, Options, Physics, StepView};
 use crate::physics::{Extension, Stabilization};
-use crate::space::{BoundaryCondition, ClosedPressure, Constraints, FsiSpace, Region, State};
+use crate::space::{Against, BoundaryCondition, ClosedPressure, Constraints, FsiSpace, Region, State};
 use directions::DirectedBlocks;
 use extension::ExtensionSystem;
 pub use matrices::CondensedSystem;
@@ -97,9 +97,11 @@ where
         for fluid in physics.fluids() {
             let n = options.quadrature;
             let outflow = correction(&space, fluid, conditions, n);
-            let backflow = directional(&space, fluid, conditions, n);
             terms.extend((!outflow.is_empty()).then(|| Box::new(outflow) as Box<dyn Operator<D>>));
-            terms.extend((!backflow.is_empty()).then(|| Box::new(backflow) as Box<dyn Operator<D>>));
+            for against in [Against::Directional, Against::Tangential] {
+                let backflow = backflow(&space, fluid, conditions, against, n);
+                terms.extend((!backflow.is_empty()).then(|| Box::new(backflow) as Box<dyn Operator<D>>));
+            }
         }
         if let (Some(Extension::Biharmonic { hinged }), true) =
             (physics.fluid.map(|fluid| fluid.extension), space.deforms)

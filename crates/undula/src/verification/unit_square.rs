@@ -8,7 +8,8 @@ use super::manufactured::{Exact, InTime, Manufactured, Number, Values, cos, numb
 use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::mesh::{INTERFACE, Mesh};
-use crate::space::{BoundaryCondition, VelocityData};
+use crate::space::BoundaryCondition::{self, Outflow};
+use crate::space::{Against, VelocityData};
 use crate::system::Options;
 use crate::time::Scheme;
 use std::f64::consts::PI;
@@ -103,7 +104,7 @@ pub fn errors(case: &Case) -> Result<Errors, Error> {
     let space = case.space_on(&mesh)?;
     let exact = if in_time.is_some() { of_two_profiles() } else { smooth(space.deforms) };
     let conditions = space.mesh.boundaries.iter().map(|name| match case.boundary.get(name) {
-        Some(Condition::DoNothing) => BoundaryCondition::Outflow { do_nothing: true, directional: false },
+        Some(Condition::DoNothing) => Outflow { do_nothing: true, backflow: Against::None },
         _ if name == INTERFACE => BoundaryCondition::Free,
         _ => BoundaryCondition::Velocity(velocity(&exact)),
     });

@@ -6,7 +6,7 @@ use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
 use undula::physics::{Extension, Fluid, Material, Solid};
-use undula::space::{BoundaryCondition, FsiSpace, PressureKind, Region};
+use undula::space::{Against, BoundaryCondition, FsiSpace, PressureKind, Region};
 use undula::system::{Options, Physics};
 use undula::verification::manufactured::{Exact, InTime, Manufactured};
 pub use undula::verification::unit_square::{bubble, smooth, velocity};
@@ -190,7 +190,7 @@ pub fn problem_in(
     let condition = |name: &String| match name.as_str() {
         "interface" if coupled || physics.fluid.is_none() => BoundaryCondition::Free,
         "right" if physics.fluid.is_some() => {
-            BoundaryCondition::Outflow { do_nothing: true, directional: false }
+            BoundaryCondition::Outflow { do_nothing: true, backflow: Against::None }
         }
         _ => BoundaryCondition::Velocity(velocity(&exact)),
     };

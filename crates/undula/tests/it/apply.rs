@@ -5,14 +5,14 @@ use std::sync::Arc;
 use undula::algebra::Csr;
 use undula::math::Vector;
 use undula::mesh::Side;
-use undula::operators::backflow::directional;
+use undula::operators::backflow::backflow;
 use undula::operators::outflow::correction;
 use undula::operators::pressure::{PressureData, pressure};
 use undula::operators::{DataTime, End, Operator};
 use undula::physics::rule::SECANT;
 use undula::physics::{Extension, Fluid, PressureTerm, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::{Continuous, Pdc};
-use undula::space::{BoundaryCondition, Region, State};
+use undula::space::{Against, BoundaryCondition, Region, State};
 use undula::system::{Assembler, CurrentForce, Options, StepView};
 use undula::tangent::Tangent;
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
@@ -28,8 +28,8 @@ fn coupled(pair: Pair, fluid: Fluid) -> Manufactured {
     let space = pair.space(&square(4, Cells::Curved, Body::Block), &physics);
     let mut problem = problem_in(space, physics, nothing, InTime::Difference, pair.quadrature());
     for condition in &mut problem.conditions {
-        if let BoundaryCondition::Outflow { directional, .. } = condition {
-            *directional = true;
+        if let BoundaryCondition::Outflow { backflow, .. } = condition {
+            *backflow = Against::Directional;
         }
     }
     problem
@@ -159,8 +159,8 @@ fn products_have_the_stiffness_of_a_pressure() {
 fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
     let problem = coupled(quadrilaterals(2, Pdc(1)), AUXETIC);
     let (space, conditions, n) = (&problem.space, &problem.conditions, problem.quadrature);
-    let (outflow, backflow) =
-        (correction(space, (0, AUXETIC), conditions, n), directional(space, (0, AUXETIC), conditions, n));
+    let outflow = correction(space, (0, AUXETIC), conditions, n);
+    let backflow = backflow(space, (0, AUXETIC), conditions, Against::Directional, n);
     assert!(!outflow.is_empty() && !backflow.is_empty());
     let mut terms: [Box<dyn Operator<2>>; 2] = [Box::new(outflow), Box::new(backflow)];
     let (new, old) = (random(&problem, 77, [2.0, 0.02, 4.0]), random(&problem, 78, [2.0, 0.02, 4.0]));

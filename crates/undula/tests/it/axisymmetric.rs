@@ -238,7 +238,7 @@ fn a_hollow_sphere_is_that_of_lame() {
 }
 
 /// A channel with an elastic wall, (left, right, bottom, top) = (plane of symmetry or axis, outside, ends).
-fn walled(radius: f64, around: bool, more: &[&str]) -> Case {
+pub fn walled(radius: f64, around: bool, more: &[&str]) -> Case {
     let text = format!(
         r#"
 [mesh]

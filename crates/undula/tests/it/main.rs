@@ -11,6 +11,7 @@ mod manufactured;
 mod apply;
 mod assembly;
 mod axisymmetric;
+mod backflow;
 mod bars;
 mod bench;
 mod borders;

@@ -10,7 +10,7 @@ use undula::mesh::generate::rectangle;
 use undula::sampling::for_each_point;
 use undula::simulation::Simulation;
 use undula::space::PressureKind::{self, Continuous};
-use undula::space::{BoundaryCondition, Constraints, FsiSpace, Region, State};
+use undula::space::{Against, BoundaryCondition, Constraints, FsiSpace, Region, State};
 use undula::verification::stability::{condition, conditions, constants, inf_sup, sample_deformation};
 
 const P1DC: PressureKind = PressureKind::Pdc(1);
@@ -20,7 +20,7 @@ fn flow(mesh: Mesh<2>, degree: usize, pressure: PressureKind, open: bool) -> (Fs
     let regions = vec![Region::Fluid; mesh.n_cells()];
     let space = FsiSpace::new(mesh, regions, degree, pressure);
     let condition = |name: &String| match name.as_str() {
-        "right" if open => BoundaryCondition::Outflow { do_nothing: true, directional: false },
+        "right" if open => BoundaryCondition::Outflow { do_nothing: true, backflow: Against::None },
         _ => BoundaryCondition::Fixed,
     };
     let conditions: Vec<_> = space.mesh.boundaries.iter().map(condition).collect();

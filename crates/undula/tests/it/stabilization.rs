@@ -11,7 +11,7 @@ use undula::mesh::generate::rectangle;
 use undula::physics::stabilization::CellState;
 use undula::physics::{Mapping, PressureTerm, Projection, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::Continuous;
-use undula::space::{BoundaryCondition, FsiSpace, Region, State};
+use undula::space::{Against, BoundaryCondition, FsiSpace, Region, State};
 use undula::system::{Assembler, End, Options, StepView};
 use undula::tangent::{Difference, Stencil, Tangent};
 
@@ -74,7 +74,7 @@ fn nodal(space: &FsiSpace<2>, f: impl Fn(&[f64; 2]) -> [f64; 2]) -> Vec<f64> {
 fn assembler(space: &Arc<FsiSpace<2>>, how: &Stabilization, lanes: usize, threads: usize) -> Assembler<2> {
     let coupled = space.regions.contains(&Region::Solid);
     let condition = |name: &String| match name.as_str() {
-        "right" => BoundaryCondition::Outflow { do_nothing: true, directional: false },
+        "right" => BoundaryCondition::Outflow { do_nothing: true, backflow: Against::None },
         "interface" => BoundaryCondition::Free,
         _ => BoundaryCondition::Fixed,
     };

@@ -1,7 +1,6 @@
 //! The tables `[boundary.*]` and `[functional.*]`.
 
 use super::is_name;
-use crate::case::choices::BACKFLOW;
 use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
 use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
@@ -11,11 +10,12 @@ use crate::case::read::{Checker, POSITIVE, Section, Vectors};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
-use std::collections::{BTreeMap, BTreeSet};
+use crate::space::{Against, BACKFLOW};
+use std::collections::BTreeMap;
 
-/// Conditions by name, and the names of outlets with the directional term.
-pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>, BTreeSet<String>) {
-    let (mut boundary, mut directional) = (BTreeMap::new(), BTreeSet::new());
+/// Conditions by name, and the terms of outlets against flow that comes in where they are not those of the condition.
+pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>, BTreeMap<String, Against>) {
+    let (mut boundary, mut backflow) = (BTreeMap::new(), BTreeMap::new());
     for name in all.keys() {
         let mut s = all.section(&name);
         if name == INTERFACE {
@@ -31,9 +31,11 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         s.require_choice("condition", &CONDITIONS);
         let against = s.choice("backflow", &BACKFLOW, &[]);
         let outlet = condition.as_ref().is_none_or(Condition::is_natural);
-        if against == Some(true) && outlet {
-            directional.insert(name.clone());
-        } else if against == Some(true) {
+        let default = condition.as_ref().map_or(Against::None, Condition::against);
+        let given = against.filter(|against| *against != default);
+        if let (Some(against), true) = (given, outlet) {
+            backflow.insert(name.clone(), against);
+        } else if given.is_some() {
             let why = match condition {
                 Some(Condition::Periodic(_)) => "the flow goes on behind it",
                 _ => "the velocity is given",
@@ -52,7 +54,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         }
     }
     partners(&mut boundary, &mut all);
-    (boundary, directional)
+    (boundary, backflow)
 }
 
 /// Two boundaries that are one name each other; one of the two tables may be left out.
