@@ -8,6 +8,7 @@ use crate::case::schema::Extrude;
 use crate::case::{Case, MeshSource, OwnMesh};
 use crate::element::Shape;
 use crate::error::Error;
+use crate::mesh::gmsh::AnyMesh;
 use crate::mesh::{Curve, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
 use crate::system::Dim;
 
@@ -137,8 +138,10 @@ impl Case {
                 generate::hexahedra(first(lower), first(upper), first(cells), 0)?
             }
             MeshSource::File(path) => {
-                let mesh = gmsh::read_in_space(path).map_err(|e| self.blame("mesh.file", e))?;
-                self.scaled(mesh)?
+                match gmsh::read_any(path).map_err(|e| self.blame("mesh.file", e))? {
+                    AnyMesh::Space(mesh) => self.scaled(mesh)?,
+                    AnyMesh::Plane(_) => return Err(self.refuse("mesh.file", "it is a plane mesh".into())),
+                }
             }
             _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
         };

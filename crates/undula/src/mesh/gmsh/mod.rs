@@ -53,14 +53,14 @@ pub fn read(path: &Path) -> Result<Mesh<2>, MeshError> {
     parse(bytes(path)?, path)
 }
 
-/// STUB
-pub fn dimension(_: &Path) -> Result<usize, MeshError> {
-    Ok(2)
-}
-/// STUB
-pub fn read_in_space(path: &Path) -> Result<Mesh<3>, MeshError> {
-    let _ = path;
-    unimplemented!()
+/// Dimension of the mesh in file `path`; nothing but the cells is looked at.
+///
+/// # Errors
+/// As [`read`].
+pub fn dimension(path: &Path) -> Result<usize, MeshError> {
+    let bytes = bytes(path)?;
+    let raw = sections::parse(&mut Source::new(&bytes, path))?;
+    Ok(build::dimension(&raw))
 }
 
 /// Shape of the cells of the mesh in file `path`; nothing but the cells is looked at.
