@@ -6,6 +6,7 @@ mod cube;
 mod cut;
 pub mod figure;
 mod history;
+mod lines;
 mod picture;
 mod space;
 mod surface;
@@ -162,7 +163,13 @@ fn drawings<'a>(
     }
     let wrong = |why: String| NotDrawn(format!("{why} (ParaView shows all of {})", file.display()));
     let cuts = match views.cuts[..] {
-        [] => View::middle(snapshot).into_iter().collect(),
+        [] => match View::middle(snapshot) {
+            Ok(view) => vec![view],
+            Err(why) => {
+                say_notes(&[why]);
+                vec![]
+            }
+        },
         _ => views
             .cuts
             .iter()

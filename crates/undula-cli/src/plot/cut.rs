@@ -1,12 +1,16 @@
 //! Cuts of hexahedra by planes: the fields in the plane, and the lines where the faces of the cells meet it.
 
 use super::cube::{Cube, across};
+use super::lines::{chains, simplified};
 use super::space::{Face, extents, faces, size};
 use std::collections::{BTreeMap, HashMap};
 use undula::output::{CellKind, Field, FieldSnapshot};
 
 /// Pieces of a cell per direction at most.
 const FINEST: usize = 12;
+
+/// How far lines may be from where they are \[pixels\].
+const TOLERANCE: f64 = 0.05;
 
 /// A plane across a coordinate.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -74,7 +78,8 @@ impl Cut {
             while let Some(Face { facet, other, .. }) = faces.next_if(|face| face.cell == cell) {
                 let inside = other.is_some_and(|other| solid[other] == solid[cell]);
                 if !(inside && other.is_some_and(|other| part_of(other) == part_of(cell))) {
-                    let lines = cutter.trace(&mut pieces, *facet);
+                    let lines = cutter.trace(&mut pieces, *facet).into_iter();
+                    let lines = lines.map(|line| simplified(&line, TOLERANCE / scale));
                     (if inside { &mut inner } else { &mut outline }).extend(lines);
                 }
             }
@@ -219,32 +224,6 @@ impl<'a> Cutter<'a> {
     }
 }
 
-/// Joins segments that have ends in common, of which no more than two meet, to lines.
-fn chains(segments: &[[u32; 2]]) -> Vec<Vec<u32>> {
-    let mut beside: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-    for (n, segment) in segments.iter().enumerate() {
-        segment.iter().for_each(|&end| beside.entry(end).or_default().push(n));
-    }
-    let mut is_left = vec![true; segments.len()];
-    let mut chains = vec![];
-    // Open lines begin at an end; what is left then is closed.
-    let ends = beside.iter().filter(|(_, at)| at.len() == 1).chain(&beside).map(|(&point, _)| point);
-    for start in ends {
-        let mut chain = vec![start];
-        let mut at = start;
-        while let Some(&next) = beside[&at].iter().find(|&&n| is_left[n]) {
-            is_left[next] = false;
-            let [a, b] = segments[next];
-            at = if a == at { b } else { a };
-            chain.push(at);
-        }
-        if chain.len() > 1 {
-            chains.push(chain);
-        }
-    }
-    chains
-}
-
 #[cfg(test)]
 pub mod tests {
     use super::*;
@@ -352,12 +331,5 @@ pub mod tests {
                 assert_eq!(*kind > 0.5, x < 1.5);
             }
         }
-    }
-
-    #[test]
-    fn lines_are_joined_and_closed_ones_are_closed() {
-        assert_eq!(chains(&[[5, 3], [1, 2], [2, 3]]), [[1, 2, 3, 5]]);
-        assert_eq!(chains(&[[1, 2], [3, 1], [3, 2]]), [[1, 2, 3, 1]]);
-        assert!(chains(&[]).is_empty());
     }
 }

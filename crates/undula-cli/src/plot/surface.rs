@@ -13,7 +13,7 @@ use undula::output::FieldSnapshot;
 const VIEWER: Vector = [0.45, 0.41, 0.8];
 
 /// Towards a lamp, in the directions of the picture: above the viewer, to the left.
-const LAMP: Vector = [-0.35, 0.45, 0.82];
+const LAMP: Vector = [-0.2, 0.35, 0.92];
 
 /// Cosine of the angle between two faces from which on the edge between them is sharp.
 const SHARP: f64 = 0.77;

@@ -11,7 +11,7 @@ const SAMPLES: usize = 2;
 const FINE: usize = SCALE * SAMPLES;
 
 /// How bright a surface is that no light of the lamp reaches.
-const SHADE: f64 = 0.42;
+const SHADE: f64 = 0.58;
 
 /// Lines of the mesh darken the colours beneath; sharp edges are black.
 const MESH: f64 = 0.59;
