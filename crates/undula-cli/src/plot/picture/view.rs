@@ -100,3 +100,61 @@ pub fn solid_cells(snapshot: &FieldSnapshot) -> Vec<bool> {
         None => vec![false; snapshot.n_cells()],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::cut::tests::{hexahedra, shell};
+    use super::super::super::figure::Panel;
+    use super::super::raster::{NOWHERE, Raster};
+    use super::*;
+
+    /// p = x y − z where 1 < r < 2, nothing elsewhere.
+    #[test]
+    fn samples_of_a_cut_have_the_field_at_their_place() {
+        let mesh = hexahedra(2, [3, 6, 2], shell(0.1));
+        for (mesh, tolerance) in [(mesh.clone(), 4e-3), (mesh.linear(), 2e-2)] {
+            let view = View::cut(&mesh, args::Plane { axis: 2, at: Some(0.25) }).unwrap();
+            assert_eq!((view.axes, view.place.as_deref()), (["x [m]", "y [m]"], Some("z = 0.25 m")));
+            let ends = (0.0, 2.0);
+            let panel = Panel {
+                left: 7.0,
+                top: 9.0,
+                width: 100.0,
+                height: 100.0,
+                x: ends,
+                y: ends,
+                logarithmic: false,
+            };
+            let raster =
+                Raster::new(&view.fields, &view.fields.at_points("pressure").unwrap().values, &panel);
+            for (n, sample) in raster.samples.iter().enumerate() {
+                let [x, y] = [n % raster.width, raster.height - 1 - n / raster.width]
+                    .map(|i| 2.0 * (i as f64 + 0.5) / raster.width as f64);
+                let r = x.hypot(y);
+                // Pieces have straight sides.
+                if (r - 1.0).abs() > 0.03 && (r - 2.0).abs() > 0.03 {
+                    let within = r > 1.0 && r < 2.0;
+                    assert_eq!(sample.cell != NOWHERE, within, "({x}, {y})");
+                    assert!(!within || (f64::from(sample.value) - (x * y - 0.25)).abs() < tolerance);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_middle_is_across_the_shortest_side_where_there_are_cells() {
+        let flat = hexahedra(1, [2; 3], |[r, s, t]| [2.0 * r, 0.1 + 0.5 * s, t]);
+        let view = View::middle(&flat).unwrap();
+        assert_eq!((view.axes, view.suffix.as_str()), (["x [m]", "z [m]"], ""));
+        assert_eq!(view.place.as_deref(), Some("y = 0.35 m"));
+        let mut apart = hexahedra(1, [2, 2, 3], |x| x);
+        // Without the middle layer.
+        apart.cells.drain(4 * 8..8 * 8);
+        assert_eq!(View::middle(&apart).unwrap().place.as_deref(), Some("z = 0.25 m"));
+        let error = View::cut(&apart, args::Plane { axis: 2, at: None }).err().unwrap();
+        assert!(
+            error.contains("z=0.5: the plane meets no cell; the domain reaches from z = 0 to 1 m"),
+            "{error}"
+        );
+    }
+}

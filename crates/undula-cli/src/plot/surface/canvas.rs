@@ -147,3 +147,52 @@ impl Canvas {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of the panel at this distance, with the value of its distance.
+    fn square(from: f64, to: f64, near: f64) -> [Triangle; 2] {
+        let triangle = |corners: [[f64; 2]; 3]| Triangle {
+            at: corners.map(|[x, y]| [x, y, near]),
+            values: [near; 3],
+            light: [1.0; 3],
+        };
+        let [a, b, c, d] = [[from, from], [to, from], [to, to], [from, to]];
+        [triangle([a, b, c]), triangle([a, c, d])]
+    }
+
+    #[test]
+    fn what_is_nearer_is_seen_and_lines_behind_it_are_not() {
+        let panel = Panel {
+            left: 0.0,
+            top: 0.0,
+            width: 20.0,
+            height: 20.0,
+            x: (0.0, 1.0),
+            y: (0.0, 1.0),
+            logarithmic: false,
+        };
+        for nearest_first in [true, false] {
+            let mut canvas = Canvas::new(&panel);
+            let mut triangles: Vec<Triangle> =
+                [square(0.5, 1.0, 2.0), square(0.0, 0.8, 1.0)].into_iter().flatten().collect();
+            if !nearest_first {
+                triangles.reverse();
+            }
+            triangles.iter().for_each(|triangle| canvas.triangle(triangle));
+            canvas.line(&[[0.0, 0.7, 1.0], [1.0, 0.7, 1.0]], 0.5, true);
+            let at = |x: f64, y: f64| {
+                let [i, j] = [x, 1.0 - y].map(|s| (s * canvas.width as f64) as usize);
+                canvas.samples[j * canvas.width + i]
+            };
+            assert_eq!([at(0.2, 0.2), at(0.6, 0.6), at(0.9, 0.9)].map(|s| s.value), [1.0, 2.0, 2.0]);
+            assert_eq!(at(0.9, 0.2).near, f32::NEG_INFINITY);
+            // Above the square that is behind, behind the other one, above nothing.
+            assert_eq!([at(0.2, 0.7), at(0.6, 0.7)].map(|s| s.line), [0.0, 1.0]);
+            assert_eq!([at(0.2, 0.5), at(0.9, 0.3)].map(|s| s.line), [1.0, 1.0]);
+            assert_eq!(canvas.values().len(), canvas.samples.len() * (64 + 25 - 9) / 100);
+        }
+    }
+}
