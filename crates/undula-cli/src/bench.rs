@@ -8,7 +8,9 @@ use undula::bench::{Options, Report, measure, write_matrices};
 use undula::case::Case;
 use undula::error::Error;
 use undula::output::write_atomic;
+use undula::setup::dimension::Dimension;
 use undula::simulation::Simulation;
+use undula::system::Dim;
 
 /// Measures, and writes the report.
 pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
@@ -19,7 +21,11 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
         Ok(case) => case,
         Err(code) => return Ok(code),
     };
-    match report(args, case) {
+    let report = match case.mesh.dimension {
+        3 => report::<3>(args, case),
+        _ => report::<2>(args, case),
+    };
+    match report {
         Ok(report) => write(args, &report),
         Err(Error::Breakdown(failure)) => {
             say(format_args!("breakdown: {failure}"));
@@ -29,16 +35,19 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-fn report(args: &BenchArgs, case: Case) -> Result<Report, Error> {
+fn report<const D: usize>(args: &BenchArgs, case: Case) -> Result<Report, Error>
+where
+    Dim<D>: Dimension<D>,
+{
     let options = Options {
         steps: usize::from(args.steps),
         repeat: usize::from(args.repeat),
         kernels: !args.no_kernels,
     };
     // The state is that of the run in `from`.
-    let mut simulation = match args.from {
+    let mut simulation: Simulation<D> = match args.from {
         Some(_) => Simulation::at_rest(case, threads(args.threads))?,
-        None => Simulation::new(case, threads(args.threads))?,
+        None => Simulation::set_up(case, threads(args.threads))?,
     };
     if let Some(from) = &args.from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);

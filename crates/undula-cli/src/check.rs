@@ -6,6 +6,8 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
 use undula::case::error::LoadError;
+use undula::case::expression::Expression;
+use undula::case::schema::Extrude;
 use undula::case::{Case, Condition, FluidSpec, GENERATORS, Initial, MeshSource, SolidSpec};
 use undula::choice::row_of;
 use undula::error::Error;
@@ -145,12 +147,27 @@ fn write_velocities(out: &mut String, case: &Case) -> std::fmt::Result {
     }
     for (name, condition) in &case.boundary {
         let Condition::Velocity(velocity) = condition else { continue };
-        writeln!(out, "          {name}: v = ({}, {}) m/s", velocity[0], velocity[1])?;
+        writeln!(out, "          {name}: v = {} m/s", vector(velocity))?;
     }
     Ok(())
 }
 
+/// Components in words.
+fn vector(components: &[Expression]) -> String {
+    format!("({})", components.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+}
+
 fn source(case: &Case) -> String {
+    let extruded = |source: String| match case.mesh.extrude {
+        Some(Extrude { depth, layers }) => {
+            format!("{source}, extruded by {depth} m in {layers} layer{}", if layers == 1 { "" } else { "s" })
+        }
+        None => source,
+    };
+    extruded(plane(case))
+}
+
+fn plane(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
         MeshSource::File(path) => path.display().to_string(),
@@ -198,8 +215,8 @@ fn write_time(out: &mut String, case: &Case) -> std::fmt::Result {
         Some(initial @ (Initial::From(_) | Initial::Static)) => writeln!(out, "          from the {initial}"),
         Some(Initial::Fields { velocity, displacement }) => {
             for (name, unit, pair) in [("u", "m", displacement), ("v", "m/s", velocity)] {
-                if let Some([x, y]) = pair {
-                    writeln!(out, "          from {name} = ({x}, {y}) {unit}")?;
+                if let Some(field) = pair {
+                    writeln!(out, "          from {name} = {} {unit}", vector(field))?;
                 }
             }
             Ok(())

@@ -7,7 +7,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use undula::case::Case;
 use undula::error::Error;
+use undula::setup::dimension::Dimension;
 use undula::simulation::Simulation;
+use undula::system::Dim;
 use undula::verification::stability::{Conditions, Constants, InfSup, conditions, constants};
 
 /// Below this a constant is zero: it is the root of a rounding error.
@@ -19,7 +21,11 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         Ok(case) => case,
         Err(code) => return Ok(code),
     };
-    match report(case, args.from.as_deref()) {
+    let report = match case.mesh.dimension {
+        3 => report::<3>(case, args.from.as_deref()),
+        _ => report::<2>(case, args.from.as_deref()),
+    };
+    match report {
         Ok(text) => print(&text),
         Err(error) => run::failed(error),
     }
@@ -29,12 +35,15 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 ///
 /// # Errors
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
-fn report(case: Case, from: Option<&Path>) -> Result<String, Error> {
+fn report<const D: usize>(case: Case, from: Option<&Path>) -> Result<String, Error>
+where
+    Dim<D>: Dimension<D>,
+{
     case.needs_plane("inf-sup constants")?;
     // The state is that of the run in `from`.
-    let mut simulation = match from {
+    let mut simulation: Simulation<D> = match from {
         Some(_) => Simulation::at_rest(case, 1)?,
-        None => Simulation::new(case, 1)?,
+        None => Simulation::set_up(case, 1)?,
     };
     if let Some(from) = from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);

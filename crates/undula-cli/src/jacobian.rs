@@ -6,7 +6,9 @@ use std::process::ExitCode;
 use undula::case::Case;
 use undula::error::Error;
 use undula::run::restore_latest;
+use undula::setup::dimension::Dimension;
 use undula::simulation::Simulation;
+use undula::system::Dim;
 use undula::verification::jacobians::{At, JacobianReport, compare};
 
 /// Compares them at a random state, or at that of a run; exit code 1 if they do not agree.
@@ -15,7 +17,11 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
         Ok(case) => case,
         Err(code) => return Ok(code),
     };
-    match report(args, case) {
+    let report = match case.mesh.dimension {
+        3 => report::<3>(args, case),
+        _ => report::<2>(args, case),
+    };
+    match report {
         Ok(report) => {
             let printed = print(&report.to_string())?;
             Ok(if report.agrees() { printed } else { ExitCode::FAILURE })
@@ -24,11 +30,14 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-fn report(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error> {
+fn report<const D: usize>(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error>
+where
+    Dim<D>: Dimension<D>,
+{
     // The state is that of the run in `from`.
-    let mut simulation = match args.from {
+    let mut simulation: Simulation<D> = match args.from {
         Some(_) => Simulation::at_rest(case, 1)?,
-        None => Simulation::new(case, 1)?,
+        None => Simulation::set_up(case, 1)?,
     };
     let at = match &args.from {
         Some(from) => {

@@ -37,7 +37,10 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         verbose: args.verbose,
         stop: interrupt_flag()?,
     };
-    let result = undula::run::run(case, &options, &mut display);
+    let result = match case.mesh.dimension {
+        3 => undula::run::run_in_space(case, &options, &mut display),
+        _ => undula::run::run(case, &options, &mut display),
+    };
     let progress = display.progress.take();
     match result {
         Ok(summary) => finish(progress, &summary, &directory, args.quiet, end.is_some()),
@@ -71,8 +74,8 @@ struct Display {
     stop: Arc<AtomicBool>,
 }
 
-impl Observer for Display {
-    fn start(&mut self, simulation: &Simulation) {
+impl<const D: usize> Observer<D> for Display {
+    fn start(&mut self, simulation: &Simulation<D>) {
         if !self.quiet {
             for note in simulation.case.notes() {
                 say(format_args!("note: {note}"));
@@ -109,7 +112,7 @@ impl Observer for Display {
         Some(self.stop.clone())
     }
 
-    fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow {
+    fn after_step(&mut self, simulation: &Simulation<D>, row: &Row) -> Flow {
         let names = simulation.names();
         let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
         let info = StepInfo {
@@ -131,7 +134,7 @@ impl Observer for Display {
 }
 
 /// The scaled residuals of a step, from its start value on; those of its parts apart.
-fn iterations(simulation: &Simulation, row: &Row) -> String {
+fn iterations<const D: usize>(simulation: &Simulation<D>, row: &Row) -> String {
     let residuals = |part: &[f64]| part.iter().map(|r| format!("{r:.2e}")).collect::<Vec<_>>().join(" ");
     let parts: Vec<String> = simulation.report.residuals_of_parts().map(residuals).collect();
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });

@@ -19,7 +19,8 @@ use crate::functional::statistics::{self, Series, Statistics};
 use crate::nonlinear::NewtonError;
 use crate::output::{FunctionalSummary, Unknowns};
 use crate::setup::build::Functionals;
-use crate::system::{Operator, StepView};
+use crate::setup::dimension::Dimension;
+use crate::system::{Dim, Operator, StepView};
 use crate::time::{Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -36,12 +37,12 @@ use std::sync::Arc;
 /// }
 /// # Ok::<(), undula::Error>(())
 /// ```
-pub struct Simulation {
+pub struct Simulation<const D: usize = 2> {
     /// The case.
     pub case: Case,
     /// Spaces, equations, solvers, and the solution.
     #[doc(hidden)]
-    pub stepper: Stepper<2>,
+    pub stepper: Stepper<D>,
     /// Rows so far.
     pub history: Vec<Row>,
     /// Steps done.
@@ -54,8 +55,8 @@ pub struct Simulation {
     pub adaptive: Option<Adaptive>,
     /// What flows through the boundaries of the fluid; `None` without fluid.
     #[doc(hidden)]
-    pub balance: Option<Balance<2>>,
-    functionals: Functionals,
+    pub balance: Option<Balance<D>>,
+    functionals: Functionals<D>,
     names: Arc<[String]>,
     fluid_residual: Vec<f64>,
     needs_residual: bool,
@@ -69,17 +70,20 @@ fn schedule(case: &Case, time: &TimeSpec) -> Schedule {
     Schedule { start: time.start, end: time.end, interval: case.output.fields_interval }
 }
 
-fn names_of(functionals: &Functionals) -> Arc<[String]> {
+fn names_of<const D: usize>(functionals: &Functionals<D>) -> Arc<[String]> {
     functionals.iter().map(|(name, _)| name.clone()).collect()
 }
 
-impl Simulation {
+impl<const D: usize> Simulation<D>
+where
+    Dim<D>: Dimension<D>,
+{
     /// [`Simulation::new`] at rest, whatever the case begins with: its state comes from elsewhere.
     ///
     /// # Errors
     /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
     #[doc(hidden)]
-    pub fn at_rest(mut case: Case, threads: usize) -> Result<Simulation, Error> {
+    pub fn at_rest(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
         let threads = threads.max(1);
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
@@ -117,6 +121,9 @@ impl Simulation {
         })
     }
 
+}
+
+impl<const D: usize> Simulation<D> {
     /// Names of the functionals.
     pub fn names(&self) -> Vec<String> {
         self.names.to_vec()
@@ -129,7 +136,7 @@ impl Simulation {
 
     /// The solution after the last step; at first that of `[initial]`, or rest, with the boundary values of the
     /// start.
-    pub fn fields(&self) -> Fields<'_> {
+    pub fn fields(&self) -> Fields<'_, D> {
         Fields::new(&self.stepper.assembler.space, &self.stepper.new)
     }
 
@@ -152,7 +159,7 @@ impl Simulation {
         &mut self,
         name: &str,
         unit: &'static str,
-        value: impl Fn(&Fields<'_>) -> f64 + Send + 'static,
+        value: impl Fn(&Fields<'_, D>) -> f64 + Send + 'static,
     ) {
         assert!(self.history.is_empty() && self.steps == 0, "functionals are added before the first step");
         assert!(!self.names.iter().any(|n| n == name), "there is a functional `{name}` already");
@@ -165,7 +172,7 @@ impl Simulation {
     /// # Panics
     /// If a step was taken already.
     #[doc(hidden)]
-    pub fn add_term(&mut self, term: Box<dyn Operator<2>>) {
+    pub fn add_term(&mut self, term: Box<dyn Operator<D>>) {
         assert!(self.history.is_empty() && self.steps == 0, "terms are added before the first step");
         self.stepper.add_term(term);
         self.fluid_residual.resize(self.stepper.assembler.n_unknowns(), 0.0);
@@ -220,7 +227,7 @@ impl Simulation {
     }
 
     /// Do `work` on the threads of the simulation, as parallel loops need.
-    pub fn install<R: Send>(&mut self, work: impl FnOnce(&mut Simulation) -> R + Send) -> R {
+    pub fn install<R: Send>(&mut self, work: impl FnOnce(&mut Simulation<D>) -> R + Send) -> R {
         // The pool leaves `self` while it works on it.
         match self.pool.take() {
             None => work(self),

@@ -122,8 +122,8 @@ impl Kernels {
 }
 
 /// Where kernels are called: a step of some length from the present state.
-struct Setting<'a> {
-    assembler: &'a mut Assembler<2>,
+struct Setting<'a, const D: usize> {
+    assembler: &'a mut Assembler<D>,
     rule: StepRule,
     new: &'a State,
     old: &'a State,
@@ -134,10 +134,10 @@ struct Setting<'a> {
 ///
 /// # Errors
 /// If a matrix cannot be factorised.
-pub fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
+pub fn measure<const D: usize>(simulation: &mut Simulation<D>, k: f64) -> Result<Kernels, Error> {
     let Stepper { assembler, settings, new, old, .. } = &mut simulation.stepper;
     let rule = settings.scheme.rule(k);
-    let mut at = Setting { assembler, rule, new, old, sizes: settings.scales.sizes::<2>(rule.per_k) };
+    let mut at = Setting { assembler, rule, new, old, sizes: settings.scales.sizes::<D>(rule.per_k) };
     let size = settings.scales.size;
     let mut kernels = Kernels::default();
     residuals(&mut at, &mut kernels);
@@ -147,7 +147,7 @@ pub fn measure(simulation: &mut Simulation, k: f64) -> Result<Kernels, Error> {
     Ok(kernels)
 }
 
-impl Setting<'_> {
+impl<const D: usize> Setting<'_, D> {
     fn view(&self) -> StepView<'_> {
         StepView { rule: self.rule, new: self.new, old: self.old }
     }
@@ -173,7 +173,7 @@ impl Setting<'_> {
     }
 }
 
-fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
+fn residuals<const D: usize>(at: &mut Setting<'_, D>, kernels: &mut Kernels) {
     let mut explicit = vec![0.0; at.n()];
     let view = StepView { rule: at.rule, new: at.new, old: at.old };
     kernels.explicit = Some(timing(|| at.assembler.explicit(&view, &mut explicit)));
@@ -181,7 +181,7 @@ fn residuals(at: &mut Setting<'_>, kernels: &mut Kernels) {
     kernels.residual = Some(timing_after(&mut r, |r| r.copy_from_slice(&explicit), |r| at.residual(r)));
 }
 
-fn condensed(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
+fn condensed<const D: usize>(at: &mut Setting<'_, D>, kernels: &mut Kernels) -> Result<(), SolverError> {
     let system = at.assembler.try_condensed()?;
     let mut matrix = Csr::zeros(&system.pattern);
     kernels.condensed_by_hand = Some(timing(|| at.condensed_matrix(Tangent::Analytic, &mut matrix)));
@@ -220,7 +220,7 @@ fn factorisations(
     Ok(())
 }
 
-fn extension(at: &mut Setting<'_>, kernels: &mut Kernels) -> Result<(), SolverError> {
+fn extension<const D: usize>(at: &mut Setting<'_, D>, kernels: &mut Kernels) -> Result<(), SolverError> {
     let names = ["factor_extension", "apply_extension"];
     let Some(system) = at.assembler.extension(&at.view()) else {
         kernels.leave_out(&names, "there is no extension");
@@ -267,7 +267,7 @@ fn factors(
     Ok(([analyse, Some(factor), Some(apply)], Some(found)))
 }
 
-fn jacobians(at: &mut Setting<'_>, size: f64, kernels: &mut Kernels) {
+fn jacobians<const D: usize>(at: &mut Setting<'_, D>, size: f64, kernels: &mut Kernels) {
     if at.n() > LARGEST_JACOBIAN {
         let names = ["jacobian_dual", "jacobian_by_hand", "jacobian_differences"];
         return kernels.leave_out(&names, "the whole Jacobian would take more than 2 GiB");

@@ -18,7 +18,7 @@ const LARGEST_JACOBIAN: usize = 2_000_000;
 ///
 /// # Errors
 /// Without time steps, or if a file cannot be written.
-pub fn write_matrices(simulation: &mut Simulation, directory: &Path) -> Result<(), Error> {
+pub fn write_matrices<const D: usize>(simulation: &mut Simulation<D>, directory: &Path) -> Result<(), Error> {
     let name = simulation.case.name.clone();
     let time = simulation.case.time.as_ref().ok_or(Error::Stationary(name))?;
     let k = time.step.eval(&[0.0; 3], simulation.stepper.time);

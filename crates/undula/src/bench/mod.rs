@@ -91,7 +91,7 @@ pub struct Report {
 ///
 /// # Errors
 /// [`Error::Stationary`] without time steps, [`Error::Breakdown`], or if a matrix cannot be factorised.
-pub fn measure(simulation: &mut Simulation, options: &Options) -> Result<Report, Error> {
+pub fn measure<const D: usize>(simulation: &mut Simulation<D>, options: &Options) -> Result<Report, Error> {
     let name = simulation.case.name.clone();
     let time = simulation.case.time.as_mut().ok_or(Error::Stationary(name))?;
     let end = std::mem::replace(&mut time.end, f64::MAX);
@@ -114,8 +114,8 @@ pub fn measure(simulation: &mut Simulation, options: &Options) -> Result<Report,
     Ok(describe(simulation, step, steps, kernels, machine, peak_memory_bytes))
 }
 
-fn describe(
-    simulation: &Simulation,
+fn describe<const D: usize>(
+    simulation: &Simulation<D>,
     step: f64,
     steps: Option<Steps>,
     kernels: Option<Kernels>,

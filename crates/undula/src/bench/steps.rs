@@ -89,7 +89,7 @@ pub struct Start {
 
 impl Start {
     /// The present state of `simulation`.
-    pub fn of(simulation: &Simulation) -> Start {
+    pub fn of<const D: usize>(simulation: &Simulation<D>) -> Start {
         let mut memory = simulation.save();
         (memory.stepper.newton, memory.stepper.detour) = (nonlinear::Memory::default(), 0);
         Start { memory, linearization: simulation.stepper.linear.active }
@@ -99,7 +99,7 @@ impl Start {
     ///
     /// # Errors
     /// As [`Simulation::restore`].
-    pub fn restore(&self, simulation: &mut Simulation) -> Result<(), Error> {
+    pub fn restore<const D: usize>(&self, simulation: &mut Simulation<D>) -> Result<(), Error> {
         simulation.history.clear();
         let newton = simulation.case.build_newton(&simulation.stepper.assembler);
         simulation.stepper.newton = newton;
@@ -108,7 +108,7 @@ impl Start {
     }
 
     /// Length of the next step \[s\]; 0 if stationary.
-    pub(super) fn step_length(&self, simulation: &Simulation) -> f64 {
+    pub(super) fn step_length<const D: usize>(&self, simulation: &Simulation<D>) -> f64 {
         simulation
             .case
             .time
@@ -118,8 +118,8 @@ impl Start {
 }
 
 /// Do `steps` steps from `start` `repeat` times.
-pub(super) fn measure(
-    simulation: &mut Simulation,
+pub(super) fn measure<const D: usize>(
+    simulation: &mut Simulation<D>,
     start: &Start,
     steps: usize,
     repeat: usize,

@@ -15,7 +15,7 @@ pub(crate) struct Load<'a> {
     /// Dotted key.
     pub key: String,
     /// Force per mass \[m/s²\].
-    pub force: &'a [Expression; 2],
+    pub force: &'a [Expression],
 }
 
 fn table(kind: &str, name: Option<&String>) -> String {

@@ -6,17 +6,17 @@ use super::key::Key;
 use super::profile::Profile;
 use crate::choice::{Choice, choice, row_of};
 
-/// Two components, expressions of x, y, t.
-pub type Pair = [Expression; 2];
+/// The components along x and y, in space along z, too: expressions of x, y, t, in space of z.
+pub type Components = Vec<Expression>;
 
 const ZERO: Expression = Expression::EMPTY;
-const EMPTY: Pair = [ZERO, ZERO];
+const EMPTY: Components = vec![];
 
 /// What holds on a boundary.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Condition {
     /// Given velocity \[m/s\]; the boundary does not move. It must vanish on the solid.
-    Velocity(Pair),
+    Velocity(Components),
     /// v = 0, u = 0.
     NoSlip,
     /// ρν ∇v n − p n = 0 for the fluid; its boundary moves where a free end of the solid meets it, else it does not. For the
@@ -27,7 +27,7 @@ pub enum Condition {
     /// A clamped solid: v = 0, u = 0.
     Clamped,
     /// Given displacement u \[m\] and v = ∂_t u, of the solid or of a wall of the fluid; components may be free.
-    Displacement([Option<Expression>; 2]),
+    Displacement(Vec<Option<Expression>>),
     /// n·v = 0, n·u = 0, and no traction along the boundary.
     Slip,
     /// The same on a plane of symmetry.
@@ -35,7 +35,7 @@ pub enum Condition {
     /// v, u and a continuous pressure are those of another boundary, of which this one is a translation.
     Periodic(String),
     /// J σ F⁻ᵀ N = g, a force per area of the reference boundary \[N/m²\], fluid and solid.
-    Traction(Pair),
+    Traction(Components),
     /// ρν ∇v n − p n = −P n for the fluid, whose boundary moves as with `DoNothing`; σ n = −P n for the solid.
     Pressure {
         /// P \[Pa\] at the reference position.
@@ -96,7 +96,7 @@ pub static CONDITIONS: [Choice<Condition>; 15] = [
     choice("clamped", Condition::Clamped, "v = 0, u = 0: a clamped solid"),
     choice(
         "displacement",
-        Condition::Displacement([None, None]),
+        Condition::Displacement(vec![]),
         "prescribed displacement u of a solid or of a wall of the fluid, v = ∂u/∂t",
     ),
     choice(
@@ -217,10 +217,10 @@ pub static DATA: [Key; 15] = [
 
 /// One datum of a condition.
 pub enum Datum<'a> {
-    /// Two components.
-    Pair(&'a mut Pair),
-    /// Two components, `None` where they are free.
-    Components(&'a mut [Option<Expression>; 2]),
+    /// A vector.
+    Vector(&'a mut Components),
+    /// A vector, `None` for components that are free.
+    Partial(&'a mut Vec<Option<Expression>>),
     /// One expression.
     Scalar(&'a mut Expression),
     /// The name of a boundary.
@@ -239,8 +239,8 @@ impl<'a> Datum<'a> {
     /// Its expressions.
     pub(super) fn expressions(self) -> Vec<&'a mut Expression> {
         match self {
-            Datum::Pair(pair) => pair.iter_mut().collect(),
-            Datum::Components(pair) => pair.iter_mut().flatten().collect(),
+            Datum::Vector(vector) => vector.iter_mut().collect(),
+            Datum::Partial(vector) => vector.iter_mut().flatten().collect(),
             Datum::Scalar(one) => vec![one],
             _ => vec![],
         }
@@ -256,9 +256,9 @@ impl Condition {
     /// Its data by the last part of their keys.
     pub(super) fn data_mut(&mut self) -> Vec<(&'static str, Datum<'_>)> {
         match self {
-            Condition::Velocity(data) => vec![("velocity", Datum::Pair(data))],
-            Condition::Displacement(data) => vec![("displacement", Datum::Components(data))],
-            Condition::Traction(data) => vec![("traction", Datum::Pair(data))],
+            Condition::Velocity(data) => vec![("velocity", Datum::Vector(data))],
+            Condition::Displacement(data) => vec![("displacement", Datum::Partial(data))],
+            Condition::Traction(data) => vec![("traction", Datum::Vector(data))],
             Condition::Pressure { pressure, follows } => {
                 vec![("pressure", Datum::Scalar(pressure)), ("at", Datum::Word(&PRESSURE_AT, follows))]
             }

@@ -1,6 +1,6 @@
 //! Laws with fibres: their constants, and the direction of the fibres.
 
-use super::conditions::Pair;
+use super::conditions::Components;
 use crate::physics::fibres::{at_angle, unit};
 use crate::physics::{Artery, Muscle};
 use crate::space::FibreField;
@@ -33,7 +33,7 @@ pub enum FibreDirection {
     /// The same everywhere, by the angle to the x axis \[rad\].
     Angle(f64),
     /// Two expressions of x and y, a vector of any length.
-    Field(Pair),
+    Field(Components),
 }
 
 impl Default for FibreDirection {
@@ -52,7 +52,7 @@ impl FibreDirection {
     }
 
     /// The expressions, if it is a field.
-    pub(crate) fn field(&self) -> Option<&Pair> {
+    pub(crate) fn field(&self) -> Option<&Components> {
         match self {
             FibreDirection::Angle(_) => None,
             FibreDirection::Field(field) => Some(field),
@@ -60,11 +60,11 @@ impl FibreDirection {
     }
 
     /// The direction at a position, a unit vector, if it is a field; where there is none it is 0.
-    pub(crate) fn directions(&self) -> Option<FibreField<2>> {
+    pub(crate) fn directions<const D: usize>(&self) -> Option<FibreField<D>> {
         let field = self.field()?.clone();
-        let at = move |x: &[f64; 2]| {
-            let a = [0, 1].map(|i: usize| field[i].eval(&[x[0], x[1], 0.0], 0.0));
-            unit(a).unwrap_or_default()
+        let at = move |x: &[f64; D]| {
+            let x = std::array::from_fn(|d| x.get(d).copied().unwrap_or(0.0));
+            unit(std::array::from_fn::<_, D, _>(|i| field[i].eval(&x, 0.0))).unwrap_or([0.0; D])
         };
         Some(Arc::new(at))
     }

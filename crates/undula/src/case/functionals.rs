@@ -11,7 +11,7 @@ pub enum Site {
     /// A material point.
     Point {
         /// Reference coordinates \[m\].
-        point: [f64; 2],
+        point: Vec<f64>,
         /// Region of the body that is meant where two meet.
         region: Option<String>,
     },
@@ -32,7 +32,7 @@ pub enum FunctionalSpec {
     Force {
         /// Boundary names; `interface` is allowed.
         on: Vec<String>,
-        /// 0: x, 1: y.
+        /// 0: x, 1: y, 2: z.
         component: usize,
         /// By the fluid residual (default) or by the surface integral.
         surface_integral: bool,
@@ -44,21 +44,21 @@ pub enum FunctionalSpec {
         /// Boundary names; `interface` is allowed.
         on: Vec<String>,
         /// The point in space that it is about \[m\].
-        about: [f64; 2],
+        about: Vec<f64>,
     },
     /// Deformation of a material point \[m\].
     Displacement {
         /// Reference coordinates \[m\].
-        point: [f64; 2],
-        /// 0: x, 1: y.
+        point: Vec<f64>,
+        /// 0: x, 1: y, 2: z.
         component: usize,
     },
     /// p(a) − p(b) \[Pa\].
     PressureDifference {
         /// First point.
-        a: [f64; 2],
+        a: Vec<f64>,
         /// Second point.
-        b: [f64; 2],
+        b: Vec<f64>,
     },
     /// An energy or power per unit depth.
     Energy(Integral),
@@ -122,17 +122,17 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 14] = [
     ),
     choice(
         "moment",
-        FunctionalSpec::Moment { on: Vec::new(), about: [0.0; 2] },
+        FunctionalSpec::Moment { on: Vec::new(), about: Vec::new() },
         "moment of the force of the fluid on boundaries about `point` [N]",
     ),
     choice(
         "displacement",
-        FunctionalSpec::Displacement { point: [0.0; 2], component: 0 },
+        FunctionalSpec::Displacement { point: Vec::new(), component: 0 },
         "displacement of a material point [m]",
     ),
     choice(
         "pressure-difference",
-        FunctionalSpec::PressureDifference { a: [0.0; 2], b: [0.0; 2] },
+        FunctionalSpec::PressureDifference { a: Vec::new(), b: Vec::new() },
         "p(a) − p(b) [Pa]",
     ),
     choice("energy", FunctionalSpec::Energy(Integral::FluidKinetic), "energy or power per unit depth"),

@@ -1,6 +1,6 @@
 //! How a case in time begins.
 
-use super::conditions::Pair;
+use super::conditions::Components;
 use super::expression::Expression;
 use super::key::Key;
 use std::fmt;
@@ -16,9 +16,9 @@ pub enum Initial {
     /// Fields; one that is not given is zero.
     Fields {
         /// v \[m/s\] at the reference position.
-        velocity: Option<Pair>,
+        velocity: Option<Components>,
         /// u \[m\] at the reference position.
-        displacement: Option<Pair>,
+        displacement: Option<Components>,
     },
     /// The stationary solution with the loads of the start.
     Static,
@@ -69,7 +69,7 @@ impl fmt::Display for Initial {
 
 impl Initial {
     /// The fields with their keys.
-    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'static str, &Pair)> {
+    pub(crate) fn fields(&self) -> impl Iterator<Item = (&'static str, &Components)> {
         let (velocity, displacement) = match self {
             Initial::Fields { velocity, displacement } => (velocity.as_ref(), displacement.as_ref()),
             Initial::From(_) | Initial::Static => (None, None),

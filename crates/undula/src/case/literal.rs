@@ -21,9 +21,9 @@ pub(crate) fn string(s: &str) -> String {
     toml::Value::from(s).to_string()
 }
 
-/// Two numbers.
-pub(super) fn pair(x: &[f64; 2]) -> String {
-    format!("[{}, {}]", number(x[0]), number(x[1]))
+/// An array of numbers.
+pub(super) fn numbers(x: &[f64]) -> String {
+    format!("[{}]", x.iter().map(|x| number(*x)).collect::<Vec<_>>().join(", "))
 }
 
 /// Bytes of the number literal at the start of `bytes`.

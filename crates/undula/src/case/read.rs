@@ -8,6 +8,7 @@ use super::raw::{Document, Item, Origin, Table, Value};
 use super::schema::OwnMesh;
 use super::{keys, synonyms};
 use crate::space::Coordinates;
+use crate::space::coordinates::unit_of_space;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,14 +26,16 @@ pub(super) struct Checker<'d> {
     pub notes: RefCell<Vec<String>>,
     /// What the coordinates of the mesh mean, once that is read: integrals have other units around an axis.
     pub coordinates: Cell<Coordinates>,
+    /// How many components vectors have, once the mesh is read.
+    pub vectors: Cell<Vectors>,
     /// Origin of each dotted key that was read.
     pub origins: RefCell<BTreeMap<String, Origin>>,
 }
 
 impl<'d> Checker<'d> {
     pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
-        let (errors, notes, origins, coordinates) = Default::default();
-        Self { document, mesh, reads_tables: true, errors, notes, coordinates, origins }
+        let (errors, notes, origins, coordinates, vectors) = Default::default();
+        Self { document, mesh, reads_tables: true, errors, notes, coordinates, vectors, origins }
     }
 
     /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes
@@ -44,6 +47,12 @@ impl<'d> Checker<'d> {
             Origin::File(_) => Files::In(folder.unwrap_or(Path::new(""))),
             Origin::Set(_) => Files::In(Path::new("")),
         }
+    }
+
+    /// The unit of an integral, or of what stands beside one, that has the unit `of_plane` per depth.
+    pub fn unit(&self, of_plane: &'static str) -> &'static str {
+        let in_plane = self.vectors.get() == Vectors::Plane && !self.coordinates.get().is_axisymmetric();
+        if in_plane { of_plane } else { unit_of_space(of_plane) }
     }
 
     pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {
@@ -71,6 +80,33 @@ impl<'d> Checker<'d> {
             known: Vec::new(),
             explained: Vec::new(),
         }
+    }
+}
+
+/// How many components vectors and points have.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub(super) enum Vectors {
+    /// x, y.
+    #[default]
+    Plane,
+    /// x, y, z, or x, y of the plane that is extruded: then z of points lies in the middle \[m\], and z of vectors is 0.
+    Extruded {
+        /// z of points \[m\].
+        middle: f64,
+    },
+    /// x, y, z.
+    Space,
+}
+
+impl Vectors {
+    /// Number of components.
+    pub fn len(self) -> usize {
+        if self == Vectors::Plane { 2 } else { 3 }
+    }
+
+    /// Whether so many may be given.
+    fn takes(self, given: usize) -> bool {
+        given == self.len() || (given == 2 && matches!(self, Vectors::Extruded { .. }))
     }
 }
 
@@ -104,6 +140,14 @@ impl<'c, 'd> Section<'c, 'd> {
 
     pub fn has(&self, key: &str) -> bool {
         self.table.is_some_and(|t| t.get(key).is_some())
+    }
+
+    /// Number of values, if that of `key` is an array.
+    pub fn length(&self, key: &str) -> Option<usize> {
+        self.table.and_then(|t| t.get(key)).and_then(|item| match &item.value {
+            Value::Array(items) => Some(items.len()),
+            _ => None,
+        })
     }
 
     /// Whether the value of `key` is a table.

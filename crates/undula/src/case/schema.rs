@@ -6,7 +6,7 @@
 mod solver;
 
 pub use super::conditions::Condition;
-use super::conditions::Pair;
+use super::conditions::Components;
 pub use super::element::{PressureElement, VelocityElement};
 use super::error::Place;
 use super::expression::Expression;
@@ -111,6 +111,10 @@ pub struct MeshSpec {
     pub source: MeshSource,
     /// Factor of all coordinates of a file, such as 1e-3 for one in millimetres; 1 of built-in generators.
     pub scale: f64,
+    /// Dimension of the mesh, 2 or 3.
+    pub dimension: usize,
+    /// How a plane mesh becomes one of space; `None`: it stays as it is.
+    pub extrude: Option<Extrude>,
     /// What the coordinates mean.
     pub coordinates: Coordinates,
     /// Number of uniform refinements.
@@ -123,6 +127,15 @@ pub struct MeshSpec {
     pub leave_out: Vec<String>,
     /// Regions of the bodies that a part of a case is without; no key, empty in a case as it is read.
     pub absent: Vec<String>,
+}
+
+/// The plane mesh, refined as it is, along z.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Extrude {
+    /// z of the side `back` \[m\]; that of the side `front` is 0.
+    pub depth: f64,
+    /// Layers of cells.
+    pub layers: usize,
 }
 
 /// A built-in generator or a file.
@@ -149,14 +162,15 @@ pub enum MeshSource {
         /// Cells round, a multiple of 4, and across before refinement.
         cells: [usize; 2],
     },
-    /// A rectangle `lower..upper` \[m\] of `cells[0] × cells[1]` cells, boundaries `left`, `right`, `bottom`, `top`.
+    /// A rectangle or a cuboid `lower..upper` \[m\] of `cells[0] × cells[1] (× cells[2])` cells, boundaries `left`, `right`,
+    /// `bottom`, `top`, and in space `front`, `back`.
     Box {
-        /// Lower left corner \[m\].
-        lower: [f64; 2],
-        /// Upper right corner \[m\].
-        upper: [f64; 2],
+        /// The corner where all coordinates are least \[m\].
+        lower: Vec<f64>,
+        /// The opposite corner \[m\].
+        upper: Vec<f64>,
         /// Cells per direction before refinement.
-        cells: [usize; 2],
+        cells: Vec<usize>,
     },
     /// A Gmsh file with named physical groups.
     File(PathBuf),
@@ -191,8 +205,8 @@ pub static GENERATORS: [Choice<MeshSource>; 9] = [
     ),
     choice(
         "box",
-        MeshSource::Box { lower: [0.0; 2], upper: [1.0; 2], cells: [1; 2] },
-        "rectangle from `lower` to `upper`",
+        MeshSource::Box { lower: vec![], upper: vec![], cells: vec![] },
+        "rectangle or cuboid from `lower` to `upper`",
     ),
 ];
 
@@ -221,7 +235,7 @@ pub struct FluidSpec {
     /// How it depends on the rate of shear, with `kinematic_viscosity` at rest; `None`: it is constant.
     pub thinning: Option<ThinningSpec>,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
-    pub body_force: [Expression; 2],
+    pub body_force: Components,
     /// Take the body force at the current position x + u instead of the reference position x.
     pub force_at_current: bool,
 }
@@ -287,7 +301,7 @@ pub struct SolidSpec {
     /// Rayleigh damping β \[s\] by the stiffness at rest.
     pub damping_stiffness: f64,
     /// Body force per mass, expressions of x, y, t \[m/s²\].
-    pub body_force: [Expression; 2],
+    pub body_force: Components,
     /// Whether the mesh is the shape without stress, or the one under the loads of the start.
     pub reference: Reference,
 }
@@ -319,7 +333,7 @@ impl SolidSpec {
     }
 
     /// The expressions of the direction of the fibres, if it is a field.
-    pub(crate) fn fibre_field(&self) -> Option<&Pair> {
+    pub(crate) fn fibre_field(&self) -> Option<&Components> {
         self.fibres.as_ref().and_then(|fibres| fibres.direction.field())
     }
 

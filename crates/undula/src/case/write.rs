@@ -7,9 +7,9 @@ use super::choices::{BACKFLOW, OUTPUT_CELLS, OUTPUT_MESH, STARTS};
 use super::conditions::Datum;
 use super::expression::{Expression, Table};
 use super::initial::Initial;
-use super::literal::{number, pair, string};
+use super::literal::{number, numbers, string};
 use super::profile::PROFILES;
-use super::schema::{Case, Condition, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
+use super::schema::{Case, Condition, Extrude, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
@@ -29,8 +29,8 @@ fn expression(e: &Expression) -> String {
     }
 }
 
-fn expressions(pair: &[Expression; 2]) -> String {
-    format!("[{}, {}]", expression(&pair[0]), expression(&pair[1]))
+fn expressions(vector: &[Expression]) -> String {
+    format!("[{}]", vector.iter().map(expression).collect::<Vec<_>>().join(", "))
 }
 
 /// What stands for parts that a program gives.
@@ -125,12 +125,11 @@ impl Case {
             out.key("fields-interval", number(interval));
         }
         if !self.output.fields_times.is_empty() {
-            let times: Vec<String> = self.output.fields_times.iter().map(|t| number(*t)).collect();
-            out.key("fields-times", format!("[{}]", times.join(", ")));
+            out.key("fields-times", numbers(&self.output.fields_times));
         }
         out.key("fields", names(self.output.fields.iter().map(|field| name_of(&FIELDS, field))));
         if let Some(window) = &self.output.window {
-            out.key("window", pair(window));
+            out.key("window", numbers(window));
         }
         out.choice("mesh", &OUTPUT_MESH, &self.output.deformed);
         out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
@@ -170,13 +169,17 @@ impl Case {
             generator => out.variant("generator", &GENERATORS, generator),
         }
         if let MeshSource::Box { lower, upper, cells } = &self.mesh.source {
-            out.key("lower", pair(lower));
-            out.key("upper", pair(upper));
+            out.key("lower", numbers(lower));
+            out.key("upper", numbers(upper));
             out.key("cells", format!("{cells:?}"));
         }
         if let MeshSource::Annulus { radii, cells } = &self.mesh.source {
-            out.key("radii", pair(radii));
+            out.key("radii", numbers(radii));
             out.key("cells", format!("{cells:?}"));
+        }
+        if let Some(Extrude { depth, layers }) = self.mesh.extrude {
+            out.key("extrude.depth", number(depth));
+            out.key("extrude.layers", layers.to_string());
         }
         out.choice("coordinates", &COORDINATES, &self.mesh.coordinates);
         out.key("refine", self.mesh.refine.to_string());
@@ -338,16 +341,16 @@ fn write_condition(out: &mut Lines, condition: &Condition) {
         condition.clone().data_mut().into_iter().filter(|(name, _)| condition.has_effect(name))
     {
         match datum {
-            Datum::Pair(pair) => out.key(name, expressions(pair)),
-            Datum::Components(pair) => {
+            Datum::Vector(vector) => out.key(name, expressions(vector)),
+            Datum::Partial(vector) => {
                 let text = |e: &Option<Expression>| e.as_ref().map_or_else(|| string("free"), expression);
-                out.key(name, format!("[{}, {}]", text(&pair[0]), text(&pair[1])));
+                out.key(name, format!("[{}]", vector.iter().map(text).collect::<Vec<_>>().join(", ")));
             }
             Datum::Scalar(one) => out.key(name, expression(one)),
             Datum::Name(of_boundary) => out.key(name, string(of_boundary)),
             Datum::Number(value) => out.key(name, number(*value)),
             Datum::Series(list) => {
-                let list: Vec<String> = list.iter().map(pair).collect();
+                let list: Vec<String> = list.iter().map(|pair| numbers(pair)).collect();
                 out.key(name, format!("[{}]", list.join(", ")));
             }
             Datum::Profile(profile) => out.choice(name, &PROFILES, profile),

@@ -30,36 +30,36 @@ use std::cell::OnceCell;
 /// assert!((mass / (1e3 * 0.35 * 0.02) - 1.0).abs() < 0.01);
 /// # Ok::<(), undula::Error>(())
 /// ```
-pub struct Fields<'a> {
-    space: &'a FsiSpace<2>,
+pub struct Fields<'a, const D: usize = 2> {
+    space: &'a FsiSpace<D>,
     state: &'a State,
-    locator: OnceCell<Locator<'a, 2>>,
+    locator: OnceCell<Locator<'a, D>>,
 }
 
 /// The solution at one point of the reference domain.
 ///
 /// Gradients are with respect to the reference coordinates: `[i][j]` is the derivative of component i along x_j.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct PointFields {
+pub struct PointFields<const D: usize = 2> {
     /// Position on the reference domain \[m\]; that at present is `x + displacement`.
-    pub x: [f64; 2],
+    pub x: [f64; D],
     /// Whether the point belongs to the solid.
     pub is_solid: bool,
     /// v \[m/s\].
-    pub velocity: [f64; 2],
+    pub velocity: [f64; D],
     /// ∇v \[1/s\].
-    pub velocity_gradient: [[f64; 2]; 2],
+    pub velocity_gradient: [[f64; D]; D],
     /// u \[m\].
-    pub displacement: [f64; 2],
+    pub displacement: [f64; D],
     /// ∇u.
-    pub displacement_gradient: [[f64; 2]; 2],
+    pub displacement_gradient: [[f64; D]; D],
     /// p \[Pa\]; 0 in a compressible solid.
     pub pressure: f64,
     /// (r + u_r)/r in the coordinates (r, z), the stretch around the axis; 1 in the plane.
     pub hoop_stretch: f64,
 }
 
-impl PointFields {
+impl<const D: usize> PointFields<D> {
     /// J = det(I + ∇u): present volume per reference volume.
     ///
     /// ```
@@ -72,7 +72,7 @@ impl PointFields {
         Kinematics::of(&Tensor(self.displacement_gradient)).J * self.hoop_stretch
     }
 
-    fn new(space: &FsiSpace<2>, x: [f64; 2], region: Region, at: &Values<f64, 2>) -> PointFields {
+    fn new(space: &FsiSpace<D>, x: [f64; D], region: Region, at: &Values<f64, D>) -> PointFields<D> {
         let hoop = |r| 1.0 + axisymmetric::fields_at(at, r).grad_u.0[2][2];
         PointFields {
             x,
@@ -87,24 +87,24 @@ impl PointFields {
     }
 }
 
-impl<'a> Fields<'a> {
+impl<'a, const D: usize> Fields<'a, D> {
     /// The solution `state` on `space`.
-    pub(crate) fn new(space: &'a FsiSpace<2>, state: &'a State) -> Self {
+    pub(crate) fn new(space: &'a FsiSpace<D>, state: &'a State) -> Self {
         Fields { space, state, locator: OnceCell::new() }
     }
 
     /// Reference coordinates of the nodes \[m\], those of all arrays. Nodes of periodic boundaries are on both of them.
-    pub fn coordinates(&self) -> Vec<[f64; 2]> {
+    pub fn coordinates(&self) -> Vec<[f64; D]> {
         self.space.places().points[..self.n_nodes()].to_vec()
     }
 
     /// Velocity at the nodes \[m/s\].
-    pub fn velocity(&self) -> Vec<[f64; 2]> {
+    pub fn velocity(&self) -> Vec<[f64; D]> {
         self.nodal(&self.state.v)
     }
 
     /// Displacement of the nodes \[m\]; 0 in a flow without body.
-    pub fn displacement(&self) -> Vec<[f64; 2]> {
+    pub fn displacement(&self) -> Vec<[f64; D]> {
         self.nodal(&self.state.u)
     }
 
@@ -122,7 +122,7 @@ impl<'a> Fields<'a> {
     ///
     /// # Errors
     /// [`MeshError::Outside`] if `x` lies in no cell.
-    pub fn at(&self, x: [f64; 2]) -> Result<PointFields, MeshError> {
+    pub fn at(&self, x: [f64; D]) -> Result<PointFields<D>, MeshError> {
         Ok(self.value(&self.locate(x)?))
     }
 
@@ -130,20 +130,20 @@ impl<'a> Fields<'a> {
     ///
     /// # Errors
     /// [`MeshError::Outside`] if `x` lies in no cell.
-    pub fn locate(&self, x: [f64; 2]) -> Result<Located<2>, MeshError> {
+    pub fn locate(&self, x: [f64; D]) -> Result<Located<D>, MeshError> {
         self.locator.get_or_init(|| Locator::new(&self.space.mesh)).find(x)
     }
 
     /// The solution at a point that [`Fields::locate`] has found.
-    pub fn value(&self, point: &Located<2>) -> PointFields {
+    pub fn value(&self, point: &Located<D>) -> PointFields<D> {
         let FsiSpace { mesh, nodes, pressure, regions, .. } = self.space;
         let &Located { cell, xi } = point;
-        let rule = Quadrature { points: vec![[xi[0], xi[1], 0.0]], weights: vec![1.0] };
+        let rule = Quadrature { points: vec![std::array::from_fn(|d| if d < D { xi[d] } else { 0.0 })], weights: vec![1.0] };
         let table = nodes.table(mesh.shape, &rule);
         let map = Tensor(mesh.map_gradient(cell, xi));
         let inverse_t = map.cofactor() * (1.0 / map.det());
-        let gradient = |g: &[f64]| (inverse_t * Vector([g[0], g[1]])).0;
-        let gradients: Vec<[f64; 2]> = table.grad(0).chunks_exact(2).map(gradient).collect();
+        let gradient = |g: &[f64]| (inverse_t * Vector(std::array::from_fn::<_, D, _>(|d| g[d]))).0;
+        let gradients: Vec<[f64; D]> = table.grad(0).chunks_exact(D).map(gradient).collect();
         let mut fields = fields_at(nodes.cell(cell), table.value(0), &gradients, self.state);
         let x = mesh.map(cell, xi);
         let dofs = pressure.cell(cell);
@@ -157,7 +157,7 @@ impl<'a> Fields<'a> {
     /// ∫ f dx over the reference domain, the whole body of revolution in (r, z), by one Gauss point per direction more than the degree of the velocity.
     ///
     /// Times [`PointFields::jacobian`] it is the integral over the present domain.
-    pub fn integrate(&self, f: impl Fn(&PointFields) -> f64) -> f64 {
+    pub fn integrate(&self, f: impl Fn(&PointFields<D>) -> f64) -> f64 {
         let mut sum = 0.0;
         for_each_point(self.space, self.state, self.space.nodes.degree + 1, |point| {
             sum += point.weight * f(&PointFields::new(self.space, point.x, point.region, &point.fields));
@@ -171,16 +171,16 @@ impl<'a> Fields<'a> {
     }
 
     /// A vector field at the nodes; 0 where it is not computed.
-    fn nodal(&self, values: &[f64]) -> Vec<[f64; 2]> {
+    fn nodal(&self, values: &[f64]) -> Vec<[f64; D]> {
         if values.is_empty() {
-            return vec![[0.0; 2]; self.n_nodes()];
+            return vec![[0.0; D]; self.n_nodes()];
         }
-        self.space.at_places(values.as_chunks::<2>().0, 1)
+        self.space.at_places(values.as_chunks::<D>().0, 1)
     }
 }
 
 /// Pressure of a region at the nodes, the mean over its cells; `None` where it has none.
-pub(crate) fn nodal_pressure(space: &FsiSpace<2>, state: &State, region: Region) -> Vec<Option<f64>> {
+pub(crate) fn nodal_pressure<const D: usize>(space: &FsiSpace<D>, state: &State, region: Region) -> Vec<Option<f64>> {
     let n = space.nodes.n_lagrange;
     let (mut sum, mut count) = (vec![0.0; n], vec![0.0; n]);
     for cell in 0..space.mesh.n_cells() {
@@ -208,12 +208,12 @@ pub(crate) struct OwnFunctional<F> {
     pub value: F,
 }
 
-impl<F: Fn(&Fields<'_>) -> f64 + Send> Functional<2> for OwnFunctional<F> {
+impl<const D: usize, F: Fn(&Fields<'_, D>) -> f64 + Send> Functional<D> for OwnFunctional<F> {
     fn unit(&self) -> &'static str {
         self.unit
     }
 
-    fn evaluate(&self, at: &Snapshot<'_, 2>) -> f64 {
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         (self.value)(&Fields::new(at.space, at.new))
     }
 }

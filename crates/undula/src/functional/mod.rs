@@ -1,6 +1,5 @@
 //! Numbers of interest.
 
-pub mod around_axis;
 pub mod averages;
 pub mod balance;
 pub mod body_energy;
@@ -15,6 +14,7 @@ pub mod quantity;
 pub mod sampled;
 mod signal;
 pub mod site;
+pub mod spatial;
 pub mod statistics;
 pub mod transfer;
 

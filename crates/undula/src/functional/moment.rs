@@ -6,22 +6,23 @@ use crate::math::Vector;
 use crate::space::State;
 
 /// −R_f(e_z × (x + u − c)): the residual of the fluid alone, tested with the rotation about a point c in space on the
-/// nodes of boundaries \[N\], N m per m of depth, positive if it turns from x to y.
+/// nodes of boundaries \[N\], N m per m of depth, positive if it turns from x to y; in space
+/// the component along z \[N m\].
 ///
 /// x + u is the mean over the step, (1 − θ) u⁻ + θ u. Nodes at the ends of the boundaries are shared out as those of
 /// [`super::force::ForceByResidual`]; a facet with an outflow condition takes its surface integral.
-pub struct Moment {
-    about: Vector<f64, 2>,
+pub struct Moment<const D: usize> {
+    about: Vector<f64, D>,
     nodes: Vec<u32>,
     /// Nodes, and what of their residual counts.
     parts: Vec<(u32, f64)>,
     /// Surface integrals of facets, tested with a node.
-    tractions: Vec<(u32, Tractions<2>)>,
+    tractions: Vec<(u32, Tractions<D>)>,
 }
 
-impl Moment {
+impl<const D: usize> Moment<D> {
     /// On the boundaries `names`, about a point \[m\].
-    pub fn new(surfaces: &Surfaces<'_, 2>, names: &[String], about: [f64; 2]) -> Self {
+    pub fn new(surfaces: &Surfaces<'_, D>, names: &[String], about: [f64; D]) -> Self {
         let shares = surfaces.shares(names);
         let whole = shares.whole.iter().map(|&node| (node, 1.0));
         let ends = shares.integrals.iter().flat_map(|(&n, at)| at.iter().map(move |&at| (n, at)));
@@ -39,7 +40,7 @@ impl Moment {
     }
 }
 
-impl Functional<2> for Moment {
+impl<const D: usize> Functional<D> for Moment<D> {
     fn unit(&self) -> &'static str {
         "N"
     }
@@ -52,19 +53,19 @@ impl Functional<2> for Moment {
         &self.nodes
     }
 
-    fn evaluate(&self, at: &Snapshot<'_, 2>) -> f64 {
+    fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let theta = at.rule.theta;
-        let turned = |node: u32, force: Vector<f64, 2>| {
+        let turned = |node: u32, force: Vector<f64, D>| {
             let x = at.space.nodes.points[node as usize];
-            let arm: [f64; 2] = std::array::from_fn(|i| {
-                let n = 2 * node as usize + i;
+            let arm: [f64; D] = std::array::from_fn(|i| {
+                let n = D * node as usize + i;
                 // Without a body and walls that move there is no displacement.
                 let u = |state: &State| state.u.get(n).copied().unwrap_or(0.0);
                 x[i] + (1.0 - theta) * u(at.old) + theta * u(at.new) - self.about.0[i]
             });
             arm[0] * force.0[1] - arm[1] * force.0[0]
         };
-        let residual = |node: u32| Vector([0, 1].map(|i: usize| at.fluid_residual[2 * node as usize + i]));
+        let residual = |node: u32| Vector(std::array::from_fn::<_, D, _>(|i| at.fluid_residual[D * node as usize + i]));
         let nodes: f64 = self.parts.iter().map(|&(node, part)| part * turned(node, residual(node))).sum();
         let facets: f64 = self.tractions.iter().map(|(node, facet)| turned(*node, facet.sum(at))).sum();
         -(nodes + facets)

@@ -25,7 +25,7 @@ pub enum NodalField {
     Stress,
     /// Equivalent stress after von Mises.
     VonMises,
-    /// The larger and the smaller principal stress in the plane, and the stress across it.
+    /// The larger and the smaller principal stress in the plane, and the stress across it; in space all by size.
     PrincipalStress,
     /// Green-Lagrange strain of the solid, all nine components.
     Strain,
@@ -47,7 +47,7 @@ pub static FIELDS: [Choice<NodalField>; 10] = [
     choice(
         "principal-stress",
         NodalField::PrincipalStress,
-        "principal stresses of each body [Pa]: larger, smaller, across the plane",
+        "principal stresses of each body [Pa]: larger, smaller, across the plane; in space by size",
     ),
     choice("strain", NodalField::Strain, "Green-Lagrange strain of the solid, 9 components"),
     choice("jacobian", NodalField::Jacobian, "J of each body"),
@@ -71,13 +71,14 @@ impl NodalField {
         }
     }
 
-    /// Numbers per node.
-    pub fn components(self) -> usize {
+    /// Numbers per node in `dim` dimensions.
+    pub fn components(self, dim: usize) -> usize {
         use NodalField::*;
         match self {
             Stress | Strain => 9,
             PrincipalStress => 3,
-            Velocity | Displacement | WallShearStress => 2,
+            Velocity | Displacement | WallShearStress => dim,
+            Vorticity if dim == 3 => 3,
             Pressure | VonMises | Jacobian | Vorticity => 1,
         }
     }
@@ -100,14 +101,20 @@ impl NodalField {
             NodalField::VonMises => add(&[von_mises(&sigma())]),
             NodalField::PrincipalStress => {
                 let sigma = sigma();
-                let [less, more] = principal::<2>(&sigma);
-                add(&[more, less, sigma.0[2][2]]);
+                if D == 3 {
+                    let [least, middle, largest] = principal::<3>(&sigma);
+                    add(&[largest, middle, least]);
+                } else {
+                    let [less, more] = principal::<2>(&sigma);
+                    add(&[more, less, sigma.0[2][2]]);
+                }
             }
             NodalField::Strain => add(green_lagrange(&in_space(&at.grad_u)).0.as_flattened()),
             NodalField::Jacobian => add(&[(Tensor::identity() + at.grad_u).det()]),
             NodalField::Vorticity => {
                 let grad_v = at.grad_v * Kinematics::of(&at.grad_u).F_inv;
-                add(&[grad_v.0[1][0] - grad_v.0[0][1]]);
+                let about = |i: usize, j: usize| grad_v.0[j][i] - grad_v.0[i][j];
+                if D == 3 { add(&[about(1, 2), about(2, 0), about(0, 1)]) } else { add(&[about(0, 1)]) }
             }
             _ => {}
         }
@@ -123,7 +130,7 @@ pub fn in_body<const D: usize>(
     field: NodalField,
     region: Region,
 ) -> Vec<f64> {
-    let (shape, degree, n) = (space.mesh.shape, space.nodes.degree, field.components());
+    let (shape, degree, n) = (space.mesh.shape, space.nodes.degree, field.components(D));
     let per_cell = shape.n_nodes(degree);
     let points: Vec<[f64; 3]> = (0..per_cell).map(|a| lagrange::node(shape, degree, a)).collect();
     let rule = Quadrature { weights: vec![1.0; per_cell], points };

@@ -33,9 +33,10 @@ pub const VON_MISES: &str = "von-mises";
 pub const WALL_SHEAR_STRESS: &str = "wall-shear-stress";
 
 /// Their names in a case; each kind of functional takes some that stand side by side.
-pub static COMPONENTS: [Choice<Component>; 11] = [
+pub static COMPONENTS: [Choice<Component>; 14] = [
     choice("x", Component::Along(0), "first component of a vector"),
     choice("y", Component::Along(1), "second component of a vector"),
+    choice("z", Component::Along(2), "third component of a vector, in space"),
     choice("magnitude", Component::Magnitude, "Euclidean norm of a vector"),
     choice(
         "tangential",
@@ -44,8 +45,10 @@ pub static COMPONENTS: [Choice<Component>; 11] = [
     ),
     choice("xx", Component::Entry(0, 0), "normal stress along x"),
     choice("xy", Component::Entry(0, 1), "shear stress"),
+    choice("xz", Component::Entry(0, 2), "shear stress, in space"),
     choice("yy", Component::Entry(1, 1), "normal stress along y"),
-    choice("zz", Component::Entry(2, 2), "normal stress across the plane; hoop stress around an axis"),
+    choice("yz", Component::Entry(1, 2), "shear stress, in space"),
+    choice("zz", Component::Entry(2, 2), "normal stress along z: across the plane; hoop stress around an axis"),
     choice(
         VON_MISES,
         Component::VonMises,
@@ -54,34 +57,55 @@ pub static COMPONENTS: [Choice<Component>; 11] = [
     choice(
         "principal-max",
         Component::PrincipalMax,
-        "largest principal stress in the plane; around an axis of all three",
+        "largest principal stress in the plane; around an axis and in space of all three",
     ),
     choice(
         "principal-min",
         Component::PrincipalMin,
-        "smallest principal stress in the plane; around an axis of all three",
+        "smallest principal stress in the plane; around an axis and in space of all three",
     ),
 ];
 
 impl Component {
-    /// Components of a force or a displacement.
-    pub fn of_vector() -> &'static [Choice<Component>] {
-        &COMPONENTS[..2]
+    /// Whether vectors of `dim` components, and stresses beside them, have it.
+    fn is_in(self, dim: usize) -> bool {
+        match self {
+            Component::Along(i) => i < dim,
+            Component::Entry(i, j) => i == j || i.max(j) < dim,
+            Component::Tangential => dim == 2,
+            _ => true,
+        }
+    }
+
+    fn those(dim: usize, here: impl Fn(Component) -> bool) -> Vec<Choice<Component>> {
+        COMPONENTS.iter().filter(|row| row.value.is_in(dim) && here(row.value)).cloned().collect()
+    }
+
+    /// Components of a force or a displacement in `dim` dimensions.
+    pub fn of_vector(dim: usize) -> Vec<Choice<Component>> {
+        Self::those(dim, |component| matches!(component, Component::Along(_)))
     }
 
     /// Components of a velocity.
-    pub fn of_velocity() -> &'static [Choice<Component>] {
-        &COMPONENTS[..3]
+    pub fn of_velocity(dim: usize) -> Vec<Choice<Component>> {
+        Self::those(dim, |component| matches!(component, Component::Along(_) | Component::Magnitude))
     }
 
     /// Components of a wall shear stress.
-    pub fn of_shear() -> &'static [Choice<Component>] {
-        &COMPONENTS[2..4]
+    pub fn of_shear(dim: usize) -> Vec<Choice<Component>> {
+        let of_wall = |component| match component {
+            Component::Along(_) => dim == 3,
+            _ => matches!(component, Component::Magnitude | Component::Tangential),
+        };
+        Self::those(dim, of_wall)
     }
 
     /// Components of a stress.
-    pub fn of_stress() -> &'static [Choice<Component>] {
-        &COMPONENTS[4..]
+    pub fn of_stress(dim: usize) -> Vec<Choice<Component>> {
+        let of_vector = |component| {
+            matches!(component, Component::Along(_) | Component::Magnitude | Component::Tangential)
+        };
+        Self::those(dim, |component| !of_vector(component))
     }
 
     fn of<const D: usize>(self, vector: Vector<f64, D>) -> f64 {

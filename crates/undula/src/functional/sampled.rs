@@ -98,7 +98,7 @@ impl<const D: usize> OnBoundary<D> {
 
 impl<const D: usize> Functional<D> for OnBoundary<D> {
     fn unit(&self) -> &'static str {
-        self.quantity.unit(if self.take == Take::Integral { D - 1 } else { 0 })
+        self.quantity.unit(if self.take == Take::Integral { 1 } else { 0 })
     }
 
     fn at_force_time(&self) -> bool {
@@ -148,7 +148,7 @@ impl InRegion {
 
 impl<const D: usize> Functional<D> for InRegion {
     fn unit(&self) -> &'static str {
-        self.quantity.unit(if self.take == Take::Integral { D } else { 0 })
+        self.quantity.unit(if self.take == Take::Integral { 2 } else { 0 })
     }
 
     fn at_force_time(&self) -> bool {

@@ -15,15 +15,15 @@ const CLOSE: f64 = 1e-6;
 const DRAWN_IN: f64 = 1e-6;
 
 /// The old solution, asked for by body.
-struct Source<'a> {
-    space: &'a FsiSpace<2>,
-    fields: Fields<'a>,
-    locator: Locator<'a, 2>,
+struct Source<'a, const D: usize> {
+    space: &'a FsiSpace<D>,
+    fields: Fields<'a, D>,
+    locator: Locator<'a, D>,
 }
 
-impl Source<'_> {
+impl<const D: usize> Source<'_, D> {
     /// The solution at `x` \[m\] in the cells of `body`.
-    fn at(&self, x: [f64; 2], body: Region) -> Result<PointFields, MeshError> {
+    fn at(&self, x: [f64; D], body: Region) -> Result<PointFields<D>, MeshError> {
         let find = |tolerance| self.locator.find_where(x, tolerance, |cell| self.space.regions[cell] == body);
         // Far away from a point there are many small cells.
         let found = find(CLOSE).or_else(|_| find(OUTSIDE))?;
@@ -40,7 +40,7 @@ impl Source<'_> {
 ///
 /// # Errors
 /// [`MeshError::Outside`] for a node further from all cells of its body than a tenth of the size of a cell.
-pub fn transfer(from: &FsiSpace<2>, state: &State, to: &FsiSpace<2>) -> Result<State, MeshError> {
+pub fn transfer<const D: usize>(from: &FsiSpace<D>, state: &State, to: &FsiSpace<D>) -> Result<State, MeshError> {
     let source = Source { space: from, fields: Fields::new(from, state), locator: Locator::new(&from.mesh) };
     let mut new = State::zero(to.n_v(), to.n_u(), to.n_p());
     nodes(&source, to, &mut new)?;
@@ -53,7 +53,7 @@ pub fn transfer(from: &FsiSpace<2>, state: &State, to: &FsiSpace<2>) -> Result<S
 }
 
 /// v and u at the nodes.
-fn nodes(source: &Source<'_>, to: &FsiSpace<2>, new: &mut State) -> Result<(), MeshError> {
+fn nodes<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut State) -> Result<(), MeshError> {
     let mut in_fluid = vec![false; to.nodes.len()];
     for cell in (0..to.mesh.n_cells()).filter(|&cell| to.regions[cell] == Region::Fluid) {
         to.nodes.cell(cell).iter().for_each(|&node| in_fluid[node as usize] = true);
@@ -68,32 +68,33 @@ fn nodes(source: &Source<'_>, to: &FsiSpace<2>, new: &mut State) -> Result<(), M
             }
             PsiOwner::Relation => source.at(x, Region::Solid),
         }?;
-        new.v[2 * node..2 * node + 2].copy_from_slice(&found.velocity);
+        new.v[D * node..D * (node + 1)].copy_from_slice(&found.velocity);
         if to.deforms {
-            new.u[2 * node..2 * node + 2].copy_from_slice(&found.displacement);
+            new.u[D * node..D * (node + 1)].copy_from_slice(&found.displacement);
         }
     }
     Ok(())
 }
 
 /// v at the centres of cells with a bubble: its coefficient is what the nodal basis leaves, over the bubble there.
-fn bubbles(source: &Source<'_>, to: &FsiSpace<2>, new: &mut State) -> Result<(), MeshError> {
+fn bubbles<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut State) -> Result<(), MeshError> {
     let mesh = &to.mesh;
-    let [x, y] = mesh.reference_centre();
-    let table = to.nodes.table(mesh.shape, &Quadrature { points: vec![[x, y, 0.0]], weights: vec![1.0] });
+    let centre = mesh.reference_centre();
+    let padded = std::array::from_fn(|d| if d < D { centre[d] } else { 0.0 });
+    let table = to.nodes.table(mesh.shape, &Quadrature { points: vec![padded], weights: vec![1.0] });
     for cell in (0..mesh.n_cells()).filter(|&cell| to.nodes.has_bubble(cell)) {
-        let found = source.at(mesh.map(cell, [x, y]), to.regions[cell])?;
+        let found = source.at(mesh.map(cell, centre), to.regions[cell])?;
         let Some((&bubble, others)) = to.nodes.cell(cell).split_last() else { continue };
-        for i in 0..2 {
+        for i in 0..D {
             let nodal: f64 =
-                others.iter().zip(table.value(0)).map(|(&node, b)| b * new.v[2 * node as usize + i]).sum();
-            new.v[2 * bubble as usize + i] = (found.velocity[i] - nodal) / table.value(0)[others.len()];
+                others.iter().zip(table.value(0)).map(|(&node, b)| b * new.v[D * node as usize + i]).sum();
+            new.v[D * bubble as usize + i] = (found.velocity[i] - nodal) / table.value(0)[others.len()];
         }
     }
     Ok(())
 }
 
-fn continuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<(), MeshError> {
+fn continuous<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, p: &mut [f64]) -> Result<(), MeshError> {
     let one_valued = matches!(source.space.pressure.kind, PressureKind::Continuous(_));
     let mut count = vec![0.0; p.len()];
     for cell in 0..to.mesh.n_cells() {
@@ -103,10 +104,10 @@ fn continuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<()
             if one_valued && count[dof] > 0.0 {
                 continue;
             }
-            let [s, t, _] = lagrange::node(to.mesh.shape, to.pressure.kind.degree(), a);
-            let x = to.mesh.map(cell, [s, t]);
+            let xi = lagrange::node(to.mesh.shape, to.pressure.kind.degree(), a);
+            let x = to.mesh.map(cell, std::array::from_fn(|d| xi[d]));
             let part = if one_valued { 0.0 } else { DRAWN_IN };
-            let inside = [0, 1].map(|d| x[d] + part * (centre[d] - x[d]));
+            let inside = std::array::from_fn(|d| x[d] + part * (centre[d] - x[d]));
             p[dof] += source.at(inside, to.regions[cell])?.pressure;
             count[dof] += 1.0;
         }
@@ -115,14 +116,14 @@ fn continuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<()
     Ok(())
 }
 
-fn discontinuous(source: &Source<'_>, to: &FsiSpace<2>, p: &mut [f64]) -> Result<(), MeshError> {
+fn discontinuous<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, p: &mut [f64]) -> Result<(), MeshError> {
     let rule = Quadrature::cell(to.mesh.shape, to.pressure.kind.degree() + 2);
     for cell in 0..to.mesh.n_cells() {
         let dofs = to.pressure.cell(cell);
         let n = dofs.len();
         let (mut mass, mut moments) = (vec![vec![0.0; n]; n], vec![0.0; n]);
         for (xi, weight) in rule.points.iter().zip(&rule.weights).filter(|_| n > 0) {
-            let xi = [xi[0], xi[1]];
+            let xi = std::array::from_fn(|d| xi[d]);
             let x = to.mesh.map(cell, xi);
             let weight = weight * Tensor(to.mesh.map_gradient(cell, xi)).det();
             let basis = to.pressure.basis(&to.mesh, cell, &xi, &x);

@@ -56,9 +56,9 @@ impl BlockNorms {
 impl Scales {
     /// Those on `space` of a density ρ \[kg/m³\], the viscosity ν of the fluid \[m²/s\], 0 without, the modulus of
     /// elastic waves in the solid \[Pa\], 0 without, and the largest E_e.
-    pub fn new(space: &FsiSpace<2>, density: f64, viscosity: f64, modulus: f64, stiffness: f64) -> Scales {
+    pub fn new<const D: usize>(space: &FsiSpace<D>, density: f64, viscosity: f64, modulus: f64, stiffness: f64) -> Scales {
         let size = space.node_distance();
-        Scales { mass: density * size * size, size, stiffness, viscosity, wave: modulus / density }
+        Scales { mass: density * size.powi(D as i32), size, stiffness, viscosity, wave: modulus / density }
     }
 
     /// k, or what stands for it in a stationary solution: ĥ²/ν, without a fluid ĥ/c.

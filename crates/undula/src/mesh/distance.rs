@@ -4,10 +4,12 @@ use super::box_tree::{BoxTree, image_bounds};
 use super::geometry::{distance, lagrange, lagrange_slope};
 use super::{Mesh, MeshError};
 
-/// Samples per direction from which the nearest point of a curved facet is sought.
+/// Samples along a curved edge from which its nearest point is sought; half as many per direction of a surface.
 const SAMPLES: usize = 8;
-/// Sweeps of that search; each is Newton's method in one coordinate after the other.
-const SWEEPS: usize = 30;
+/// Steps of that search by Newton's method.
+const STEPS: usize = 30;
+/// At most so often a step on a surface is halved.
+const HALVINGS: i32 = 20;
 
 /// The facets of some boundaries, ready to be asked for distances.
 #[derive(Clone, Debug)]
@@ -56,7 +58,11 @@ impl<const D: usize> FacetMap<D> {
 
     /// Distance from `x` to the facet.
     pub(crate) fn distance(&self, x: [f64; D]) -> f64 {
-        let n = if self.degree == 1 && D == 2 { 1 } else { SAMPLES };
+        let n = match (self.degree, D) {
+            (1, 2) => 1,
+            (_, 2) => SAMPLES,
+            _ => SAMPLES / 2,
+        };
         let mut best = ([0.5; D], f64::INFINITY);
         for i in 0..(n + 1).pow(D as u32 - 1) {
             let at = std::array::from_fn(|d| (i / (n + 1).pow(d as u32) % (n + 1)) as f64 / n as f64);
@@ -66,12 +72,20 @@ impl<const D: usize> FacetMap<D> {
             }
         }
         let (mut at, mut nearest) = best;
-        for _ in 0..SWEEPS {
+        for _ in 0..STEPS {
             let before = at;
-            for axis in 0..D - 1 {
-                at[axis] = (at[axis] - self.newton_step(at, axis, x)).clamp(0.0, 1.0);
+            let step = self.newton_step(at, x);
+            let moved = |share: f64| std::array::from_fn(|d| (before[d] - share * step[d]).clamp(0.0, 1.0));
+            at = moved(1.0);
+            let mut away = distance(self.map(at), x);
+            // On a surface a full step may lead away; one along the descent that is short enough does not.
+            for halvings in 1..if D > 2 { HALVINGS } else { 0 } {
+                if away <= nearest {
+                    break;
+                }
+                at = moved(0.5_f64.powi(halvings));
+                away = distance(self.map(at), x);
             }
-            let away = distance(self.map(at), x);
             nearest = f64::min(nearest, away);
             if distance(at, before) < 1e-14 {
                 break;
@@ -80,21 +94,52 @@ impl<const D: usize> FacetMap<D> {
         nearest
     }
 
-    /// Newton step for the minimum of `|X(s) − x|² / 2` in coordinate `axis`.
-    fn newton_step(&self, s: [f64; D], axis: usize, x: [f64; D]) -> f64 {
+    /// Newton step for the minimum of `|X(s) − x|² / 2` over the coordinates that are free: those that are not at an
+    /// end which the function falls towards. Where its second derivatives are not clearly positive they are those of a
+    /// flat facet.
+    fn newton_step(&self, s: [f64; D], x: [f64; D]) -> [f64; D] {
         let basis = s.map(|s| lagrange(self.degree, s));
-        let slope = lagrange_slope(self.degree, s[axis]);
+        let slope = s.map(|s| lagrange_slope(self.degree, s));
         let bend = if self.degree == 1 { [0.0; 3] } else { [4.0, -8.0, 4.0] };
-        let along = |values: [f64; 3]| self.combine(|d, i| if d == axis { values[i] } else { basis[d][i] });
-        let (at, tangent, curvature) = (self.map(s), along(slope), along(bend));
-        let (mut first, mut straight, mut bent) = (0.0, 0.0, 0.0);
-        for d in 0..D {
-            first += tangent[d] * (at[d] - x[d]);
-            straight += tangent[d] * tangent[d];
-            bent += curvature[d] * (at[d] - x[d]);
+        // Derivative in each of the coordinates `along`.
+        let derivative = |along: [usize; 2]| {
+            self.combine(|d, i| match along.iter().filter(|&&axis| axis == d).count() {
+                0 => basis[d][i],
+                1 => slope[d][i],
+                _ => bend[i],
+            })
+        };
+        let at = self.map(s);
+        let dot = |a: [f64; D], b: [f64; D]| (0..D).fold(0.0, |sum, d| sum + a[d] * b[d]);
+        let away: [f64; D] = std::array::from_fn(|d| at[d] - x[d]);
+        let tangent: [[f64; D]; D] = std::array::from_fn(|axis| derivative([axis, D]));
+        let first = tangent.map(|tangent| dot(tangent, away));
+        // Second derivative of a flat facet, and what its curvature adds.
+        let second = |a: usize, b: usize| (dot(tangent[a], tangent[b]), dot(derivative([a, b]), away));
+        let ends = |a: &usize| (s[*a] <= 0.0 && first[*a] > 0.0) || (s[*a] >= 1.0 && first[*a] < 0.0);
+        let free: Vec<usize> = (0..D - 1).filter(|a| !ends(a)).collect();
+        let mut step = [0.0; D];
+        if let [a, b] = free[..] {
+            let [aa, ab, bb] = [second(a, a), second(a, b), second(b, b)];
+            let det = |bent: f64| {
+                let [aa, ab, bb] = [aa, ab, bb].map(|(flat, more)| flat + bent * more);
+                (aa * bb - ab * ab, [aa, ab, bb])
+            };
+            let ((flat, _), (curved, _)) = (det(0.0), det(1.0));
+            let bent = if aa.0 + aa.1 > 0.1 * aa.0 && curved > 0.01 * flat { 1.0 } else { 0.0 };
+            let (det, [aa, ab, bb]) = det(bent);
+            if det > 1e-12 * aa * bb {
+                step[a] = (bb * first[a] - ab * first[b]) / det;
+                step[b] = (aa * first[b] - ab * first[a]) / det;
+                return step;
+            }
         }
-        let second = if straight + bent > 0.1 * straight { straight + bent } else { straight };
-        if second > 0.0 { first / second } else { 0.0 }
+        for &a in &free {
+            let (flat, more) = second(a, a);
+            let second = if flat + more > 0.1 * flat { flat + more } else { flat };
+            step[a] = if second > 0.0 { first[a] / second } else { 0.0 };
+        }
+        step
     }
 
     fn map(&self, s: [f64; D]) -> [f64; D] {

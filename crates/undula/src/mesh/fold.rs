@@ -24,7 +24,11 @@ impl<const D: usize> Mesh<D> {
         let polynomial = Determinant::new(self);
         let mut cells = self.quality().inverted;
         let weights: Vec<Vec<f64>> = (0..self.shape.n_nodes(self.degree)).map(|n| self.weights(n)).collect();
-        let curved = |&cell: &usize| D > 2 || (self.degree > 1 && !self.is_straight(cell, &weights));
+        let curved = |&cell: &usize| match D {
+            2 => self.degree > 1 && !self.is_straight(cell, &weights),
+            // Hexahedra may be folded between their vertices, be their edges straight.
+            _ => !self.is_nearly_affine(cell),
+        };
         cells.extend(
             (0..self.n_cells()).filter(curved).filter(|&c| polynomial.sign(self, c) != Sign::Positive),
         );

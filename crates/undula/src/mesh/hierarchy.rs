@@ -16,7 +16,7 @@ use std::ops::Range;
 /// anew, with the refinements that follow.
 #[derive(Clone, Debug, Default)]
 pub struct Hierarchy<const D: usize> {
-    coarser: Vec<Mesh<D>>,
+    pub(super) coarser: Vec<Mesh<D>>,
 }
 
 /// A cell as part of the coarser one that it was made from.

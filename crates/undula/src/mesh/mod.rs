@@ -3,10 +3,12 @@
 pub mod generate;
 pub mod gmsh;
 
+mod affine;
 mod box_tree;
 mod curve;
 mod distance;
 mod error;
+mod extrude;
 mod fold;
 mod from_cells;
 mod geometry;

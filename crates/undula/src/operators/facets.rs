@@ -73,7 +73,7 @@ type Moment = (f64, f64, End);
 /// The term in the residual.
 fn moments<const D: usize, T: FacetTerm<D>>(step: &StepView<'_>) -> impl Iterator<Item = Moment> {
     let of_rate = old(step).filter(|_| T::RATE);
-    step.rule.transport_points().map(|(weight, tau)| (weight, tau, End::New)).chain(of_rate)
+    step.rule.transport_points::<D>().map(|(weight, tau)| (weight, tau, End::New)).chain(of_rate)
 }
 
 /// The term at the old time.

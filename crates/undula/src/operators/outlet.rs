@@ -96,7 +96,7 @@ impl<const D: usize> Outlet<D> {
         let (rule, is_flow) = (step.rule, self.is_flow());
         let new = is_flow.then_some((1.0, 1.0, End::New));
         let theta = (!is_flow && rule.quadrature.is_empty()).then_some((rule.theta, 1.0, End::New));
-        let inside = rule.quadrature.iter().filter(move |_| !is_flow);
+        let inside = rule.gauss_points::<D>().iter().filter(move |_| !is_flow);
         let old = (!is_flow && rule.has_explicit()).then_some((1.0 - rule.theta, 0.0, End::Old));
         let inside = inside.map(|&(weight, tau)| (weight, tau, End::New));
         new.into_iter().chain(theta).chain(inside).chain(old)

@@ -73,7 +73,8 @@ impl<const D: usize> Traction<D> {
 
 /// The weight of the new end: θ, or 1 where the step is integrated.
 fn weight(step: &StepView<'_>) -> f64 {
-    step.rule.transport_points().map(|(weight, _)| weight).sum()
+    // The sum is the same in all dimensions.
+    step.rule.transport_points::<2>().map(|(weight, _)| weight).sum()
 }
 
 impl<const D: usize> Operator<D> for Traction<D> {

@@ -10,8 +10,8 @@ use crate::math::{Scalar, Tensor, Vector};
 /// assert_eq!(unit([3.0, -4.0]), Some([0.6, -0.8]));
 /// assert_eq!(unit([0.0, 0.0]), None);
 /// ```
-pub fn unit(a: [f64; 2]) -> Option<[f64; 2]> {
-    let length = a[0].hypot(a[1]);
+pub fn unit<const D: usize>(a: [f64; D]) -> Option<[f64; D]> {
+    let length = a.iter().fold(0.0, |length: f64, x| length.hypot(*x));
     (length > 0.0 && length.is_finite()).then(|| a.map(|x| x / length))
 }
 

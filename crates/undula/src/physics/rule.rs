@@ -50,8 +50,14 @@ pub const MIDPOINT: &[TimePoint] = &[point(1.0, Moment::Between)];
 /// midpoint tangent, which keeps the order for any θ.
 pub const GALERKIN: &[TimePoint] =
     &[point(1.0 / 3.0, Moment::Old), point(2.0 / 3.0, Moment::Between), point(1.0 / 3.0, Moment::New)];
-/// Two Gauss points, exact to degree 3: in 2D for all terms along linear u and v but the viscous stress.
+/// Two Gauss points, exact to degree 3: in the plane for all terms along linear u and v but the viscous stress.
 pub const GAUSS: &[(f64, f64)] = &[(0.5, 0.211_324_865_405_187_1), (0.5, 0.788_675_134_594_812_9)];
+/// Three Gauss points, exact to degree 5: the same in space, where the cofactor is quadratic in u.
+pub const GAUSS_IN_SPACE: &[(f64, f64)] = &[
+    (5.0 / 18.0, 0.112_701_665_379_258_3),
+    (8.0 / 18.0, 0.5),
+    (5.0 / 18.0, 0.887_298_334_620_741_7),
+];
 
 impl TimePoint {
     /// Weight and τ, the point being (1 − τ) U⁻ + τ U.
@@ -84,17 +90,24 @@ impl StepRule {
         self.theta < 1.0 && self.quadrature.is_empty()
     }
 
+    /// (weight, τ) of the points of a step that is integrated, in `D` dimensions; else none.
+    #[inline(always)]
+    pub fn gauss_points<const D: usize>(&self) -> &'static [(f64, f64)] {
+        if D == 3 && !self.quadrature.is_empty() { GAUSS_IN_SPACE } else { self.quadrature }
+    }
+
     /// (weight, τ) of transport, that of the explicit part left out.
     #[inline(always)]
-    pub fn transport_points(&self) -> impl Iterator<Item = (f64, f64)> {
+    pub fn transport_points<const D: usize>(&self) -> impl Iterator<Item = (f64, f64)> {
         let theta = self.quadrature.is_empty().then_some((self.theta, 1.0));
-        theta.into_iter().chain(self.quadrature.iter().copied())
+        theta.into_iter().chain(self.gauss_points::<D>().iter().copied())
     }
 
     /// (weight, τ) of the factors of ∂_t.
     #[inline(always)]
-    pub fn inertia_points(&self) -> impl Iterator<Item = (f64, f64)> {
+    pub fn inertia_points<const D: usize>(&self) -> impl Iterator<Item = (f64, f64)> {
         let theta = self.theta;
-        self.inertia.iter().map(move |point| point.resolve(theta)).chain(self.quadrature.iter().copied())
+        let integrated = self.gauss_points::<D>().iter().copied();
+        self.inertia.iter().map(move |point| point.resolve(theta)).chain(integrated)
     }
 }

@@ -91,7 +91,7 @@ impl StepRule {
         let old = Fields::lift(old);
         let mut sum = Inertia { mass: T::zero(), motion: Tensor::zero() };
         let mut geometry = Tensor::zero();
-        for &(weight, tau) in self.quadrature {
+        for &(weight, tau) in self.gauss_points::<D>() {
             let (at, lag) = (old.lerp(new, tau), old.lerp(lag, tau));
             let part = form.inertia(&at, &lag);
             sum.mass += part.mass * weight;

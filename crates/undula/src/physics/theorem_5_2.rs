@@ -20,7 +20,7 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
 ) -> Tested<S, D> {
     let mut r = Tested::zero();
     rate(form, rule, new, old, W, &mut r);
-    for (weight, tau) in rule.transport_points() {
+    for (weight, tau) in rule.transport_points::<D>() {
         transport(form, weight, place, &old.lerp(new, tau), &scaled(W, tau), &mut r);
     }
     pressures(rule, new, old, W, &mut r);
@@ -42,7 +42,7 @@ fn rate<S: Scalar<Value = S>, const D: usize>(
 ) {
     let dv_dt = rule.per_k * (new.v - old.v);
     let du_dt = rule.per_k * (new.u - old.u);
-    for (weight, tau) in rule.inertia_points() {
+    for (weight, tau) in rule.inertia_points::<D>() {
         let at = old.lerp(new, tau);
         let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
         let (grad_z, grad_w) = (tau * W.grad_v, tau * W.grad_u);
@@ -103,7 +103,7 @@ fn pressures<S: Scalar<Value = S>, const D: usize>(
         let of_old = super::kinematics::cofactor(&old.grad_u);
         r.grad_phi -= (1.0 - rule.theta) * of_old * W.p;
     }
-    for (weight, tau) in rule.transport_points() {
+    for (weight, tau) in rule.transport_points::<D>() {
         pressure(weight, new.p, &old.lerp(new, tau), &(tau * W.grad_u), W.p, r);
     }
 }
@@ -154,7 +154,7 @@ pub fn solid<S: Scalar<Value = S>, const D: usize>(
         psi: rule.per_k * W.u - rule.theta * W.v,
         ..Tested::zero()
     };
-    for (weight, tau) in rule.transport_points() {
+    for (weight, tau) in rule.transport_points::<D>() {
         let at = old.lerp(new, tau);
         let fabric = &place.fabric;
         let (total, along) = (form.total(fabric, &at.grad_u), form.total_along(fabric, tau * W.grad_u));

@@ -28,23 +28,23 @@ struct Special {
 /// The first cause that the whole case shows.
 ///
 /// Functions that look for one belong here, each `fn(&Simulation, &StepFailure) -> Option<Special>`.
-fn special(simulation: &Simulation, failure: &StepFailure) -> Option<Special> {
-    let finders: [fn(&Simulation, &StepFailure) -> Option<Special>; 2] = [overfilled, backflow];
+fn special<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Option<Special> {
+    let finders: [fn(&Simulation<D>, &StepFailure) -> Option<Special>; 2] = [overfilled, backflow];
     finders.iter().find_map(|find| find(simulation, failure))
 }
 
 /// A closed part of the fluid that data fill or drain.
-fn overfilled(simulation: &Simulation, failure: &StepFailure) -> Option<Special> {
+fn overfilled<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Option<Special> {
     let assembler = &simulation.stepper.assembler;
     let sentence = simulation.case.overfilled(&assembler.space, &assembler.constraints, failure.time)?;
     Some(Special { cause: "closed", sentence, remedy: String::new(), place: place(simulation, failure) })
 }
 
 /// Flow that comes back in through an outlet.
-fn backflow(simulation: &Simulation, failure: &StepFailure) -> Option<Special> {
+fn backflow<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Option<Special> {
     let space = &simulation.stepper.assembler.space;
     let found = inflow::explains(&simulation.case, space, &simulation.stepper.new, failure)?;
-    let (speed, point) = (shortest(rounded(found.speed, found.speed, 3)), space.mesh.shown(&found.point));
+    let (speed, point) = (shortest(rounded(found.speed, found.speed, 3)), space.mesh.shown(&std::array::from_fn(|d| found.point[d])));
     let key = key::join("boundary", &found.boundary);
     Some(Special {
         cause: "backflow",
@@ -58,7 +58,7 @@ fn backflow(simulation: &Simulation, failure: &StepFailure) -> Option<Special> {
 }
 
 /// What the summary says of a failure.
-pub(super) fn describe(simulation: &Simulation, failure: &StepFailure) -> Breakdown {
+pub(super) fn describe<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Breakdown {
     let cause = &failure.details.cause;
     let Special { cause, sentence, remedy, place } =
         special(simulation, failure).unwrap_or_else(|| Special {
@@ -78,7 +78,7 @@ pub(super) fn describe(simulation: &Simulation, failure: &StepFailure) -> Breakd
 }
 
 /// Where it is: the cells that fold, or the place of the cause.
-fn place(simulation: &Simulation, failure: &StepFailure) -> String {
+fn place<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> String {
     let mesh = &simulation.stepper.assembler.space.mesh;
     match &failure.details.cause {
         Cause::Folding { .. } => {

@@ -66,7 +66,7 @@ pub(super) struct OfRun<'a> {
 }
 
 /// A checkpoint of `simulation` as it is.
-pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
+pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
     let Memory { steps, stepper, adaptive, balance, unloading } = simulation.save();
     let time::Memory { clock, new, old, point, newton, detour } = stepper;
     let nonlinear::Memory { worsening, counters, seconds } = newton;
@@ -121,8 +121,8 @@ pub(super) fn of(simulation: &Simulation, run: &OfRun<'_>) -> Result<Checkpoint,
 ///
 /// # Errors
 /// If there is no run or no checkpoint, or if it has other unknowns.
-pub fn restore_latest(
-    simulation: &mut Simulation,
+pub fn restore_latest<const D: usize>(
+    simulation: &mut Simulation<D>,
     directory: impl AsRef<Path>,
 ) -> Result<Vec<String>, Error> {
     let directory = RunDirectory::open(directory).map_err(Error::Directory)?;
@@ -193,8 +193,8 @@ fn load(path: &Path) -> Result<Found, String> {
 }
 
 /// Take `simulation` to a checkpoint.
-pub(super) fn restore(
-    simulation: &mut Simulation,
+pub(super) fn restore<const D: usize>(
+    simulation: &mut Simulation<D>,
     checkpoint: &Checkpoint,
     metadata: &Metadata,
 ) -> Result<(), Error> {
@@ -203,7 +203,7 @@ pub(super) fn restore(
 }
 
 /// What a checkpoint says, for `simulation`.
-fn memory(simulation: &Simulation, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<Memory, Error> {
+fn memory<const D: usize>(simulation: &Simulation<D>, checkpoint: &Checkpoint, metadata: &Metadata) -> Result<Memory, Error> {
     let Stepper { assembler, settings, .. } = &simulation.stepper;
     let (space, s) = (&assembler.space, simulation.stepper.new.s.len());
     let sizes = Sizes { v: space.n_v(), u: space.n_u(), p: space.n_p(), s };

@@ -13,7 +13,7 @@ use crate::system::Physics;
 ///
 /// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
 /// one.
-pub fn fields(space: &FsiSpace<2>, physics: &Physics, state: &State, output: &OutputSpec) -> FieldSnapshot {
+pub fn fields<const D: usize>(space: &FsiSpace<D>, physics: &Physics, state: &State, output: &OutputSpec) -> FieldSnapshot {
     let mut snapshot = snapshot(space, state, output.deformed);
     let [velocity, displacement, pressure] =
         [NodalField::Velocity, NodalField::Displacement, NodalField::Pressure]
@@ -29,13 +29,13 @@ pub fn fields(space: &FsiSpace<2>, physics: &Physics, state: &State, output: &Ou
             let without = field == NodalField::Jacobian && !space.deforms;
             if field.is_derived_in(region) && space.regions.contains(&region) && !without {
                 let values = in_body(space, physics, state, field, region);
-                let values = space.at_places(&values, field.components());
-                snapshot.point_data.push(Field::new(format!("{body}-{name}"), field.components(), values));
+                let values = space.at_places(&values, field.components(D));
+                snapshot.point_data.push(Field::new(format!("{body}-{name}"), field.components(D), values));
             }
         }
         if field == NodalField::WallShearStress && physics.fluid.is_some() {
-            let values = space.at_places(&WallShear::new(space).at_nodes(space, physics, state), 2);
-            snapshot.point_data.push(Field::new(name, field.components(), values));
+            let values = space.at_places(&WallShear::new(space).at_nodes(space, physics, state), D);
+            snapshot.point_data.push(Field::new(name, field.components(D), values));
         }
     }
     snapshot
@@ -46,18 +46,18 @@ const VELOCITY: &str = "velocity";
 const DEFORMATION: &str = "deformation";
 
 /// Fields at the nodes of v and u, on the deformed mesh or on the reference domain.
-pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnapshot {
+pub fn snapshot<const D: usize>(space: &FsiSpace<D>, state: &State, deformed: bool) -> FieldSnapshot {
     // Bubbles have no value of their own at a point.
     let n = space.places().n_lagrange;
-    let u = |node: usize, i: usize| if state.u.is_empty() { 0.0 } else { state.u[2 * node + i] };
+    let u = |node: usize, i: usize| if state.u.is_empty() { 0.0 } else { state.u[D * node + i] };
     let point = |place: usize| {
         let (x, node) = (space.places().points[place], space.node_at(place));
         let move_by = |i| if deformed { u(node, i) } else { 0.0 };
-        [x[0] + move_by(0), x[1] + move_by(1), 0.0]
+        std::array::from_fn(|d| if d < D { x[d] + move_by(d) } else { 0.0 })
     };
-    let mut point_data = vec![Field::new(VELOCITY, 2, space.at_places(&state.v, 2))];
+    let mut point_data = vec![Field::new(VELOCITY, D, space.at_places(&state.v, D))];
     if space.deforms {
-        point_data.push(Field::new(DEFORMATION, 2, space.at_places(&state.u, 2)));
+        point_data.push(Field::new(DEFORMATION, D, space.at_places(&state.u, D)));
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
         let values = nodal_pressure(space, state, region);
@@ -70,7 +70,8 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
     FieldSnapshot {
         kind: match space.mesh.shape {
             Shape::Triangle => CellKind::Triangle,
-            _ => CellKind::Quadrilateral,
+            Shape::Quadrilateral => CellKind::Quadrilateral,
+            Shape::Hexahedron => CellKind::Hexahedron,
         },
         degree: space.nodes.degree,
         points: (0..n).map(point).collect(),
@@ -81,7 +82,7 @@ pub fn snapshot(space: &FsiSpace<2>, state: &State, deformed: bool) -> FieldSnap
 }
 
 /// The number of the body in each cell, fluids and then solids in the order of the case; `None` where `solid` tells it.
-fn material(space: &FsiSpace<2>) -> Option<Field> {
+fn material<const D: usize>(space: &FsiSpace<D>) -> Option<Field> {
     let several = space.material.iter().any(|&material| material > 0);
     let last = |region: Region| {
         let of_region = space.regions.iter().zip(&space.material).filter(|(r, _)| **r == region);
@@ -97,6 +98,6 @@ fn material(space: &FsiSpace<2>) -> Option<Field> {
 }
 
 /// The points of `cell`.
-fn points_of(space: &FsiSpace<2>, cell: usize) -> &[u32] {
+fn points_of<const D: usize>(space: &FsiSpace<D>, cell: usize) -> &[u32] {
     &space.places().cell(cell)[..space.mesh.shape.n_nodes(space.nodes.degree)]
 }

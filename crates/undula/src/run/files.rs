@@ -18,8 +18,8 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(500);
 
 /// A simulation with its open files.
-pub(super) struct Run {
-    pub simulation: Simulation,
+pub(super) struct Run<const D: usize> {
+    pub simulation: Simulation<D>,
     pub directory: RunDirectory,
     history: HistoryWriter,
     pub collection: Collection,
@@ -44,11 +44,11 @@ pub(super) struct Run {
     /// The end \[s\] that the last steps were shortened for.
     pub cut: Option<f64>,
     /// Means over a window of time.
-    pub window: Option<Window>,
+    pub window: Option<Window<D>>,
 }
 
-impl Run {
-    pub fn create(simulation: Simulation, options: &RunOptions) -> Result<Run, Error> {
+impl<const D: usize> Run<D> {
+    pub fn create(simulation: Simulation<D>, options: &RunOptions) -> Result<Run<D>, Error> {
         let directory = RunDirectory::create(&options.directory, options.force).map_err(Error::Directory)?;
         let history = HistoryWriter::create(directory.history(), &columns(&simulation))?;
         let collection = Collection::create(directory.collection())?;
@@ -59,11 +59,11 @@ impl Run {
     }
 
     pub fn new(
-        simulation: Simulation,
+        simulation: Simulation<D>,
         directory: RunDirectory,
         history: HistoryWriter,
         collection: Collection,
-    ) -> Run {
+    ) -> Run<D> {
         let now = Instant::now();
         Run {
             mesh: mesh_hash(&simulation.case),
@@ -91,7 +91,7 @@ impl Run {
     }
 
     /// Step until the end, a stop, or an error.
-    pub fn advance(&mut self, observer: &mut dyn Observer) -> Result<Flow, Error> {
+    pub fn advance(&mut self, observer: &mut dyn Observer<D>) -> Result<Flow, Error> {
         self.write_summary(Status::Running, None)?;
         if self.simulation.steps == 0 && self.simulation.writes_fields() {
             self.write_fields()?;

@@ -27,12 +27,12 @@ pub struct Inflow {
     /// −v·n in the current domain \[m/s\].
     pub speed: f64,
     /// Where, in the current domain \[m\].
-    pub point: [f64; 2],
+    pub point: Vec<f64>,
 }
 
 /// The fastest flow in `state` that comes in through an outlet of `case` without directional term; `None` if it leaves
 /// through all of them.
-pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow> {
+pub fn inflow<const D: usize>(case: &Case, space: &FsiSpace<D>, state: &State) -> Option<Inflow> {
     let mut found: Option<Inflow> = None;
     for facet in space.mesh.facets.iter().filter(|f| space.regions[f.cell as usize] == Region::Fluid) {
         let name = &space.mesh.boundaries[facet.boundary as usize];
@@ -47,7 +47,7 @@ pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow>
             let speed = -at.v.dot(normal) / normal.dot(normal).sqrt();
             if speed > found.as_ref().map_or(0.0, |found| found.speed) {
                 let Vector(x) = Vector(point.x) + at.u;
-                found = Some(Inflow { boundary: name.clone(), speed, point: x });
+                found = Some(Inflow { boundary: name.clone(), speed, point: x.to_vec() });
             }
         }
     }
@@ -56,20 +56,21 @@ pub fn inflow(case: &Case, space: &FsiSpace<2>, state: &State) -> Option<Inflow>
 
 /// The flow through an outlet that explains a breakdown after `state`: hardly anywhere is the flow faster than where it
 /// comes in, and the mesh did not fold, or only beside a burst of such flow.
-pub(super) fn explains(
+pub(super) fn explains<const D: usize>(
     case: &Case,
-    space: &FsiSpace<2>,
+    space: &FsiSpace<D>,
     state: &State,
     failure: &StepFailure,
 ) -> Option<Inflow> {
-    let speeds = || state.v.chunks_exact(2).map(|v| v[0].hypot(v[1]));
+    let speeds = || state.v.chunks_exact(D).map(|v| v.iter().map(|v| v * v).sum::<f64>().sqrt());
     let largest = speeds().fold(0.0, f64::max);
-    let mean = (speeds().map(|v| v * v).sum::<f64>() / (state.v.len() / 2).max(1) as f64).sqrt();
+    let mean = (speeds().map(|v| v * v).sum::<f64>() / (state.v.len() / D).max(1) as f64).sqrt();
     let folded = failure.worst.min_j <= 0.0;
     let reach = NEAR * space.mesh.diameter();
     let beside = |found: &Inflow| {
         let centres = failure.worst.cells.iter().map(|&cell| space.mesh.centre(cell as usize));
-        centres.map(|x| (x[0] - found.point[0]).hypot(x[1] - found.point[1])).any(|gap| gap < reach)
+        let gap = |x: [f64; D]| x.iter().zip(&found.point).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+        centres.map(gap).any(|gap| gap < reach)
     };
     let burst = |found: &Inflow| found.speed >= BURST * mean && beside(found);
     inflow(case, space, state).filter(|found| found.speed >= SHARE * largest && (!folded || burst(found)))

@@ -17,7 +17,9 @@ pub use inflow::{Inflow, inflow};
 use crate::case::Case;
 use crate::error::Error;
 use crate::output::{Status, Summary};
+use crate::setup::dimension::Dimension;
 use crate::simulation::{Row, Simulation};
+use crate::system::Dim;
 use files::Run;
 pub(crate) use identity::mesh_hash;
 use resume::again;
@@ -50,9 +52,9 @@ pub enum Flow {
 }
 
 /// Watches a run.
-pub trait Observer {
+pub trait Observer<const D: usize = 2> {
     /// Called once before the first step.
-    fn start(&mut self, simulation: &Simulation) {
+    fn start(&mut self, simulation: &Simulation<D>) {
         let _ = simulation;
     }
     /// Something that the user should know: the run goes on, but not as expected.
@@ -64,18 +66,41 @@ pub trait Observer {
         None
     }
     /// Called after every step.
-    fn after_step(&mut self, simulation: &Simulation, row: &Row) -> Flow;
+    fn after_step(&mut self, simulation: &Simulation<D>, row: &Row) -> Flow;
 }
 
-/// Run `case` to its end and write everything into the directory; the summary says how it ended.
+/// Run `case`, a case of the plane, to its end and write everything into the directory; the summary says how it ended.
 ///
 /// # Errors
 /// Problems with the case, its mesh, or files. A breakdown is no error: the summary has that status.
 pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Result<Summary, Error> {
+    run_in(case, options, observer)
+}
+
+/// [`run`] of a case in space.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_in_space(
+    case: Case,
+    options: &RunOptions,
+    observer: &mut dyn Observer<3>,
+) -> Result<Summary, Error> {
+    run_in(case, options, observer)
+}
+
+fn run_in<const D: usize>(
+    case: Case,
+    options: &RunOptions,
+    observer: &mut dyn Observer<D>,
+) -> Result<Summary, Error>
+where
+    Dim<D>: Dimension<D>,
+{
     // Everything that can be wrong with the input is found before a file is touched.
     let simulation = match options.resume {
         true => again(case, options)?,
-        false => Simulation::new(case, options.threads)?,
+        false => Simulation::set_up(case, options.threads)?,
     };
     run_simulation(simulation, options, observer)
 }
@@ -85,10 +110,10 @@ pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Res
 /// # Errors
 /// As [`run`].
 #[doc(hidden)]
-pub fn run_simulation(
-    mut simulation: Simulation,
+pub fn run_simulation<const D: usize>(
+    mut simulation: Simulation<D>,
     options: &RunOptions,
-    observer: &mut dyn Observer,
+    observer: &mut dyn Observer<D>,
 ) -> Result<Summary, Error> {
     simulation.stepper.newton.stop = observer.stop();
     let mut run = if options.resume {

@@ -9,17 +9,19 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::output::{Collection, HistoryWriter, RunDirectory};
 use crate::results::computed::case_of;
+use crate::setup::dimension::Dimension;
 use crate::simulation::Simulation;
+use crate::system::Dim;
 use std::path::Path;
 use std::sync::Arc;
 
-impl Run {
+impl<const D: usize> Run<D> {
     /// The run in directory `path`, whose simulation is set up anew.
     pub fn resume(
-        mut simulation: Simulation,
+        mut simulation: Simulation<D>,
         path: &Path,
-        observer: &mut dyn Observer,
-    ) -> Result<Run, Error> {
+        observer: &mut dyn Observer<D>,
+    ) -> Result<Run<D>, Error> {
         let extended = ends_later(path, &simulation.case);
         let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
         let columns = columns(&simulation);
@@ -58,7 +60,10 @@ impl Run {
 
 /// The simulation of a run that is resumed. Its state comes from its own checkpoints, and its start, if another run
 /// gave it, from its own case.
-pub(super) fn again(mut case: Case, options: &RunOptions) -> Result<Simulation, Error> {
+pub(super) fn again<const D: usize>(mut case: Case, options: &RunOptions) -> Result<Simulation<D>, Error>
+where
+    Dim<D>: Dimension<D>,
+{
     let given = case.record.places.contains_key("time.start");
     if let (Some(Initial::From(_)), false, Some(time)) = (&case.initial, given, &mut case.time)
         && let Some(former) = case_of(&options.directory).and_then(|former| former.time)

@@ -4,7 +4,7 @@ use crate::simulation::{Row, Simulation};
 use std::sync::Arc;
 
 /// All columns of `history.csv`.
-pub(super) fn columns(simulation: &Simulation) -> Vec<String> {
+pub(super) fn columns<const D: usize>(simulation: &Simulation<D>) -> Vec<String> {
     let mut columns: Vec<String> = ["step", "time", "force_time"].map(String::from).to_vec();
     columns.extend(simulation.names());
     columns.extend(["min_J", "newton_steps", "jacobians"].map(String::from));

@@ -18,38 +18,38 @@ const ARRAYS: [&str; 3] = ["window_weight", "window_mean", "window_squares"];
 ///
 /// A step of length k counts with k; v, u and the wall shear stress with the trapezoidal rule, the pressure, which
 /// belongs to the step, as it is.
-pub(super) struct Window {
+pub(super) struct Window<const D: usize> {
     /// First and last time \[s\].
     times: [f64; 2],
     averages: Averages,
-    shear: WallShear<2>,
+    shear: WallShear<D>,
     /// What was there at the end of the last step.
     last: Sample,
 }
 
-/// `[v, u, τ, |τ|, p]` at the nodes, `[2, 2, 2, 1, 1]` numbers for each.
+/// `[v, u, τ, |τ|, p]` at the nodes, `[D, D, D, 1, 1]` numbers for each.
 struct Sample {
     time: f64,
     values: Vec<f64>,
 }
 
-/// Where |τ| and p begin, as multiples of the number of nodes.
-const MAGNITUDE: usize = 6;
-const PRESSURE: usize = 7;
-const ALL: usize = 8;
+impl<const D: usize> Window<D> {
+    /// Where |τ| and p begin, and the numbers of all, as multiples of the number of nodes.
+    const MAGNITUDE: usize = 3 * D;
+    const PRESSURE: usize = 3 * D + 1;
+    const ALL: usize = 3 * D + 2;
 
-impl Window {
     /// Of a simulation whose case has one; it begins with its present state.
-    pub fn new(simulation: &Simulation) -> Option<Window> {
+    pub fn new(simulation: &Simulation<D>) -> Option<Window<D>> {
         let times = simulation.case.output.window.filter(|_| simulation.case.time.is_some())?;
         let space = &simulation.stepper.assembler.space;
         let shear = WallShear::new(space);
         let last = sample(simulation, &shear);
-        Some(Window { times, averages: Averages::new(ALL * space.nodes.n_lagrange), shear, last })
+        Some(Window { times, averages: Averages::new(Self::ALL * space.nodes.n_lagrange), shear, last })
     }
 
     /// Look at the end of a step.
-    pub fn observe(&mut self, simulation: &Simulation) {
+    pub fn observe(&mut self, simulation: &Simulation<D>) {
         let now = simulation.time();
         let [start, end] = self.times;
         let (k, slack) = (now - self.last.time, SLACK * (end - start));
@@ -59,7 +59,7 @@ impl Window {
         }
         let new = sample(simulation, &self.shear);
         if self.last.time >= start - slack && now <= end + slack {
-            let at = PRESSURE * (new.values.len() / ALL);
+            let at = Self::PRESSURE * (new.values.len() / Self::ALL);
             self.last.values[at..].copy_from_slice(&new.values[at..]);
             self.averages.add(&self.last.values, 0.5 * k);
             self.averages.add(&new.values, 0.5 * k);
@@ -85,7 +85,7 @@ impl Window {
     }
 
     /// Means and deviations on the mesh at the mean displacement; `None` if no step lies in the window.
-    pub fn fields(&self, simulation: &Simulation) -> Option<FieldSnapshot> {
+    pub fn fields(&self, simulation: &Simulation<D>) -> Option<FieldSnapshot> {
         if self.averages.weight <= 0.0 {
             return None;
         }
@@ -94,29 +94,29 @@ impl Window {
         let (mean, rms) = (&self.averages.mean, self.averages.rms());
         let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
         if space.deforms {
-            state.u[..2 * n].copy_from_slice(&mean[2 * n..4 * n]);
+            state.u[..D * n].copy_from_slice(&mean[D * n..2 * D * n]);
         }
         let output = &simulation.case.output;
         let mut fields = snapshot(space, &state, output.deformed);
         let list = |from: usize, components: usize, values: &[f64]| {
             space.at_places(&values[from * n..(from + components) * n], components)
         };
-        let (tau, magnitude) = (list(4, 2, mean), list(MAGNITUDE, 1, mean));
+        let (tau, magnitude) = (list(2 * D, D, mean), list(Self::MAGNITUDE, 1, mean));
         let index =
-            tau.chunks_exact(2).zip(&magnitude).map(|(tau, &size)| oscillatory_shear_index(tau, size));
+            tau.chunks_exact(D).zip(&magnitude).map(|(tau, &size)| oscillatory_shear_index(tau, size));
         fields.point_data = vec![
-            Field::new("mean-velocity", 2, list(0, 2, mean)),
-            Field::new("rms-velocity", 2, list(0, 2, &rms)),
+            Field::new("mean-velocity", D, list(0, D, mean)),
+            Field::new("rms-velocity", D, list(0, D, &rms)),
         ];
         if space.deforms {
-            fields.point_data.push(Field::new("mean-deformation", 2, list(2, 2, mean)));
-            fields.point_data.push(Field::new("rms-deformation", 2, list(2, 2, &rms)));
+            fields.point_data.push(Field::new("mean-deformation", D, list(D, D, mean)));
+            fields.point_data.push(Field::new("rms-deformation", D, list(D, D, &rms)));
         }
         if !simulation.case.fluids.is_empty() {
             fields.point_data.extend([
-                Field::new("mean-pressure", 1, list(PRESSURE, 1, mean)),
-                Field::new("rms-pressure", 1, list(PRESSURE, 1, &rms)),
-                Field::new("mean-wall-shear-stress", 2, tau.clone()),
+                Field::new("mean-pressure", 1, list(Self::PRESSURE, 1, mean)),
+                Field::new("rms-pressure", 1, list(Self::PRESSURE, 1, &rms)),
+                Field::new("mean-wall-shear-stress", D, tau.clone()),
                 Field::new("mean-wall-shear-magnitude", 1, magnitude.clone()),
                 Field::new("oscillatory-shear-index", 1, index.collect()),
             ]);
@@ -131,18 +131,18 @@ impl Window {
 }
 
 /// The present fields at the nodes.
-fn sample(simulation: &Simulation, shear: &WallShear<2>) -> Sample {
+fn sample<const D: usize>(simulation: &Simulation<D>, shear: &WallShear<D>) -> Sample {
     let (assembler, state) = (&simulation.stepper.assembler, &simulation.stepper.new);
     let space = &assembler.space;
     let n = space.nodes.n_lagrange;
-    let mut values = state.v[..2 * n].to_vec();
-    match state.u.get(..2 * n) {
+    let mut values = state.v[..D * n].to_vec();
+    match state.u.get(..D * n) {
         Some(u) => values.extend(u),
-        None => values.resize(4 * n, 0.0),
+        None => values.resize(2 * D * n, 0.0),
     }
     let tau = shear.at_nodes(space, &assembler.physics, state);
     values.extend(&tau);
-    values.extend(tau.chunks_exact(2).map(|tau| tau[0].hypot(tau[1])));
+    values.extend(tau.chunks_exact(D).map(|tau| tau.iter().map(|t| t * t).sum::<f64>().sqrt()));
     values.extend(nodal_pressure(space, state, Region::Fluid).into_iter().map(|p| p.unwrap_or(0.0)));
     Sample { time: simulation.time(), values }
 }

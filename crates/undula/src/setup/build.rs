@@ -1,6 +1,7 @@
 //! From a checked case to spaces, equations and solvers.
 
-use super::functions::{body_force, current_force, function, motion};
+use super::functions::{body_force, current_force, function, motion, padded};
+use super::dimension::Dimension;
 use super::mesh::Marked;
 use super::outlets::law;
 use super::overview::Overview;
@@ -8,7 +9,7 @@ use crate::algebra::{self, LinearSolver};
 use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
 use crate::error::Error;
 use crate::functional::Functional;
-use crate::functional::around_axis::AroundAxis;
+use crate::functional::spatial::Spatial;
 use crate::functional::force::Surfaces;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
@@ -21,32 +22,46 @@ use crate::physics::Projection;
 use crate::space::{
     BoundaryCondition, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed,
 };
-use crate::system::{self, Assembler, Operator, Physics};
+use crate::system::{self, Assembler, Dim, Operator, Physics};
 use crate::time::{MaterialForce, Scheme, Stepper, StepperSettings};
 use std::sync::Arc;
 
 /// Functionals by name, in the order of the columns of `history.csv`.
-pub type Functionals = Vec<(String, Box<dyn Functional<2>>)>;
+pub type Functionals<const D: usize> = Vec<(String, Box<dyn Functional<D>>)>;
 
 #[doc(hidden)]
 impl Case {
-    /// Spaces on the regions that take part.
+    /// Spaces of the plane on the regions that take part.
     ///
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn build_space(&self) -> Result<FsiSpace<2>, Error> {
-        self.space_of(&self.marked_mesh()?)
+        self.space_in()
+    }
+
+    /// Everything that computes in the plane: assembly, Newton, linear solver and the initial state at rest.
+    ///
+    /// # Errors
+    /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
+    pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
+        Ok(self.build_with_notes(threads)?.0)
     }
 
     /// Spaces with the hierarchy of their mesh.
-    fn space_of(&self, marked: &Marked) -> Result<FsiSpace<2>, Error> {
+    fn space_of<const D: usize>(&self, marked: &Marked<D>) -> Result<FsiSpace<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let mut space = self.space_on(&marked.mesh)?;
         space.hierarchy = marked.hierarchy.restrict(&self.regions());
         Ok(space)
     }
 
     /// Spaces on the regions of the complete `mesh` that take part; coarser meshes are not known.
-    pub(crate) fn space_on(&self, mesh: &Mesh<2>) -> Result<FsiSpace<2>, Error> {
+    pub(crate) fn space_on<const D: usize>(&self, mesh: &Mesh<D>) -> Result<FsiSpace<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let mesh = mesh.restrict(&self.regions());
         let bodies = mesh.regions.iter().map(|name| self.body_in(name).unwrap_or((Region::Fluid, 0)));
         let bodies: Vec<(Region, u16)> = bodies.collect();
@@ -86,7 +101,7 @@ impl Case {
         if space.walls == Walls::Sliding && space.deforms && !self.fluids.is_empty() && !space.slides() {
             return Err(self.refuse("motion.walls", message.into()));
         }
-        self.check_axis(&space.mesh)?;
+        Dim::<D>::check_axis(self, &space.mesh)?;
         self.check_patches(&space)?;
         self.check_ends(&space).map_err(Error::Case)?;
         self.check_supports(&space)?;
@@ -97,14 +112,14 @@ impl Case {
     }
 
     /// Projections on patches need a mesh that has them.
-    fn check_patches(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+    fn check_patches<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         let how = &self.stabilization;
         let needed = how.projects() && how.projection == Projection::Patch;
         if !needed || system::patches(space).is_some() {
             return Ok(());
         }
         let message =
-            "the fluid does not consist of cells refined in four: give mesh.refine of at least 1, or `cell`";
+            "the fluid does not consist of cells refined in all directions: give mesh.refine of at least 1, or `cell`";
         Err(self.refuse("stabilization.projection", message.into()))
     }
 
@@ -116,19 +131,30 @@ impl Case {
         Physics::of_several(&fluids, &solids)
     }
 
-    /// Everything that computes: assembly, Newton, linear solver and the initial state at rest.
+}
+
+#[doc(hidden)]
+impl Case {
+    /// Spaces in `D` dimensions on the regions that take part.
     ///
     /// # Errors
-    /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
-    pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
-        Ok(self.build_with_notes(threads)?.0)
+    /// As [`Case::build_mesh`].
+    pub(crate) fn space_in<const D: usize>(&self) -> Result<FsiSpace<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        self.space_of(&self.marked_mesh()?)
     }
 
-    /// The same with what should be known of it: regions that are left out, parts of the fluid that are closed in.
+    /// Everything that computes in `D` dimensions, with what should be known of it: regions that are left out, parts of the
+    /// fluid that are closed in.
     ///
     /// # Errors
     /// As [`Case::build_stepper`].
-    pub fn build_with_notes(&self, threads: usize) -> Result<(Stepper<2>, Vec<String>), Error> {
+    pub(crate) fn build_with_notes<const D: usize>(&self, threads: usize) -> Result<(Stepper<D>, Vec<String>), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let marked = self.marked_mesh()?;
         let space = Arc::new(self.space_of(&marked)?);
         let Marked { mut notes, .. } = marked;
@@ -138,7 +164,10 @@ impl Case {
         Ok((self.stepper_on(space, threads)?, notes))
     }
 
-    pub(super) fn stepper_on(&self, space: Arc<FsiSpace<2>>, threads: usize) -> Result<Stepper<2>, Error> {
+    pub(super) fn stepper_on<const D: usize>(&self, space: Arc<FsiSpace<D>>, threads: usize) -> Result<Stepper<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let conditions = self.conditions(&space.mesh);
         let (stiffness, largest) = self.stiffness(&space)?;
         let mut options = system::Options::serial(self.space.quadrature);
@@ -197,7 +226,7 @@ impl Case {
     }
 
     /// Newton's method for `assembler`, with nothing kept.
-    pub fn build_newton(&self, assembler: &Assembler<2>) -> Newton {
+    pub fn build_newton<const D: usize>(&self, assembler: &Assembler<D>) -> Newton {
         Newton::new(self.newton.settings, assembler.n_unknowns(), assembler.space.n_v())
     }
 
@@ -206,7 +235,7 @@ impl Case {
     }
 
     /// One condition per boundary of `mesh`.
-    pub(crate) fn conditions(&self, mesh: &Mesh<2>) -> Vec<BoundaryCondition<2>> {
+    pub(crate) fn conditions<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<BoundaryCondition<D>> {
         let both = !self.fluids.is_empty() && !self.solids.is_empty();
         let inside = mesh.boundaries_between_regions();
         let of = |name: &String| match self.boundary.get(name) {
@@ -235,7 +264,7 @@ impl Case {
     }
 
     /// The terms that the conditions on boundaries add to the equations.
-    fn terms(&self, space: &FsiSpace<2>) -> Vec<Box<dyn Operator<2>>> {
+    fn terms<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<Box<dyn Operator<D>>> {
         let mut terms = vec![];
         for (boundary, name) in (0..).zip(&space.mesh.boundaries) {
             for body in [Region::Fluid, Region::Solid] {
@@ -248,29 +277,29 @@ impl Case {
     }
 
     /// The bed of a condition `spring`, whose pressure is a term of its own.
-    fn bed(
+    fn bed<const D: usize>(
         &self,
         condition: &Condition,
-        space: &FsiSpace<2>,
+        space: &FsiSpace<D>,
         boundary: u16,
         body: Region,
-    ) -> Option<Box<dyn Operator<2>>> {
+    ) -> Option<Box<dyn Operator<D>>> {
         let Condition::Spring { stiffness, damping, normal, .. } = condition else { return None };
         let both = [stiffness.clone(), damping.clone()];
         let data =
-            Box::new(move |x: &[f64; 2], t: f64| [0, 1].map(|i: usize| both[i].eval(&[x[0], x[1], 0.0], t)));
+            Box::new(move |x: &[f64; D], t: f64| [0, 1].map(|i: usize| both[i].eval(&padded(x), t)));
         let bed = spring(space, boundary, (data, *normal), self.space.quadrature);
-        (body == Region::Solid).then(|| Box::new(bed) as Box<dyn Operator<2>>)
+        (body == Region::Solid).then(|| Box::new(bed) as Box<dyn Operator<D>>)
     }
 
     /// The term of a condition on the facets of `body` at a boundary of the mesh.
-    fn term(
+    fn term<const D: usize>(
         &self,
         condition: &Condition,
-        space: &FsiSpace<2>,
+        space: &FsiSpace<D>,
         boundary: u16,
         body: Region,
-    ) -> Option<Box<dyn Operator<2>>> {
+    ) -> Option<Box<dyn Operator<D>>> {
         let n = self.space.quadrature;
         match condition {
             Condition::Traction(g) => Some(Box::new(Traction::new(space, body, boundary, function(g), n))),
@@ -279,7 +308,7 @@ impl Case {
             {
                 let follows = !matches!(condition, Condition::Pressure { follows: false, .. });
                 let p = p.clone();
-                let data = Box::new(move |x: &[f64; 2], t: f64| p.eval(&[x[0], x[1], 0.0], t));
+                let data = Box::new(move |x: &[f64; D], t: f64| p.eval(&padded(x), t));
                 Some(Box::new(pressure(space, body, boundary, (data, follows), n)))
             }
             _ if condition.is_lumped() && body == Region::Fluid => {
@@ -299,14 +328,14 @@ impl Case {
     }
 
     /// Boundaries of `mesh` whose displacement is given.
-    fn displaced<'a>(&self, mesh: &'a Mesh<2>) -> Vec<&'a str> {
+    fn displaced<'a, const D: usize>(&self, mesh: &'a Mesh<D>) -> Vec<&'a str> {
         let moves = |name: &&str| matches!(self.boundary.get(*name), Some(Condition::Displacement(_)));
         mesh.boundaries.iter().map(String::as_str).filter(moves).collect()
     }
 
     /// E_e(x) with the distance to the interface and to boundaries that are moved, and its largest value.
     #[allow(clippy::type_complexity)]
-    fn stiffness(&self, space: &FsiSpace<2>) -> Result<(Box<dyn Fn(&[f64; 2]) -> f64>, f64), MeshError> {
+    fn stiffness<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(Box<dyn Fn(&[f64; D]) -> f64>, f64), MeshError> {
         let (model, numbers) = (self.motion.model, self.motion_on(space).numbers());
         let mut moving = self.displaced(&space.mesh);
         moving.extend(space.mesh.boundary(INTERFACE).map(|_| INTERFACE));
@@ -314,7 +343,7 @@ impl Case {
             return Ok((Box::new(|_| 1.0), 1.0));
         }
         let distance = super::periodic::nearest(space, FacetDistance::new(&space.mesh, &moving)?);
-        let value = move |x: &[f64; 2]| model.stiffness_at(&numbers, distance(x));
+        let value = move |x: &[f64; D]| model.stiffness_at(&numbers, distance(x));
         Ok((Box::new(value), model.stiffness_at(&numbers, 0.0)))
     }
 
@@ -322,14 +351,14 @@ impl Case {
     ///
     /// # Errors
     /// Points outside of the mesh.
-    pub fn build_functionals(&self, space: &FsiSpace<2>) -> Result<Functionals, Error> {
-        let mut list: Functionals = vec![];
+    pub fn build_functionals<const D: usize>(&self, space: &FsiSpace<D>) -> Result<Functionals<D>, Error> {
+        let mut list: Functionals<D> = vec![];
         let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
         for (name, spec) in self.functional.iter().filter(|(_, spec)| self.has_body_of(spec)) {
             let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
             let functional = spec.build(self, space, &surfaces).map_err(blame)?;
-            let around = space.coordinates.is_axisymmetric();
-            let functional = if around { Box::new(AroundAxis(functional)) } else { functional };
+            let spatial = D == 3 || space.coordinates.is_axisymmetric();
+            let functional = if spatial { Box::new(Spatial(functional)) } else { functional };
             list.push((name.clone(), functional));
         }
         Ok(list)
@@ -337,7 +366,7 @@ impl Case {
 }
 
 /// The directions of the fibres of a solid, if they are a field.
-fn fibres(solid: &SolidSpec) -> Option<FibreField<2>> {
+fn fibres<const D: usize>(solid: &SolidSpec) -> Option<FibreField<D>> {
     solid.fibres.as_ref()?.direction.directions()
 }
 
@@ -353,11 +382,18 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`].
     pub fn check_mesh_and_measure(&self) -> Result<Overview, Error> {
+        if self.mesh.dimension == 3 { self.measure::<3>() } else { self.measure::<2>() }
+    }
+
+    fn measure<const D: usize>(&self) -> Result<Overview, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let marked = self.marked_mesh()?;
-        let space = self.space_of(&marked)?;
+        let space = self.space_of::<D>(&marked)?;
         let Marked { mesh, mut notes, .. } = marked;
         self.check_data(&space)?;
-        self.check_equilibrium()?;
+        self.check_equilibrium::<D>()?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.notes_on(&space));

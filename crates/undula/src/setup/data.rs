@@ -1,12 +1,12 @@
 //! Data that are not finite somewhere: told with key, place and time, before anything is computed where possible.
 
+use super::functions::padded;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, Load, SolidSpec, TimeSpec};
 use crate::element::Quadrature;
 use crate::error::Error;
 use crate::math::{rounded, shortest};
-use crate::physics::fibres;
 use crate::space::{FsiSpace, Region};
 use crate::time::{DataFault, DataKind};
 
@@ -26,12 +26,12 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Case`] with one mistake for each key whose value is not finite somewhere.
-    pub fn check_data(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+    pub fn check_data<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         let mut errors = vec![];
         for (name, condition) in &self.boundary {
             for (key, data) in condition.expressions() {
                 let nodes = space.boundary_nodes(name);
-                let places: Vec<[f64; 2]> = nodes.iter().map(|&n| space.nodes.points[n as usize]).collect();
+                let places: Vec<[f64; D]> = nodes.iter().map(|&n| space.nodes.points[n as usize]).collect();
                 if matches!(condition, Condition::Displacement(_)) {
                     errors.extend(self.starts_elsewhere(&data_key(name, key), &data, &places));
                 }
@@ -53,50 +53,49 @@ impl Case {
     }
 
     /// The mistake that a displacement is not 0 at the beginning, where u is.
-    fn starts_elsewhere(&self, key: &str, data: &[Expression], places: &[[f64; 2]]) -> Option<CaseError> {
+    fn starts_elsewhere<const D: usize>(&self, key: &str, data: &[Expression], places: &[[f64; D]]) -> Option<CaseError> {
         let time = self.time.as_ref().filter(|_| self.starts_undeformed())?;
         let extent = |d: usize| {
             let along = places.iter().map(|x| x[d]);
             along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
         };
-        let tolerance = STARTS * extent(0).max(extent(1));
-        let moved = |at: &&[f64; 2]| values(data, at, time.start).iter().any(|u| u.abs() > tolerance);
+        let tolerance = STARTS * (0..D).map(extent).fold(0.0, f64::max);
+        let moved = |at: &&[f64; D]| values(data, at, time.start).iter().any(|u| u.abs() > tolerance);
         let at = places.iter().find(moved)?;
         let value: Vec<String> =
             values(data, at, time.start).iter().map(|&u| shortest(rounded(u, u, 4))).collect();
         let message = format!(
             "expected a displacement that is 0 at the start t = {} s, where all is at rest, or initial.static = true, or \
-             initial.displacement with the same values; it is {} m at ({}, {})",
+             initial.displacement with the same values; it is {} m at ({})",
             shortest(time.start),
             value.join(", "),
-            shortest(rounded(at[0], at[0], 6)),
-            shortest(rounded(at[1], at[1], 6))
+            at.map(|x| shortest(rounded(x, x, 6))).join(", ")
         );
         Some(CaseError { place: self.place_of(key), key: key.into(), value: None, message })
     }
 
     /// The mistake that fibres have no direction at a quadrature point of the solid `material`.
-    fn no_direction(&self, space: &FsiSpace<2>, material: u16, solid: &SolidSpec) -> Option<CaseError> {
+    fn no_direction<const D: usize>(&self, space: &FsiSpace<D>, material: u16, solid: &SolidSpec) -> Option<CaseError> {
         let (data, t) = (solid.fibre_field()?, self.time.as_ref().map_or(0.0, |time| time.start));
         let here = |&c: &usize| space.regions[c] == Region::Solid && space.material[c] == material;
         let rule = Quadrature::cell(space.mesh.shape, self.space.quadrature);
         let mut points = (0..space.mesh.n_cells())
             .filter(here)
-            .flat_map(|cell| rule.points.iter().map(move |xi| space.mesh.map(cell, [xi[0], xi[1]])));
-        let at = points.find(|x| fibres::unit([0, 1].map(|i: usize| values(data, x, t)[i])).is_none())?;
+            .flat_map(|cell| rule.points.iter().map(move |xi| space.mesh.map(cell, std::array::from_fn(|d| xi[d]))));
+        let at = points.find(|x| is_zero(&values(data, x, t)))?;
         let key = format!("{}.fibre-direction", solid.table());
         let value = values(data, &at, t);
-        let found = Found { at, time: t, value: value.clone() };
+        let found = Found { at: at.to_vec(), time: t, value: value.clone() };
         if !is_finite(&value) {
             return Some(self.not_finite(space, &key, data, found));
         }
-        let message = format!("expected a direction everywhere; it is (0, 0) at {}", space.mesh.shown(&at));
+        let message = format!("expected a direction everywhere; it is ({}) at {}", ["0"; D].join(", "), space.mesh.shown(&at));
         Some(CaseError { message, ..self.not_finite(space, &key, data, found) })
     }
 
     /// The mistake behind data that turned out not to be finite in the course of a computation.
-    pub fn blame_data(&self, space: &FsiSpace<2>, fault: &DataFault) -> Error {
-        let at = [fault.at[0], fault.at[1]];
+    pub fn blame_data<const D: usize>(&self, space: &FsiSpace<D>, fault: &DataFault) -> Error {
+        let at: [f64; D] = std::array::from_fn(|d| fault.at[d]);
         let is_wrong = |data: &[Expression]| !is_finite(&values(data, &at, fault.time));
         let of_condition = |name: &str, condition: &Condition| {
             let (key, data) = condition.expressions().into_iter().find(|(_, data)| is_wrong(data))?;
@@ -120,7 +119,7 @@ impl Case {
         };
         let value =
             data.as_ref().map_or_else(|| fault.value.to_vec(), |(_, data)| values(data, &at, fault.time));
-        let found = Found { at, time: fault.time, value };
+        let found = Found { at: at.to_vec(), time: fault.time, value };
         let error = match data {
             Some((key, data)) => self.not_finite(space, &key, &data, found),
             None => {
@@ -168,7 +167,7 @@ impl Case {
         (0..=n).skip(usize::from(!start)).map(of).collect()
     }
 
-    fn not_finite(&self, space: &FsiSpace<2>, key: &str, data: &[Expression], found: Found) -> CaseError {
+    fn not_finite<const D: usize>(&self, space: &FsiSpace<D>, key: &str, data: &[Expression], found: Found) -> CaseError {
         let in_time = data.iter().any(Expression::depends_on_time);
         CaseError {
             place: self.place_of(key),
@@ -184,7 +183,7 @@ impl Case {
 
 /// A value that is not finite.
 struct Found {
-    at: [f64; 2],
+    at: Vec<f64>,
     time: f64,
     value: Vec<f64>,
 }
@@ -193,13 +192,13 @@ impl Found {
     /// Which table has no value there, if one has none.
     fn gap(&self, data: &[Expression]) -> String {
         let wrong = data.iter().zip(&self.value).find(|(_, value)| !value.is_finite());
-        wrong.map_or(String::new(), |(data, _)| data.gap(&[self.at[0], self.at[1], 0.0], self.time))
+        wrong.map_or(String::new(), |(data, _)| data.gap(&place(&self.at), self.time))
     }
 
-    fn message(&self, case: &Case, space: &FsiSpace<2>, in_time: bool) -> String {
+    fn message<const D: usize>(&self, case: &Case, space: &FsiSpace<D>, in_time: bool) -> String {
         let value: Vec<String> = self.value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
         let value = if let [one] = &value[..] { one.clone() } else { format!("({})", value.join(", ")) };
-        let mut message = format!("expected finite values; it is {value} at {}", space.mesh.shown(&self.at));
+        let mut message = format!("expected finite values; it is {value} at {}", space.mesh.shown(&std::array::from_fn(|d| self.at[d])));
         if in_time || case.time.is_some() {
             message += &format!(", t = {} s", shortest(self.time));
         }
@@ -208,7 +207,7 @@ impl Found {
 }
 
 /// The first value of `data` that is not finite.
-fn find(data: &[Expression], places: &[[f64; 2]], times: &[f64]) -> Option<Found> {
+fn find<const D: usize>(data: &[Expression], places: &[[f64; D]], times: &[f64]) -> Option<Found> {
     if data.iter().all(Expression::is_constant) {
         return None;
     }
@@ -217,13 +216,22 @@ fn find(data: &[Expression], places: &[[f64; 2]], times: &[f64]) -> Option<Found
         let mut some = places.iter().step_by(if i == 0 { 1 } else { stride });
         some.find_map(|&at| {
             let value = values(data, &at, time);
-            (!is_finite(&value)).then_some(Found { at, time, value })
+            (!is_finite(&value)).then_some(Found { at: at.to_vec(), time, value })
         })
     })
 }
 
-pub(super) fn values(data: &[Expression], at: &[f64; 2], time: f64) -> Vec<f64> {
-    data.iter().map(|e| e.eval(&[at[0], at[1], 0.0], time)).collect()
+pub(super) fn values<const D: usize>(data: &[Expression], at: &[f64; D], time: f64) -> Vec<f64> {
+    data.iter().map(|e| e.eval(&padded(at), time)).collect()
+}
+
+/// A position as expressions take it.
+fn place(at: &[f64]) -> [f64; 3] {
+    std::array::from_fn(|d| at.get(d).copied().unwrap_or(0.0))
+}
+
+fn is_zero(value: &[f64]) -> bool {
+    value.iter().all(|x| *x == 0.0)
 }
 
 fn is_finite(value: &[f64]) -> bool {
@@ -231,7 +239,7 @@ fn is_finite(value: &[f64]) -> bool {
 }
 
 /// Nodes and centres of the cells `here`.
-fn places(space: &FsiSpace<2>, here: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
+fn places<const D: usize>(space: &FsiSpace<D>, here: impl Fn(usize) -> bool) -> Vec<[f64; D]> {
     let cells = || (0..space.mesh.n_cells()).filter(|&c| here(c));
     let mut nodes: Vec<u32> = cells().flat_map(|c| space.nodes.cell(c).iter().copied()).collect();
     nodes.sort_unstable();

@@ -22,7 +22,7 @@ impl Case {
     ///
     /// # Errors
     /// Parts into which their velocity data let more flow in than out, if no body gives way.
-    pub(super) fn check_enclosed(&self, space: &FsiSpace<2>) -> Result<Vec<String>, Error> {
+    pub(super) fn check_enclosed<const D: usize>(&self, space: &FsiSpace<D>) -> Result<Vec<String>, Error> {
         let conditions = self.conditions(&space.mesh);
         let parts = enclosed(space, &conditions);
         if parts.is_empty() {
@@ -68,7 +68,7 @@ impl Case {
 
     /// Why no solution can be expected at time `t` \[s\]: parts of the fluid that are closed in, and into which the
     /// velocity data let more flow in than out.
-    pub fn overfilled(&self, space: &FsiSpace<2>, constraints: &Constraints<2>, t: f64) -> Option<String> {
+    pub fn overfilled<const D: usize>(&self, space: &FsiSpace<D>, constraints: &Constraints<D>, t: f64) -> Option<String> {
         let parts = enclosed(space, &self.conditions(&space.mesh));
         let whole = is_whole(space, &parts);
         parts.iter().find_map(|part| {
@@ -85,11 +85,11 @@ impl Case {
 
     /// The time \[s\] at which most flows into `part`, or out of it, and how much \[m²/s\]; `None` if that is no more
     /// than `tolerance` of what its data move.
-    fn worst_inflow(
+    fn worst_inflow<const D: usize>(
         &self,
-        space: &FsiSpace<2>,
-        constraints: &Constraints<2>,
-        part: &Enclosed<2>,
+        space: &FsiSpace<D>,
+        constraints: &Constraints<D>,
+        part: &Enclosed<D>,
         tolerance: f64,
     ) -> Option<(f64, f64)> {
         let times: Vec<f64> = match &self.time {
@@ -108,24 +108,24 @@ impl Case {
 }
 
 /// ∫ v·n of the data of `part` at time `t` \[s\], and the size of what it is the sum of.
-fn net(space: &FsiSpace<2>, constraints: &Constraints<2>, part: &Enclosed<2>, t: f64) -> (f64, f64) {
+fn net<const D: usize>(space: &FsiSpace<D>, constraints: &Constraints<D>, part: &Enclosed<D>, t: f64) -> (f64, f64) {
     let State { mut v, mut u, .. } = State::zero(space.n_v(), space.n_u(), 0);
     let whole = Constraints { load: 1.0, ..constraints.clone() };
     whole.apply(space, t, &mut v, &mut u);
     part.flux(&v, |node| constraints.v[node])
 }
 
-fn tolerance(part: &Enclosed<2>) -> f64 {
+fn tolerance<const D: usize>(part: &Enclosed<D>) -> f64 {
     if part.touches_solid { FELT } else { BALANCED }
 }
 
 /// Whether `parts` is all of the fluid in one piece.
-fn is_whole(space: &FsiSpace<2>, parts: &[Enclosed<2>]) -> bool {
+fn is_whole<const D: usize>(space: &FsiSpace<D>, parts: &[Enclosed<D>]) -> bool {
     let fluid = space.regions.iter().filter(|&&region| region == crate::space::Region::Fluid).count();
     matches!(parts, [part] if part.cells.len() == fluid)
 }
 
-fn subject(part: &Enclosed<2>, whole: bool) -> String {
+fn subject<const D: usize>(part: &Enclosed<D>, whole: bool) -> String {
     if whole {
         "the fluid".into()
     } else {

@@ -1,6 +1,7 @@
 //! What boundary conditions mean to nodes of the solid: velocity data there must vanish, and where the solid is clamped
 //! though its own conditions leave it free a note says so.
 
+use super::functions::padded;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, TimeSpec};
@@ -19,24 +20,25 @@ const NAMED: usize = 4;
 /// The largest speed of data on some nodes.
 struct Largest {
     speed: f64,
-    velocity: [f64; 2],
-    point: [f64; 2],
+    velocity: Vec<f64>,
+    /// Its place in words.
+    place: String,
     time: f64,
 }
 
 #[doc(hidden)]
 impl Case {
     /// Refuses velocity data that would move the solid.
-    pub(super) fn check_ends(&self, space: &FsiSpace<2>) -> Result<(), CaseErrors> {
+    pub(super) fn check_ends<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), CaseErrors> {
         let mut errors = vec![];
         for name in self.boundary.keys() {
             let nodes = self.driven(space, name, false);
             if let Some(found) = self.moving(space, name, &nodes) {
-                let [x, y] = found.velocity;
                 let message = format!(
-                    "the velocity is ({x:.4e}, {y:.4e}) m/s at {}{}, a node of the solid, which does not move there: \
+                    "the velocity is {} m/s at {}{}, a node of the solid, which does not move there: \
                      expected data that are 0 on the solid, or names of their own for the boundaries of fluid and solid",
-                    at(&found.point),
+                    vector(&found.velocity),
+                    found.place,
                     self.when(found.time)
                 );
                 let key = format!("{}.velocity", crate::case::key::join("boundary", name));
@@ -49,7 +51,7 @@ impl Case {
     /// Where the solid is clamped by a condition of the fluid, and which outlets move.
     ///
     /// Empty without fluid or solid.
-    pub fn notes_on(&self, space: &FsiSpace<2>) -> Vec<String> {
+    pub fn notes_on<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<String> {
         let mut notes = vec![];
         let ends = ends(space, &self.conditions(&space.mesh));
         for (boundary, name) in space.mesh.boundaries.iter().enumerate() {
@@ -66,11 +68,11 @@ impl Case {
             }
             let nodes = self.driven(space, name, true);
             if let Some(found) = self.moving(space, name, &nodes) {
-                let [x, y] = found.velocity;
                 notes.push(format!(
-                    "boundary.{name}: the velocity is ({x:.4e}, {y:.4e}) m/s at {}{}, where the solid is held; \
+                    "boundary.{name}: the velocity is {} m/s at {}{}, where the solid is held; \
                      0 is taken there",
-                    at(&found.point),
+                    vector(&found.velocity),
+                    found.place,
                     self.when(found.time)
                 ));
             }
@@ -79,7 +81,7 @@ impl Case {
     }
 
     /// Whether facets of the solid have velocity data beside facets of the fluid.
-    fn clamps(&self, space: &FsiSpace<2>, name: &str) -> bool {
+    fn clamps<const D: usize>(&self, space: &FsiSpace<D>, name: &str) -> bool {
         let driven = matches!(self.boundary.get(name), Some(Condition::Velocity(_)));
         let solid = |cell: u32| space.regions[cell as usize] == Region::Solid;
         let boundary = space.mesh.boundary(name);
@@ -88,7 +90,7 @@ impl Case {
 
     /// Nodes of the solid with velocity data on the boundary `name`: those that another condition fixes anyway, or
     /// the others.
-    fn driven(&self, space: &FsiSpace<2>, name: &str, fixed: bool) -> Vec<u32> {
+    fn driven<const D: usize>(&self, space: &FsiSpace<D>, name: &str, fixed: bool) -> Vec<u32> {
         if !space.deforms || !matches!(self.boundary.get(name), Some(Condition::Velocity(_))) {
             return vec![];
         }
@@ -106,7 +108,7 @@ impl Case {
     }
 
     /// Where and when the velocity data of the boundary `name` are largest on `nodes`, if they do not vanish there.
-    fn moving(&self, space: &FsiSpace<2>, name: &str, nodes: &[u32]) -> Option<Largest> {
+    fn moving<const D: usize>(&self, space: &FsiSpace<D>, name: &str, nodes: &[u32]) -> Option<Largest> {
         let Some(Condition::Velocity(data)) = self.boundary.get(name) else { return None };
         let times = self.instants(data);
         let found = largest(space, data, nodes, &times)?;
@@ -117,7 +119,7 @@ impl Case {
     }
 
     /// Times at which `data` are looked at.
-    fn instants(&self, data: &[Expression; 2]) -> Vec<f64> {
+    fn instants(&self, data: &[Expression]) -> Vec<f64> {
         let Some(time) = self.time.as_ref().filter(|_| data.iter().any(Expression::depends_on_time)) else {
             return vec![self.time.as_ref().map_or(self.at_time, |time| time.start)];
         };
@@ -150,28 +152,32 @@ fn note(kind: EndKind, name: &str, places: &str) -> String {
 }
 
 /// The largest speed of `data` on `nodes` at `times`; `None` if there is none above 0.
-fn largest(space: &FsiSpace<2>, data: &[Expression; 2], nodes: &[u32], times: &[f64]) -> Option<Largest> {
+fn largest<const D: usize>(space: &FsiSpace<D>, data: &[Expression], nodes: &[u32], times: &[f64]) -> Option<Largest> {
     let mut found: Option<Largest> = None;
     for &node in nodes {
         let point = space.nodes.points[node as usize];
-        let x = [point[0], point[1], 0.0];
+        let x = padded(&point);
         for &time in times {
-            let velocity = [data[0].eval(&x, time), data[1].eval(&x, time)];
-            let speed = velocity[0].hypot(velocity[1]);
+            let velocity: Vec<f64> = data.iter().map(|v| v.eval(&x, time)).collect();
+            let speed = velocity.iter().map(|v| v * v).sum::<f64>().sqrt();
             if speed > found.as_ref().map_or(0.0, |found| found.speed) {
-                found = Some(Largest { speed, velocity, point, time });
+                found = Some(Largest { speed, velocity, place: at(&point), time });
             }
         }
     }
     found
 }
 
-fn at(point: &[f64; 2]) -> String {
-    format!("({:.6}, {:.6})", point[0], point[1])
+fn vector(v: &[f64]) -> String {
+    format!("({})", v.iter().map(|v| format!("{v:.4e}")).collect::<Vec<_>>().join(", "))
+}
+
+fn at<const D: usize>(point: &[f64; D]) -> String {
+    format!("({})", point.map(|x| format!("{x:.6}")).join(", "))
 }
 
 /// The places of `nodes` in words.
-fn places(space: &FsiSpace<2>, nodes: &[u32]) -> String {
+fn places<const D: usize>(space: &FsiSpace<D>, nodes: &[u32]) -> String {
     let shown = nodes.iter().take(NAMED).map(|&node| at(&space.nodes.points[node as usize]));
     let shown = shown.collect::<Vec<_>>().join(", ");
     match nodes.len() {

@@ -16,7 +16,7 @@ use crate::space::{FluidBoundary, FsiSpace, Region};
 
 impl Case {
     /// The fluid at the first of the boundaries `names` that it touches; without one the first fluid.
-    pub(super) fn fluid_at(&self, space: &FsiSpace<2>, names: &[impl AsRef<str>]) -> Option<&FluidSpec> {
+    pub(super) fn fluid_at<const D: usize>(&self, space: &FsiSpace<D>, names: &[impl AsRef<str>]) -> Option<&FluidSpec> {
         let names: Vec<&str> = names.iter().map(AsRef::as_ref).collect();
         let surface = FluidBoundary::new(space);
         let facets = surface.numbers(&space.mesh.facets_on(&names));
@@ -42,12 +42,12 @@ impl Case {
 
 impl FunctionalSpec {
     /// The functional on `space`.
-    pub(super) fn build(
+    pub(super) fn build<const D: usize>(
         &self,
         case: &Case,
-        space: &FsiSpace<2>,
-        surfaces: &Surfaces<'_, 2>,
-    ) -> Result<Box<dyn Functional<2>>, MeshError> {
+        space: &FsiSpace<D>,
+        surfaces: &Surfaces<'_, D>,
+    ) -> Result<Box<dyn Functional<D>>, MeshError> {
         let quadrature = case.space.quadrature;
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
@@ -63,11 +63,11 @@ impl FunctionalSpec {
                     Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
-            FunctionalSpec::Moment { on, about } => Box::new(Moment::new(surfaces, on, *about)),
+            FunctionalSpec::Moment { on, about } => Box::new(Moment::new(surfaces, on, point_of(about))),
             FunctionalSpec::Displacement { point, component } => {
-                Box::new(Displacement::new(space, *point, *component)?)
+                Box::new(Displacement::new(space, point_of(point), *component)?)
             }
-            FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, *a, *b)?),
+            FunctionalSpec::PressureDifference { a, b } => Box::new(PressureDifference::new(space, point_of(a), point_of(b))?),
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
             FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
             FunctionalSpec::Flux { on } => {
@@ -75,7 +75,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
             FunctionalSpec::Pressure(Site::Point { point, region }) => {
-                Box::new(Pressure::new(space, *point, place(case, space, region.as_deref()))?)
+                Box::new(Pressure::new(space, point_of(point), place(case, space, region.as_deref()))?)
             }
             FunctionalSpec::Pressure(at) => at.build(case, space, surfaces, Quantity::Pressure)?,
             FunctionalSpec::Velocity { component, at } => {
@@ -120,17 +120,17 @@ impl FunctionalSpec {
 
 impl Site {
     /// `quantity` there.
-    fn build(
+    fn build<const D: usize>(
         &self,
         case: &Case,
-        space: &FsiSpace<2>,
-        surfaces: &Surfaces<'_, 2>,
+        space: &FsiSpace<D>,
+        surfaces: &Surfaces<'_, D>,
         quantity: Quantity,
-    ) -> Result<Box<dyn Functional<2>>, MeshError> {
+    ) -> Result<Box<dyn Functional<D>>, MeshError> {
         Ok(match self {
             Site::Point { point, region } => {
                 let place = place(case, space, region.as_deref());
-                Box::new(AtPoint::new(space, *point, place, quantity)?)
+                Box::new(AtPoint::new(space, point_of(point), place, quantity)?)
             }
             Site::Boundaries(on, take) => Box::new(OnBoundary::new(surfaces, on, quantity, *take)),
             Site::Region(region, take) => {
@@ -141,8 +141,13 @@ impl Site {
     }
 }
 
+/// A position that a case gives.
+fn point_of<const D: usize>(x: &[f64]) -> [f64; D] {
+    std::array::from_fn(|d| x[d])
+}
+
 /// A region of the mesh with the body that fills it.
-fn place(case: &Case, space: &FsiSpace<2>, region: Option<&str>) -> Option<Place> {
+fn place<const D: usize>(case: &Case, space: &FsiSpace<D>, region: Option<&str>) -> Option<Place> {
     let (body, _) = case.body_in(region?)?;
     Some(Place { body, region: space.mesh.region(region?) })
 }

@@ -1,6 +1,7 @@
 //! What a case in time begins with: fields, or the stationary solution for the loads of the start.
 
 use super::data::{STARTS, values};
+use super::dimension::Dimension;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::{Case, Condition, Initial};
 use crate::error::Error;
@@ -8,7 +9,7 @@ use crate::linear::Closed;
 use crate::math::{rounded, shortest};
 use crate::nonlinear::NewtonError;
 use crate::space::{Constraints, FsiSpace, PsiOwner, State, enclosed};
-use crate::system::Assembler;
+use crate::system::{Assembler, Dim};
 use crate::time::{Scheme, Stepper};
 use std::sync::Arc;
 
@@ -42,11 +43,11 @@ impl Case {
     }
 
     /// The mistakes of initial fields that are not finite, or that boundaries do not let be.
-    pub(super) fn check_fields(&self, space: &FsiSpace<2>) -> Vec<CaseError> {
+    pub(super) fn check_fields<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<CaseError> {
         let (Some(initial), Some(time)) = (&self.initial, &self.time) else { return vec![] };
         let mut errors = vec![];
         for (key, data) in initial.fields() {
-            let wrong = |x: &&[f64; 2]| values(data, x, time.start).iter().any(|value| !value.is_finite());
+            let wrong = |x: &&[f64; D]| values(data, x, time.start).iter().any(|value| !value.is_finite());
             let places = space.places();
             let at = places.points[..places.n_lagrange].iter().find(wrong);
             errors.extend(at.map(|at| {
@@ -66,7 +67,7 @@ impl Case {
     }
 
     /// The mistake that boundaries hold nodes of the solid, or walls that move, elsewhere than the initial displacement.
-    fn held_elsewhere(&self, space: &FsiSpace<2>, t: f64) -> Option<CaseError> {
+    fn held_elsewhere<const D: usize>(&self, space: &FsiSpace<D>, t: f64) -> Option<CaseError> {
         let key = "initial.displacement";
         let constraints = Constraints::new(space, &self.conditions(&space.mesh));
         let mut state = self.given_fields(space, &constraints, t);
@@ -77,12 +78,12 @@ impl Case {
         let given = state.u.clone();
         constraints.apply(space, t, &mut state.v, &mut state.u);
         let extent =
-            space.mesh.nodes.iter().fold([f64::MAX, f64::MIN], |[low, high], x| {
-                [low.min(x[0]).min(x[1]), high.max(x[0]).max(x[1])]
+            space.mesh.nodes.iter().flatten().fold([f64::MAX, f64::MIN], |[low, high], x| {
+                [low.min(*x), high.max(*x)]
             });
         let tolerance = STARTS * (extent[1] - extent[0]);
         let differs =
-            |node: &usize| (0..2).any(|i| (given[2 * node + i] - state.u[2 * node + i]).abs() > tolerance);
+            |node: &usize| (0..D).any(|i| (given[D * node + i] - state.u[D * node + i]).abs() > tolerance);
         let node = (0..space.nodes.n_lagrange).find(differs)?;
         let at = &space.nodes.points[node];
         let holds = |(name, condition): &(&String, &Condition)| {
@@ -91,21 +92,21 @@ impl Case {
         let name = self.boundary.iter().find(holds).map_or("its boundary", |(name, _)| name.as_str());
         let message = format!(
             "it is {}, where `{name}` gives {} m: expected the displacement that the boundary has at the start t = {} s",
-            shown(&given[2 * node..2 * node + 2], at),
-            pair(&state.u[2 * node..2 * node + 2]),
+            shown(&given[D * node..D * (node + 1)], at),
+            vector(&state.u[D * node..D * (node + 1)]),
             shortest(t)
         );
         Some(self.mistake(key, message))
     }
 
     /// The initial fields at the nodes: v everywhere, u in the solid and on boundaries whose displacement is given.
-    fn given_fields(&self, space: &FsiSpace<2>, constraints: &Constraints<2>, t: f64) -> State {
+    fn given_fields<const D: usize>(&self, space: &FsiSpace<D>, constraints: &Constraints<D>, t: f64) -> State {
         let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
         let mut moves: Vec<bool> = space.owner.iter().map(|owner| *owner == PsiOwner::Relation).collect();
         constraints.motion.iter().for_each(|(node, _)| moves[*node as usize] = true);
         for (key, data) in self.initial.iter().flat_map(Initial::fields) {
             for (node, x) in space.nodes.points[..space.nodes.n_lagrange].iter().enumerate() {
-                let place = 2 * node..2 * node + 2;
+                let place = D * node..D * (node + 1);
                 let value = || values(data, x, t);
                 if key == "initial.velocity" {
                     state.v[place].copy_from_slice(&value());
@@ -122,11 +123,14 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Case`] if a closed part of the fluid would change its volume or a cell is folded, [`Error::Solver`].
-    pub(crate) fn initial_fields(
+    pub(crate) fn initial_fields<const D: usize>(
         &self,
-        space: &Arc<FsiSpace<2>>,
+        space: &Arc<FsiSpace<D>>,
         threads: usize,
-    ) -> Result<(State, Option<String>), Error> {
+    ) -> Result<(State, Option<String>), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let mut stepper = self.stepper_on(space.clone(), threads)?;
         let Stepper { assembler, linear, time, .. } = &mut stepper;
         let time = *time;
@@ -147,7 +151,7 @@ impl Case {
             let with_solid = parts.iter().filter(|part| part.touches_solid);
             let closed = with_solid.map(|part| Closed {
                 pressure: part.pressure(space),
-                through: part.flux(&state.v, |_| [true; 2]).1,
+                through: part.flux(&state.v, |_| [true; D]).1,
             });
             let closed: Vec<Closed> = closed.collect();
             let k = self.time.as_ref().map_or(1.0, |t| t.step.eval(&[0.0; 3], time));
@@ -170,7 +174,7 @@ impl Case {
     ///
     /// # Errors
     /// What should be known if there is no such step; `state` is then as before.
-    fn start_pressure(&self, stepper: &mut Stepper<2>, state: &mut State) -> Result<(), String> {
+    fn start_pressure<const D: usize>(&self, stepper: &mut Stepper<D>, state: &mut State) -> Result<(), String> {
         let Some(time) = self.time.as_ref().filter(|_| !state.p.is_empty()) else { return Ok(()) };
         let k = time.step.eval(&[0.0; 3], time.start);
         let short = if self.stabilization.acts() { k } else { SHORT * k };
@@ -193,8 +197,11 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Breakdown`] if there is none, [`Error::Case`] if the stationary case is not well posed.
-    pub(crate) fn initial_equilibrium(&self, threads: usize) -> Result<(State, usize), Error> {
-        let mut stepper = self.at_start().build_with_notes(threads)?.0;
+    pub(crate) fn initial_equilibrium<const D: usize>(&self, threads: usize) -> Result<(State, usize), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let mut stepper = self.at_start().build_with_notes::<D>(threads)?.0;
         let report = stepper.stationary().map_err(|failure| match &failure.reason {
             NewtonError::Linear(error) if failure.is_too_large() => Error::Solver(error.clone()),
             _ => Error::Breakdown(failure),
@@ -209,12 +216,15 @@ impl Case {
     ///
     /// # Errors
     /// As [`Case::build_space`] of the stationary case.
-    pub(super) fn check_equilibrium(&self) -> Result<(), Error> {
-        self.check_prestress()?;
+    pub(super) fn check_equilibrium<const D: usize>(&self) -> Result<(), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        self.check_prestress::<D>()?;
         if !self.starts_static() {
             return Ok(());
         }
-        self.at_start().build_space().map(|_| ()).map_err(|error| match error {
+        self.at_start().space_in::<D>().map(|_| ()).map_err(|error| match error {
             Error::Case(CaseErrors(mut all)) => {
                 let about =
                     |e: &mut CaseError| e.message = format!("for initial.static = true: {}", e.message);
@@ -228,7 +238,7 @@ impl Case {
 
 /// The scalar unknowns of a case at its start from those of [`Case::at_start`], which has none for circuits whose pressure is
 /// given.
-pub(crate) fn scalars(assembler: &Assembler<2>, found: &[f64]) -> Vec<f64> {
+pub(crate) fn scalars<const D: usize>(assembler: &Assembler<D>, found: &[f64]) -> Vec<f64> {
     let (mut all, mut found) = (assembler.zero().s, found.iter());
     for (value, no_rate) in all.iter_mut().zip(assembler.algebraic_scalars()) {
         if no_rate || *value == 0.0 {
@@ -238,11 +248,11 @@ pub(crate) fn scalars(assembler: &Assembler<2>, found: &[f64]) -> Vec<f64> {
     all
 }
 
-fn pair(value: &[f64]) -> String {
+fn vector(value: &[f64]) -> String {
     let value: Vec<String> = value.iter().map(|&x| shortest(rounded(x, x, 4))).collect();
     format!("({})", value.join(", "))
 }
 
-fn shown(value: &[f64], at: &[f64; 2]) -> String {
-    format!("{} at {}", pair(value), pair(at))
+fn shown<const D: usize>(value: &[f64], at: &[f64; D]) -> String {
+    format!("{} at {}", vector(value), vector(at))
 }

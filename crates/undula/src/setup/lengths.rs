@@ -21,7 +21,7 @@ impl Case {
     ///
     /// Extents are those of the mesh before `mesh.refine`, so that refinement does not change the problem. What has no
     /// effect stays open.
-    pub fn motion_on(&self, space: &FsiSpace<2>) -> MotionSpec {
+    pub fn motion_on<const D: usize>(&self, space: &FsiSpace<D>) -> MotionSpec {
         let mut motion = self.motion.clone();
         let (fluids, solids) = (self.fluid_regions(), self.solid_regions());
         if fluids.is_empty() || solids.is_empty() {
@@ -37,7 +37,9 @@ impl Case {
         let coarser = space.hierarchy.coarser();
         let mesh = coarser.first().filter(|_| coarser.len() == self.mesh.refine as usize);
         let mesh = mesh.unwrap_or(&space.mesh);
-        let of = |names: &[&str]| extents(mesh, names);
+        // An extruded plane has the lengths of the plane.
+        let along = if self.mesh.extrude.is_some() { 2 } else { D };
+        let of = |names: &[&str]| extents(mesh, names, along);
         let [fluid, solid, both] = [of(&fluids), of(&solids), of(&self.regions())];
         if offset {
             motion.offset = Some(decimal(OFFSET * fluid[0].min(solid[1])));
@@ -50,7 +52,11 @@ impl Case {
     /// The case with the numbers that come from its mesh written out; as it is where that cannot be had.
     #[must_use]
     pub fn resolved(&self) -> Case {
-        let motion = self.build_space().map_or_else(|_| self.motion.clone(), |space| self.motion_on(&space));
+        let motion = match self.mesh.dimension {
+            3 => self.space_in::<3>().map(|space| self.motion_on(&space)),
+            _ => self.space_in::<2>().map(|space| self.motion_on(&space)),
+        };
+        let motion = motion.unwrap_or_else(|_| self.motion.clone());
         Case { motion, ..self.clone() }
     }
 
@@ -63,7 +69,7 @@ impl Case {
 
     /// The scales of the equations on `space`, of several bodies with the largest density, viscosity and modulus;
     /// `stiffness` is the largest E_e.
-    pub(super) fn scales(&self, space: &FsiSpace<2>, stiffness: f64) -> Scales {
+    pub(super) fn scales<const D: usize>(&self, space: &FsiSpace<D>, stiffness: f64) -> Scales {
         let size = space.node_distance();
         // The operator of fourth order has the unit 1/m² besides.
         let fourth = self.motion.model == MotionModel::Biharmonic;
@@ -80,18 +86,18 @@ fn decimal(x: f64) -> f64 {
     rounded(x, x, 12)
 }
 
-/// The smaller and the larger side of the box around the cells of `regions` \[m\].
-fn extents(mesh: &Mesh<2>, regions: &[&str]) -> [f64; 2] {
+/// The smallest and the largest side of the box around the cells of `regions` \[m\], along the first `along` coordinates.
+fn extents<const D: usize>(mesh: &Mesh<D>, regions: &[&str], along: usize) -> [f64; 2] {
     let inside = |cell: &usize| regions.contains(&mesh.regions[mesh.cell_region[*cell] as usize].as_str());
-    let (mut lower, mut upper) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    let (mut lower, mut upper) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for cell in (0..mesh.n_cells()).filter(inside) {
         for &node in mesh.cell(cell) {
-            for d in 0..2 {
+            for d in 0..D {
                 lower[d] = lower[d].min(mesh.nodes[node as usize][d]);
                 upper[d] = upper[d].max(mesh.nodes[node as usize][d]);
             }
         }
     }
-    let (x, y) = (upper[0] - lower[0], upper[1] - lower[1]);
-    [x.min(y), x.max(y)]
+    let sides = (0..along).map(|d| upper[d] - lower[d]);
+    [sides.clone().fold(f64::INFINITY, f64::min), sides.fold(0.0, f64::max)]
 }

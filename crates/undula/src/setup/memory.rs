@@ -41,7 +41,7 @@ impl Case {
     ///
     /// # Errors
     /// With the key to blame, and the gigabytes that are needed and at hand.
-    pub(super) fn check_memory(&self, file: Option<&Mesh<2>>) -> Result<(), Error> {
+    pub(super) fn check_memory<const D: usize>(&self, file: Option<&Mesh<D>>) -> Result<(), Error> {
         let Some(at_hand) = available_memory() else { return Ok(()) };
         let is_file = matches!(self.mesh.source, MeshSource::File(_) | MeshSource::Own(_));
         if is_file != file.is_some() {
@@ -65,7 +65,7 @@ impl Case {
             }
             None => "expected fewer cells".into(),
         };
-        let cells = coarse.0 * 4f64.powi(refine as i32);
+        let cells = coarse.0 * self.per_refinement().powi(refine as i32);
         let [needed, at_hand] = [self.bytes(coarse, refine), at_hand].map(gigabytes);
         let message =
             format!("{cells:.0} cells need at least {needed} of memory, {at_hand} are at hand; {way_out}");
@@ -73,12 +73,9 @@ impl Case {
     }
 
     /// Cells before refinement: all, and those of regions that take part.
-    fn coarse_cells(&self, file: Option<&Mesh<2>>) -> (f64, f64) {
-        let of_mesh = |mesh: &Mesh<2>| {
-            let regions: Vec<Option<u16>> = self.regions().iter().map(|name| mesh.region(name)).collect();
-            let kept = mesh.cell_region.iter().filter(|region| regions.contains(&Some(**region))).count();
-            (mesh.n_cells() as f64, kept as f64)
-        };
+    fn coarse_cells<const D: usize>(&self, file: Option<&Mesh<D>>) -> (f64, f64) {
+        let of_mesh = |mesh: &Mesh<2>| self.cells_of(mesh);
+        let layers = self.mesh.extrude.map_or(1.0, |extrude| extrude.layers as f64);
         let triangles = self.space.velocity.shape() == Shape::Triangle;
         let grading = self.mesh.grading as usize;
         let (all, kept) = match &self.mesh.source {
@@ -94,31 +91,50 @@ impl Case {
                 (all, all)
             }
             MeshSource::Box { lower, upper, cells } => {
-                let all = cells[0] as f64 * cells[1] as f64;
-                (all, all * self.share_of_box(*lower, *upper))
+                let all: f64 = cells.iter().map(|n| *n as f64).product();
+                (all, all * self.share_of_box(lower, upper))
             }
-            MeshSource::File(_) | MeshSource::Own(_) => return file.map_or((0.0, 0.0), of_mesh),
+            MeshSource::File(_) | MeshSource::Own(_) => {
+                let (all, kept) = file.map_or((0.0, 0.0), |mesh| self.cells_of(mesh));
+                return (all * layers, kept * layers);
+            }
         };
-        if triangles { (2.0 * all, 2.0 * kept) } else { (all, kept) }
+        let parts = if triangles { 2.0 } else { layers };
+        (parts * all, parts * kept)
+    }
+
+    /// All cells, and those of regions that take part.
+    fn cells_of<const D: usize>(&self, mesh: &Mesh<D>) -> (f64, f64) {
+        let regions: Vec<Option<u16>> = self.regions().iter().map(|name| mesh.region(name)).collect();
+        let kept = mesh.cell_region.iter().filter(|region| regions.contains(&Some(**region))).count();
+        (mesh.n_cells() as f64, kept as f64)
+    }
+
+    /// Cells that one becomes by a refinement; layers stay as they are.
+    fn per_refinement(&self) -> f64 {
+        if self.mesh.dimension == 3 && self.mesh.extrude.is_none() { 8.0 } else { 4.0 }
     }
 
     /// The part of a box that lies in regions that take part.
-    fn share_of_box(&self, lower: [f64; 2], upper: [f64; 2]) -> f64 {
+    fn share_of_box(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let regions = self.regions();
         let at =
             |d: usize, i: u32| lower[d] + (upper[d] - lower[d]) * (f64::from(i) + 0.5) / f64::from(SAMPLES);
-        let points = (0..SAMPLES * SAMPLES).map(|i| [at(0, i % SAMPLES), at(1, i / SAMPLES), 0.0]);
+        let layers = if lower.len() == 3 { SAMPLES } else { 1 };
+        let along_z = |k: u32| if lower.len() == 3 { at(2, k) } else { 0.0 };
+        let plane = move |z: f64| (0..SAMPLES * SAMPLES).map(move |i| (i % SAMPLES, i / SAMPLES, z));
+        let points = (0..layers).flat_map(|k| plane(along_z(k))).map(|(i, j, z)| [at(0, i), at(1, j), z]);
         let is_kept = |x: &[f64; 3]| {
             let inside = self.mesh.region.iter().rfind(|(_, inside)| inside.eval(x, 0.0) > 0.0);
             regions.contains(&inside.map_or("fluid", |(name, _)| name.as_str()))
         };
-        points.filter(is_kept).count() as f64 / f64::from(SAMPLES * SAMPLES)
+        points.filter(is_kept).count() as f64 / f64::from(SAMPLES * SAMPLES * layers)
     }
 
     /// A lower bound of the bytes of a run with `coarse` cells (all, and those that take part), refined in four
     /// `refine` times.
     fn bytes(&self, coarse: (f64, f64), refine: u32) -> f64 {
-        let cells = 4f64.powi(refine as i32);
+        let cells = self.per_refinement().powi(refine as i32);
         cells * (SAFE * self.bytes_per_cell() * coarse.1 + MESH * coarse.0)
     }
 
@@ -210,7 +226,7 @@ mod tests {
     fn message(sets: &[&str]) -> String {
         let sets: Vec<String> = sets.iter().map(|s| s.to_string()).collect();
         let case = Case::builtin("fsi3", &sets).unwrap();
-        case.check_memory(None).err().map_or(String::new(), |e| e.to_string())
+        case.check_memory::<2>(None).err().map_or(String::new(), |e| e.to_string())
     }
 
     /// Measured peaks of whole runs (bytes): the bound lies below, and not by much.
@@ -234,7 +250,7 @@ mod tests {
             ("fsi3", &["mesh.refine=2", "space.velocity=P3"], 615.6e6),
         ] {
             let case = Case::builtin(name, &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap();
-            let share = case.bytes(case.coarse_cells(None), case.mesh.refine) / peak;
+            let share = case.bytes(case.coarse_cells::<2>(None), case.mesh.refine) / peak;
             assert!((0.5..1.0).contains(&share), "{name} {sets:?}: {share:.2} of the peak");
         }
     }

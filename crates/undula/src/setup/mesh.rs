@@ -1,25 +1,37 @@
 //! The mesh of a case: made or read, refined, with its regions and the names of their sides.
 
+use super::dimension::Dimension;
 use super::names::MeshNames;
 use super::regions::mesh_key;
 use crate::case::error::{CaseError, CaseErrors};
+use crate::case::schema::Extrude;
 use crate::case::{Case, MeshSource, OwnMesh};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::mesh::{Curve, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::system::Dim;
+
+/// The components of a position, or numbers along its coordinates.
+fn first<T: Copy, const D: usize>(all: &[T]) -> [T; D] {
+    std::array::from_fn(|d| all[d])
+}
 
 /// The complete mesh of a case, with its regions and the names of their sides.
-pub(super) struct Marked {
-    pub mesh: Mesh<2>,
+pub(super) struct Marked<const D: usize> {
+    pub mesh: Mesh<D>,
     /// The meshes that it was refined from, as far as they have the same regions.
-    pub hierarchy: Hierarchy<2>,
+    pub hierarchy: Hierarchy<D>,
     /// What should be known of it.
     pub notes: Vec<String>,
 }
 
+/// A mesh that is refined as the case asks, with those before it and the curves that its boundaries follow.
+pub type Refined<const D: usize> = (Mesh<D>, Hierarchy<D>, Vec<Curve<D>>);
+
 #[doc(hidden)]
 impl Case {
-    /// The complete mesh with its interface and the sides of regions that are left out marked, checked against the case.
+    /// The complete mesh of the plane with its interface and the sides of regions that are left out marked, checked against
+    /// the case.
     ///
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
@@ -27,11 +39,14 @@ impl Case {
         Ok(self.marked_mesh()?.mesh)
     }
 
-    /// The same with its hierarchy and with what should be known of it.
-    pub(super) fn marked_mesh(&self) -> Result<Marked, Error> {
-        self.check_memory(None)?;
-        let (mesh, curves) = self.unrefined()?;
-        let (mut mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
+    /// The same in `D` dimensions, with its hierarchy and with what should be known of it.
+    pub(super) fn marked_mesh<const D: usize>(&self) -> Result<Marked<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        self.check_dimension(D)?;
+        self.check_memory::<D>(None)?;
+        let (mut mesh, hierarchy, curves) = Dim::<D>::refined(self)?;
         self.check_shape(&mesh)?;
         let mut notes = self.assign_regions(&mut mesh)?;
         let unfit = self.check_regions(&mesh.regions);
@@ -52,7 +67,16 @@ impl Case {
         Ok(Marked { hierarchy: hierarchy.named_as(&mesh), mesh, notes })
     }
 
-    /// The mesh before it is refined, as it is made or read, with the curves that its boundaries follow.
+    /// Refuses to compute in `dim` dimensions what has others.
+    fn check_dimension(&self, dim: usize) -> Result<(), Error> {
+        if self.mesh.dimension == dim {
+            return Ok(());
+        }
+        let (is, takes) = if dim == 2 { ("space", "the plane") } else { ("the plane", "space") };
+        Err(self.refuse("mesh", format!("the mesh is one of {is}, and this is for meshes of {takes}")))
+    }
+
+    /// The mesh of the plane before it is refined, as it is made or read, with the curves that its boundaries follow.
     fn unrefined(&self) -> Result<(Mesh<2>, Vec<Curve<2>>), Error> {
         let spec = &self.mesh;
         let grading = spec.grading as usize;
@@ -68,16 +92,12 @@ impl Case {
                 (generate::annulus(*radii, *cells, 0)?, generate::circles(*radii))
             }
             MeshSource::Box { lower, upper, cells } => {
-                (generate::rectangle(*lower, *upper, *cells, 0)?, vec![])
+                let mesh = generate::rectangle(first(lower), first(upper), first(cells), 0)?;
+                (mesh, vec![])
             }
             MeshSource::File(path) => {
-                let mut mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
-                self.check_memory(Some(&mesh))?;
-                mesh.nodes.iter_mut().flatten().for_each(|x| *x *= spec.scale);
-                if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
-                    return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
-                }
-                return Ok((mesh, vec![]));
+                let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
+                return Ok((self.scaled(mesh)?, vec![]));
             }
             MeshSource::Own(OwnMesh(mesh)) => {
                 self.check_memory(Some(mesh))?;
@@ -89,10 +109,52 @@ impl Case {
         Ok((if triangles { mesh.triangulated() } else { mesh }, curves))
     }
 
+    /// A mesh from a file with its coordinates in metres.
+    fn scaled<const D: usize>(&self, mut mesh: Mesh<D>) -> Result<Mesh<D>, Error> {
+        self.check_memory(Some(&mesh))?;
+        mesh.nodes.iter_mut().flatten().for_each(|x| *x *= self.mesh.scale);
+        if mesh.nodes.iter().flatten().any(|x| !x.is_finite()) {
+            return Err(self.refuse("mesh.scale", "coordinates times this are too large".into()));
+        }
+        Ok(mesh)
+    }
+
+    /// The mesh of the plane, refined.
+    pub(super) fn refined_plane(&self) -> Result<Refined<2>, Error> {
+        let (mesh, curves) = self.unrefined()?;
+        let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
+        Ok((mesh, hierarchy, curves))
+    }
+
+    /// The mesh of space, refined.
+    pub(super) fn refined_space(&self) -> Result<Refined<3>, Error> {
+        if let Some(Extrude { depth, layers }) = self.mesh.extrude {
+            let (plane, hierarchy, _) = self.refined_plane()?;
+            self.check_shape(&plane)?;
+            let whole = hierarchy.extruded(&plane, depth, layers);
+            let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
+            return Ok((mesh, hierarchy, vec![]));
+        }
+        let mesh = match &self.mesh.source {
+            MeshSource::Box { lower, upper, cells } => {
+                generate::hexahedra(first(lower), first(upper), first(cells), 0)?
+            }
+            MeshSource::File(path) => {
+                let mesh = gmsh::read_in_space(path).map_err(|e| self.blame("mesh.file", e))?;
+                self.scaled(mesh)?
+            }
+            _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
+        };
+        let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &[]);
+        Ok((mesh, hierarchy, vec![]))
+    }
+
+
     /// Refuses cells on which the velocity does not live.
-    fn check_shape(&self, mesh: &Mesh<2>) -> Result<(), Error> {
+    fn check_shape<const D: usize>(&self, mesh: &Mesh<D>) -> Result<(), Error> {
         let velocity = self.space.velocity;
-        if mesh.shape == velocity.shape() {
+        let tensor = mesh.shape != Shape::Triangle && velocity.shape() != Shape::Triangle;
+        if tensor || mesh.shape == velocity.shape() {
             return Ok(());
         }
         let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };

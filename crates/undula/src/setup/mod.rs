@@ -10,6 +10,7 @@ mod axis;
 mod bodies;
 pub mod build;
 mod data;
+pub mod dimension;
 mod enclosed;
 mod ends;
 mod fit;

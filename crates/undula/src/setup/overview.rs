@@ -1,5 +1,6 @@
 //! What `undula check` tells of a case on its mesh: extents, cells, regions, boundaries, flow.
 
+use super::functions::padded;
 use super::memory::size;
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, MeshSource};
@@ -13,14 +14,14 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overview {
     /// Corners of the box around the mesh \[m\].
-    pub extents: [[f64; 2]; 2],
+    pub extents: [Vec<f64>; 2],
     /// Whether the coordinates are (r, z).
     pub around_axis: bool,
     /// Number of cells.
     pub cells: usize,
-    /// Square roots of the areas of the smallest and of the largest cell \[m\].
+    /// Sizes of the smallest and of the largest cell \[m\], the roots of their areas, in space the third roots of their volumes.
     pub sizes: [f64; 2],
-    /// Regions in use: name, number of cells, area \[m²\].
+    /// Regions in use: name, number of cells, area \[m²\], in space volume \[m³\].
     pub regions: Vec<(String, usize, f64)>,
     /// The same of regions that are left out.
     pub left_out: Vec<(String, usize, f64)>,
@@ -43,7 +44,7 @@ pub struct Overview {
 pub struct Boundary {
     /// Name.
     pub name: String,
-    /// Length \[m\].
+    /// Length \[m\], in space area \[m²\].
     pub length: f64,
     /// Bodies that it belongs to: `fluid`, `solid`, or both.
     pub bodies: String,
@@ -56,7 +57,7 @@ pub struct Boundary {
 pub struct Inflow {
     /// The boundary with the largest flow into the domain.
     pub name: String,
-    /// Its length \[m\].
+    /// Its length \[m\], in space its area \[m²\].
     pub length: f64,
     /// Largest mean over time of the normal velocity into the domain \[m/s\].
     pub mean: f64,
@@ -81,17 +82,17 @@ const DENSE: f64 = 100.0;
 #[doc(hidden)]
 impl Case {
     /// What the case is on its mesh, but for what only the complete mesh knows.
-    pub fn overview(&self, space: &FsiSpace<2>) -> Overview {
+    pub fn overview<const D: usize>(&self, space: &FsiSpace<D>) -> Overview {
         let mesh = &space.mesh;
         let volume = mesh.quality().volume;
-        let size = |pick: fn(f64, f64) -> f64, from: f64| volume.iter().copied().fold(from, pick).sqrt();
+        let size = |pick: fn(f64, f64) -> f64, from: f64| root::<D>(volume.iter().copied().fold(from, pick));
         let regions = (0..mesh.regions.len()).map(|r| {
             let cells = || volume.iter().zip(&mesh.cell_region).filter(|(_, of)| usize::from(**of) == r);
             (mesh.regions[r].clone(), cells().count(), cells().map(|(area, _)| area).sum())
         });
-        let extents = extents(mesh);
+        let extents = extents(mesh).map(|x| x.to_vec());
         Overview {
-            extents,
+            extents: extents.clone(),
             around_axis: space.coordinates.is_axisymmetric(),
             cells: mesh.n_cells(),
             sizes: [size(f64::min, f64::INFINITY), size(f64::max, 0.0)],
@@ -101,12 +102,12 @@ impl Case {
             inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
             unknowns: [space.n_v(), space.n_u(), space.n_p()],
             memory: self.expected_bytes(mesh.n_cells(), mesh.n_cells()),
-            warnings: self.looks_like_millimetres(extents).into_iter().collect(),
+            warnings: self.looks_like_millimetres(&extents).into_iter().collect(),
             notes: vec![],
         }
     }
 
-    fn boundaries(&self, space: &FsiSpace<2>) -> Vec<Boundary> {
+    fn boundaries<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<Boundary> {
         let between = space.mesh.boundaries_between_regions();
         let of = |(number, name): (usize, &String)| {
             let facets = || space.mesh.facets_on(&[name]).into_iter();
@@ -141,7 +142,7 @@ impl Case {
     }
 
     /// Where most of the fluid comes in, and how fast.
-    fn inflow(&self, space: &FsiSpace<2>, smallest: f64) -> Option<Inflow> {
+    fn inflow<const D: usize>(&self, space: &FsiSpace<D>, smallest: f64) -> Option<Inflow> {
         self.fluids.first()?;
         let (mut found, mut largest, mut first) = (None::<(f64, String, [f64; 2])>, 0.0f64, 0.0f64);
         let step = self.time.as_ref().map(|time| time.step.eval(&[0.0; 3], time.start));
@@ -151,7 +152,7 @@ impl Case {
             let points: Vec<_> = facets.flat_map(|facet| facet_points(space, facet, 3)).collect();
             let whole = points.iter().map(|point| point.weight).sum::<f64>();
             let length = points.iter().map(|point| point.length).sum::<f64>();
-            let nodes: Vec<[f64; 2]> =
+            let nodes: Vec<[f64; D]> =
                 space.boundary_nodes(name).iter().map(|&node| space.nodes.points[node as usize]).collect();
             let at = |t: f64| (flow(&points, data, t), largest_speed(&nodes, data, t));
             for (flow, speed) in self.looked_at().into_iter().map(at) {
@@ -168,6 +169,7 @@ impl Case {
         let mean = flow / whole;
         let scale = match self.mesh.source {
             MeshSource::TurekHron | MeshSource::SchaeferTurek => (DIAMETER, "the diameter of the cylinder"),
+            _ if D == 3 => (length.sqrt(), "the root of the area of that boundary"),
             _ => (length, "the length of that boundary"),
         };
         Some(Inflow {
@@ -188,8 +190,8 @@ impl Case {
         (0..=TIMES).map(at).collect()
     }
 
-    fn looks_like_millimetres(&self, [lower, upper]: [[f64; 2]; 2]) -> Option<String> {
-        let size = (upper[0] - lower[0]).max(upper[1] - lower[1]);
+    fn looks_like_millimetres(&self, [lower, upper]: &[Vec<f64>; 2]) -> Option<String> {
+        let size = lower.iter().zip(upper).fold(0.0, |size: f64, (a, b)| size.max(b - a));
         let density = self.largest_density()?;
         let large = matches!(self.mesh.source, MeshSource::File(_)) && size >= LARGE && density >= DENSE;
         large.then(|| {
@@ -205,33 +207,41 @@ impl Case {
 const DIAMETER: f64 = 0.1;
 
 /// Corners of the box around a mesh.
-fn extents(mesh: &Mesh<2>) -> [[f64; 2]; 2] {
+fn extents<const D: usize>(mesh: &Mesh<D>) -> [[f64; D]; 2] {
     let along =
         |d: usize, pick: fn(f64, f64) -> f64, from: f64| mesh.nodes.iter().map(|x| x[d]).fold(from, pick);
-    [[0, 1].map(|d| along(d, f64::min, f64::INFINITY)), [0, 1].map(|d| along(d, f64::max, f64::NEG_INFINITY))]
+    [
+        std::array::from_fn(|d| along(d, f64::min, f64::INFINITY)),
+        std::array::from_fn(|d| along(d, f64::max, f64::NEG_INFINITY)),
+    ]
 }
 
-fn length(space: &FsiSpace<2>, facet: &Facet) -> f64 {
+fn length<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> f64 {
     facet_points(space, facet, 3).iter().map(|point| point.length).sum()
 }
 
 /// The velocity at one place.
-fn velocity(data: &[Expression; 2], [x, y]: [f64; 2], t: f64) -> [f64; 2] {
-    [0, 1].map(|i| data[i].eval(&[x, y, 0.0], t))
+fn velocity<const D: usize>(data: &[Expression], x: [f64; D], t: f64) -> [f64; D] {
+    std::array::from_fn(|i| data[i].eval(&padded(&x), t))
+}
+
+/// The size of something of a volume \[m^D\].
+fn root<const D: usize>(volume: f64) -> f64 {
+    if D == 3 { volume.cbrt() } else { volume.sqrt() }
 }
 
 /// −∫ v·n over the facets of `points` at time `t` \[m²/s\].
-fn flow(points: &[FacetPoint<2>], data: &[Expression; 2], t: f64) -> f64 {
-    let flow = |point: &FacetPoint<2>| {
+fn flow<const D: usize>(points: &[FacetPoint<D>], data: &[Expression], t: f64) -> f64 {
+    let flow = |point: &FacetPoint<D>| {
         let v = velocity(data, point.x, t);
-        -point.weight * (v[0] * point.normal.0[0] + v[1] * point.normal.0[1])
+        -point.weight * v.iter().zip(&point.normal.0).map(|(v, n)| v * n).sum::<f64>()
     };
     points.iter().map(flow).sum()
 }
 
 /// Largest |v| at `nodes` at time `t` \[m/s\].
-fn largest_speed(nodes: &[[f64; 2]], data: &[Expression; 2], t: f64) -> f64 {
-    let speed = |&x: &[f64; 2]| velocity(data, x, t).map(|v| v * v).iter().sum::<f64>().sqrt();
+fn largest_speed<const D: usize>(nodes: &[[f64; D]], data: &[Expression], t: f64) -> f64 {
+    let speed = |&x: &[f64; D]| velocity(data, x, t).map(|v| v * v).iter().sum::<f64>().sqrt();
     nodes.iter().map(speed).fold(0.0, f64::max)
 }
 
@@ -247,23 +257,27 @@ fn short(x: f64) -> String {
 
 impl fmt::Display for Overview {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [[x0, y0], [x1, y1]] = self.extents.map(|x| x.map(short));
+        let [lower, upper] = &self.extents;
         let [v, u, p] = self.unknowns;
-        let [x, y, about] =
-            if self.around_axis { ["r", "z", ", around the axis r = 0"] } else { ["x", "y", ""] };
-        writeln!(f, "          {x} from {x0} to {x1} m, {y} from {y0} to {y1} m{about}")?;
+        let (names, about) =
+            if self.around_axis { (["r", "z", ""], ", around the axis r = 0") } else { (["x", "y", "z"], "") };
+        let sides = names.iter().zip(lower).zip(upper);
+        let sides: Vec<String> =
+            sides.map(|((x, a), b)| format!("{x} from {} to {} m", short(*a), short(*b))).collect();
+        writeln!(f, "          {}{about}", sides.join(", "))?;
+        let [of_region, of_boundary] = if lower.len() == 3 { ["m³", "m²"] } else { ["m²", "m"] };
         let [smallest, largest] = self.sizes.map(short);
         writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
         writeln!(f, "          about {} of memory for a run", size(self.memory))?;
         for (name, cells, area) in &self.regions {
-            writeln!(f, "region    {name}: {cells} cells, {} m²", short(*area))?;
+            writeln!(f, "region    {name}: {cells} cells, {} {of_region}", short(*area))?;
         }
         for (name, cells, area) in &self.left_out {
-            writeln!(f, "region    {name}: {cells} cells, {} m², left out", short(*area))?;
+            writeln!(f, "region    {name}: {cells} cells, {} {of_region}, left out", short(*area))?;
         }
         for Boundary { name, length, bodies, condition } in &self.boundaries {
-            writeln!(f, "boundary  {name}: {condition}, {} m ({bodies})", short(*length))?;
+            writeln!(f, "boundary  {name}: {condition}, {} {of_boundary} ({bodies})", short(*length))?;
         }
         if let Some(inflow) = &self.inflow {
             let Inflow { name, mean, largest, scale: (scale, what), reynolds, cfl, .. } = inflow;

@@ -5,7 +5,7 @@ use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::{Case, Condition, Initial};
 use crate::error::Error;
-use crate::math::{rounded, shortest};
+use crate::math::{Tensor, rounded, shortest};
 use crate::mesh::{FacetDistance, Mesh, Seam};
 use crate::space::{Constraints, FsiSpace, Region};
 
@@ -13,10 +13,10 @@ use crate::space::{Constraints, FsiSpace, Region};
 const EQUAL: f64 = 1e-9;
 
 /// The distance \[m\] from a place to the nearest of the facets, those beyond seams among them.
-pub(super) fn nearest(space: &FsiSpace<2>, facets: FacetDistance<2>) -> impl Fn(&[f64; 2]) -> f64 + use<> {
+pub(super) fn nearest<const D: usize>(space: &FsiSpace<D>, facets: FacetDistance<D>) -> impl Fn(&[f64; D]) -> f64 + use<D> {
     let shifts = space.shifts();
     move |x| {
-        let to = |shift: &[f64; 2]| facets.distance([x[0] + shift[0], x[1] + shift[1]]);
+        let to = |shift: &[f64; D]| facets.distance(std::array::from_fn(|d| x[d] + shift[d]));
         shifts.iter().map(to).fold(f64::INFINITY, f64::min)
     }
 }
@@ -26,7 +26,7 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Case`] with the key of the partner if the facets of a pair do not match, or if different bodies meet.
-    pub(super) fn seams(&self, mesh: &Mesh<2>) -> Result<Vec<Seam<2>>, Error> {
+    pub(super) fn seams<const D: usize>(&self, mesh: &Mesh<D>) -> Result<Vec<Seam<D>>, Error> {
         let mut seams = vec![];
         for (name, condition) in &self.boundary {
             let Condition::Periodic(with) = condition else { continue };
@@ -37,7 +37,7 @@ impl Case {
             }
             let key = self.partner_key(name, with);
             let found = mesh.seams([name, with]).map_err(|message| self.refuse(&key, message))?;
-            let along_r = |seam: &Seam<2>| seam.shift[0].abs() > seam.shift[1].abs() * 1e-6;
+            let along_r = |seam: &Seam<D>| seam.shift[0].abs() > seam.shift[1].abs() * 1e-6;
             if self.mesh.coordinates.is_axisymmetric() && found.iter().any(along_r) {
                 let message =
                     "a body of revolution repeats along its axis only: expected boundaries that differ in z";
@@ -69,7 +69,7 @@ impl Case {
     }
 
     /// The mistakes of data at nodes that have different values at the places of one node.
-    pub(super) fn check_repeated(&self, space: &FsiSpace<2>) -> Vec<CaseError> {
+    pub(super) fn check_repeated<const D: usize>(&self, space: &FsiSpace<D>) -> Vec<CaseError> {
         if space.seams.is_empty() {
             return vec![];
         }
@@ -107,9 +107,9 @@ impl Case {
     }
 
     /// The mistake that `data` differ at two of the `places` that are one node.
-    fn differing(
+    fn differing<const D: usize>(
         &self,
-        space: &FsiSpace<2>,
+        space: &FsiSpace<D>,
         key: &str,
         data: &[Expression],
         places: &[usize],
@@ -143,7 +143,7 @@ impl Case {
     }
 
     /// Refuses a stationary flow without end or wall that holds it: any velocity may be added to it.
-    pub(super) fn check_drift(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+    pub(super) fn check_drift<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         if self.time.is_some() || space.seams.is_empty() {
             return Ok(());
         }
@@ -164,19 +164,19 @@ impl Case {
             if nodes.is_empty() || nodes.iter().any(solid) {
                 continue;
             }
-            let mut squares = [[0.0; 2]; 2];
+            let mut squares = [[0.0; D]; D];
             let mut held =
-                |n: [f64; 2]| (0..2).for_each(|i| (0..2).for_each(|j| squares[i][j] += n[i] * n[j]));
+                |n: [f64; D]| (0..D).for_each(|i| (0..D).for_each(|j| squares[i][j] += n[i] * n[j]));
             for &node in &nodes {
                 let given = constraints.v[node];
-                (0..2).filter(|&i| given[i]).for_each(|i| held(std::array::from_fn(|j| f64::from(i == j))));
+                (0..D).filter(|&i| given[i]).for_each(|i| held(std::array::from_fn(|j| f64::from(i == j))));
             }
             let inclined = constraints.directions.iter().filter(|at| at.v);
             for at in inclined.filter(|at| nodes.binary_search(&(at.node as usize)).is_ok()) {
                 at.normals.iter().for_each(|n| held(n.0));
             }
-            let det = squares[0][0] * squares[1][1] - squares[0][1] * squares[1][0];
-            if det <= 1e-12 * (squares[0][0] + squares[1][1]).powi(2) {
+            let trace: f64 = (0..D).map(|i| squares[i][i]).sum();
+            if Tensor(squares).det() <= 1e-12 * trace.powi(D as i32) {
                 let message = "nothing holds the fluid between its periodic boundaries, so that any constant velocity along \
                                them may be added to a stationary one: expected a wall, or a case with [time]";
                 return Err(Error::Case(CaseErrors(vec![CaseError {

@@ -5,6 +5,7 @@
 //! of Govindjee and Mihalic (1996), see [`Reference`]. Both have the cells and the nodes of the whole case, so that at u = 0
 //! nothing is left of its equations but the tolerance of both.
 
+use super::dimension::Dimension;
 use super::initial::scalars;
 use crate::case::error::CaseErrors;
 use crate::case::{Case, Condition, Initial, Profile};
@@ -13,6 +14,7 @@ use crate::nonlinear::NewtonError;
 use crate::operators::nodal_load::NodalLoad;
 use crate::physics::Reference;
 use crate::space::{FsiSpace, Region, State};
+use crate::system::Dim;
 use crate::tangent::{Linearization, Tangent};
 use crate::time::{StepFailure, Stepper};
 use std::sync::Arc;
@@ -74,18 +76,21 @@ impl Case {
     ///
     /// # Errors
     /// [`Error::Breakdown`] if there is no such state, [`Error::Case`] if a part of the problem is not well posed.
-    pub(crate) fn prestress(&self, space: &Arc<FsiSpace<2>>, threads: usize) -> Result<Prestress, Error> {
+    pub(crate) fn prestress<const D: usize>(&self, space: &Arc<FsiSpace<D>>, threads: usize) -> Result<Prestress, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let mut whole = self.stepper_on(space.clone(), threads)?;
         let mut state = whole.assembler.zero();
         if let Some(flow) = self.flow_alone() {
-            let mut stepper = flow.build_with_notes(threads).map_err(about)?.0;
+            let mut stepper = flow.build_with_notes::<D>(threads).map_err(about)?.0;
             let (found, _) = settled(&mut stepper)?;
             let cells = Shared::new(space, &stepper.assembler.space, Region::Fluid);
             cells.copy(&found.v, &mut state.v);
             cells.copy_pressure(&found.p, &mut state.p);
             state.s = scalars(&whole.assembler, &found.s);
         }
-        let mut stepper = self.solids_alone().build_with_notes(threads).map_err(about)?.0;
+        let mut stepper = self.solids_alone().build_with_notes::<D>(threads).map_err(about)?.0;
         let part = stepper.assembler.space.clone();
         let cells = Shared::new(space, &part, Region::Solid);
         let mut load = vec![0.0; part.n_v()];
@@ -103,10 +108,13 @@ impl Case {
     ///
     /// # Errors
     /// As [`Case::build_space`] of the flow and the solids alone.
-    pub(super) fn check_prestress(&self) -> Result<(), Error> {
+    pub(super) fn check_prestress<const D: usize>(&self) -> Result<(), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         if self.is_prestressed() {
             for case in self.flow_alone().into_iter().chain([self.solids_alone()]) {
-                case.build_space().map_err(about)?;
+                case.space_in::<D>().map_err(about)?;
             }
         }
         Ok(())
@@ -124,7 +132,7 @@ impl Case {
 }
 
 /// The stationary solution, once more from itself, so that less of the tolerance is left; and the parts of the load.
-fn settled(stepper: &mut Stepper<2>) -> Result<(State, usize), Error> {
+fn settled<const D: usize>(stepper: &mut Stepper<D>) -> Result<(State, usize), Error> {
     let failed = |failure: StepFailure| match &failure.reason {
         NewtonError::Linear(error) if failure.is_too_large() => Error::Solver(error.clone()),
         _ => Error::Breakdown(failure),
@@ -146,14 +154,14 @@ fn about(error: Error) -> Error {
 }
 
 /// The cells of one body in the whole space, in the order that they have in the space of the body alone.
-struct Shared<'a> {
-    whole: &'a FsiSpace<2>,
-    part: &'a FsiSpace<2>,
+struct Shared<'a, const D: usize> {
+    whole: &'a FsiSpace<D>,
+    part: &'a FsiSpace<D>,
     cells: Vec<usize>,
 }
 
-impl<'a> Shared<'a> {
-    fn new(whole: &'a FsiSpace<2>, part: &'a FsiSpace<2>, body: Region) -> Shared<'a> {
+impl<'a, const D: usize> Shared<'a, D> {
+    fn new(whole: &'a FsiSpace<D>, part: &'a FsiSpace<D>, body: Region) -> Shared<'a, D> {
         let cells: Vec<usize> = (0..whole.mesh.n_cells()).filter(|&c| whole.regions[c] == body).collect();
         assert_eq!(cells.len(), part.mesh.n_cells(), "restricting a mesh keeps its cells");
         Shared { whole, part, cells }
@@ -170,12 +178,12 @@ impl<'a> Shared<'a> {
 
     /// Values at the nodes of the part to the whole.
     fn copy(&self, part: &[f64], whole: &mut [f64]) {
-        self.nodes(|a, b| whole[2 * b..2 * b + 2].copy_from_slice(&part[2 * a..2 * a + 2]));
+        self.nodes(|a, b| whole[D * b..D * (b + 1)].copy_from_slice(&part[D * a..D * (a + 1)]));
     }
 
     /// Values at the nodes of the whole to the part.
     fn copy_back(&self, whole: &[f64], part: &mut [f64]) {
-        self.nodes(|a, b| part[2 * a..2 * a + 2].copy_from_slice(&whole[2 * b..2 * b + 2]));
+        self.nodes(|a, b| part[D * a..D * (a + 1)].copy_from_slice(&whole[D * b..D * (b + 1)]));
     }
 
     fn copy_pressure(&self, part: &[f64], whole: &mut [f64]) {

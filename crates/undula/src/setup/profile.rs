@@ -188,7 +188,7 @@ impl<const D: usize> Section<D> {
 }
 
 /// The velocity \[m/s\] of each frequency at a node, real and imaginary part.
-type Waves = Vec<[[f64; 2]; 2]>;
+type Waves<const D: usize> = Vec<[[f64; D]; 2]>;
 
 /// The largest coordinate \[m\].
 fn extent<const D: usize>(points: &[[f64; D]]) -> f64 {
@@ -196,30 +196,30 @@ fn extent<const D: usize>(points: &[[f64; D]]) -> f64 {
 }
 
 /// Values at nodes that are found by their places.
-struct AtNodes {
+struct AtNodes<const D: usize> {
     /// Sorted by the coordinate `axis`.
-    nodes: Vec<([f64; 2], Waves)>,
+    nodes: Vec<([f64; D], Waves<D>)>,
     axis: usize,
     close: f64,
 }
 
-impl AtNodes {
-    fn new(points: &[[f64; 2]], values: Vec<Waves>) -> AtNodes {
+impl<const D: usize> AtNodes<D> {
+    fn new(points: &[[f64; D]], values: Vec<Waves<D>>) -> AtNodes<D> {
         let extent = |d: usize| {
             let along = points.iter().map(|x| x[d]);
             along.clone().fold(f64::MIN, f64::max) - along.fold(f64::MAX, f64::min)
         };
-        let axis = usize::from(extent(1) > extent(0));
+        let axis = (0..D).rev().max_by(|&a, &b| extent(a).total_cmp(&extent(b))).unwrap_or(0);
         let mut nodes: Vec<_> = points.iter().copied().zip(values).collect();
         nodes.sort_by(|a, b| a.0[axis].total_cmp(&b.0[axis]));
         AtNodes { nodes, axis, close: 1e-9 * extent(axis) }
     }
 
-    fn find(&self, x: &[f64; 2]) -> Option<&Waves> {
+    fn find(&self, x: &[f64; D]) -> Option<&Waves<D>> {
         let along = x[self.axis];
         let first = self.nodes.partition_point(|(at, _)| at[self.axis] < along - self.close);
         let near = self.nodes[first..].iter().take_while(|(at, _)| at[self.axis] <= along + self.close);
-        let away = |at: &[f64; 2]| (at[0] - x[0]).hypot(at[1] - x[1]);
+        let away = |at: &[f64; D]| at.iter().zip(x).fold(0.0, |length: f64, (a, b)| length.hypot(a - b));
         let found = near.min_by(|a, b| away(&a.0).total_cmp(&away(&b.0)));
         found.filter(|(at, _)| away(at) <= self.close).map(|(_, values)| values)
     }
@@ -227,7 +227,7 @@ impl AtNodes {
 
 impl Case {
     /// The facets of the fluid on the boundary `name`, with their section.
-    fn section(&self, mesh: &Mesh<2>, name: &str) -> Section<2> {
+    fn section<const D: usize>(&self, mesh: &Mesh<D>, name: &str) -> Section<D> {
         let of_fluid = |facet: &Facet| {
             let region = &mesh.regions[usize::from(mesh.cell_region[facet.cell as usize])];
             self.body_in(region).is_some_and(|(body, _)| body == Region::Fluid)
@@ -241,7 +241,7 @@ impl Case {
     }
 
     /// ν \[m²/s\] of the fluids at the boundary `name`.
-    fn viscosities(&self, mesh: &Mesh<2>, name: &str) -> Vec<f64> {
+    fn viscosities<const D: usize>(&self, mesh: &Mesh<D>, name: &str) -> Vec<f64> {
         let of = |facet: &Facet| {
             let region = &mesh.regions[usize::from(mesh.cell_region[facet.cell as usize])];
             let (body, material) = self.body_in(region)?;
@@ -256,9 +256,9 @@ impl Case {
     ///
     /// # Errors
     /// If its profile cannot be computed.
-    fn profile(&self, mesh: &Mesh<2>, name: &str) -> Result<VelocityData<2>, SolverError> {
+    fn profile<const D: usize>(&self, mesh: &Mesh<D>, name: &str) -> Result<VelocityData<D>, SolverError> {
         let Some(Condition::Flux { flow, profile, fourier, period }) = self.boundary.get(name) else {
-            return Ok(Arc::new(|_, _| [0.0; 2]));
+            return Ok(Arc::new(|_, _| [0.0; D]));
         };
         let section = self.section(mesh, name);
         let normals = section.normals();
@@ -275,31 +275,31 @@ impl Case {
             }
         }
         let (at, flow, omega) = (AtNodes::new(&section.points, values), flow.clone(), TAU / period);
-        Ok(Arc::new(move |x: &[f64; 2], t: f64| {
+        Ok(Arc::new(move |x: &[f64; D], t: f64| {
             // The profile is 0 on the solid.
-            let Some(terms) = at.find(x) else { return [0.0; 2] };
+            let Some(terms) = at.find(x) else { return [0.0; D] };
             if steady {
                 return terms[0][0].map(|v| v * flow.eval(&[0.0; 3], t));
             }
-            let mut sum = [0.0; 2];
+            let mut sum = [0.0; D];
             for (n, [re, im]) in terms.iter().enumerate() {
                 let (sin, cos) = (n as f64 * omega * t).sin_cos();
-                (0..2).for_each(|i| sum[i] += re[i] * cos - im[i] * sin);
+                (0..D).for_each(|i| sum[i] += re[i] * cos - im[i] * sin);
             }
             sum
         }))
     }
 
     /// The same; at rest where it cannot be computed, which [`Case::check_profiles`] refuses.
-    pub(super) fn profile_or_rest(&self, mesh: &Mesh<2>, name: &str) -> VelocityData<2> {
-        self.profile(mesh, name).unwrap_or_else(|_| Arc::new(|_, _| [0.0; 2]))
+    pub(super) fn profile_or_rest<const D: usize>(&self, mesh: &Mesh<D>, name: &str) -> VelocityData<D> {
+        self.profile(mesh, name).unwrap_or_else(|_| Arc::new(|_, _| [0.0; D]))
     }
 
     /// Refuses profiles that do not exist.
     ///
     /// # Errors
     /// [`Error::Case`] for a section that no wall holds, for viscosities that are not constant, for a mesh that slides.
-    pub(super) fn check_profiles(&self, space: &FsiSpace<2>) -> Result<(), Error> {
+    pub(super) fn check_profiles<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         for (name, condition) in &self.boundary {
             let Condition::Flux { profile, .. } = condition else { continue };
             if *profile == Profile::Free || space.mesh.facets_on(&[name]).is_empty() {

@@ -1,5 +1,6 @@
 //! The regions of a mesh: which are computed on, which are left out, and how the sides of these are called.
 
+use super::functions::padded;
 use super::names::MeshNames;
 use crate::case::error::{CaseError, quoted, suggestion};
 use crate::case::{Case, MeshSource};
@@ -108,14 +109,14 @@ impl Case {
     }
 
     /// Puts cells into the regions of `mesh.region`; returns what should be known about that.
-    pub(super) fn assign_regions(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
+    pub(super) fn assign_regions<const D: usize>(&self, mesh: &mut Mesh<D>) -> Result<Vec<String>, Error> {
         let (mut before, mut notes) = (BTreeMap::new(), vec![]);
         for (name, inside) in &self.mesh.region {
             let gap = std::cell::RefCell::new(String::new());
-            let value = |x: [f64; 2]| {
-                let value = inside.eval(&[x[0], x[1], 0.0], 0.0);
+            let value = |x: [f64; D]| {
+                let value = inside.eval(&padded(&x), 0.0);
                 if value.is_nan() && gap.borrow().is_empty() {
-                    gap.replace(inside.gap(&[x[0], x[1], 0.0], 0.0));
+                    gap.replace(inside.gap(&padded(&x), 0.0));
                 }
                 value
             };
@@ -142,7 +143,7 @@ impl Case {
     }
 
     /// Names the interface and the sides of regions that are left out; returns what should be known about that.
-    pub(super) fn mark_sides(&self, mesh: &mut Mesh<2>) -> Result<Vec<String>, Error> {
+    pub(super) fn mark_sides<const D: usize>(&self, mesh: &mut Mesh<D>) -> Result<Vec<String>, Error> {
         let mut notes = vec![];
         notes.extend(self.mark_interface(mesh)?);
         for region in &self.mesh.leave_out {
@@ -179,7 +180,7 @@ impl Case {
 
     /// Names the sides between fluids and solids, or those of the region that an absent table leaves out; returns what
     /// should be known about that.
-    fn mark_interface(&self, mesh: &mut Mesh<2>) -> Result<Option<String>, Error> {
+    fn mark_interface<const D: usize>(&self, mesh: &mut Mesh<D>) -> Result<Option<String>, Error> {
         let absent = self.absent_regions();
         let [firsts, seconds] = [self.fluid_regions(), self.solid_regions()].map(|regions| {
             let regions = if regions.is_empty() { absent.clone() } else { regions };
@@ -206,14 +207,14 @@ impl Case {
     }
 
     /// Whether a region that is left out touches regions of both.
-    fn is_between(&self, mesh: &Mesh<2>, firsts: &[&str], seconds: &[&str]) -> bool {
+    fn is_between<const D: usize>(&self, mesh: &Mesh<D>, firsts: &[&str], seconds: &[&str]) -> bool {
         let touch = |a: &str, b: &str| mesh.sides_between(a, b).is_ok_and(|sides| !sides.is_empty());
         let any = |a: &str, regions: &[&str]| regions.iter().any(|b| touch(a, b));
         self.mesh.leave_out.iter().any(|out| any(out, firsts) && any(out, seconds))
     }
 
     /// Name, number of cells and area \[m²\] of each region of the complete `mesh` that is left out.
-    pub(super) fn left_out_of(&self, mesh: &Mesh<2>) -> Vec<(String, usize, f64)> {
+    pub(super) fn left_out_of<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<(String, usize, f64)> {
         let volume = mesh.quality().volume;
         let size = |(number, name): (u16, &String)| {
             let here = || mesh.cell_region.iter().zip(&volume).filter(move |(region, _)| **region == number);

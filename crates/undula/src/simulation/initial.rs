@@ -5,9 +5,11 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
+use crate::setup::dimension::Dimension;
 use crate::setup::initial::scalars;
 use crate::setup::prestress::Prestress;
 use crate::space::{FsiSpace, State};
+use crate::system::Dim;
 use crate::time::{self, Clock, Damping};
 use std::path::PathBuf;
 
@@ -34,12 +36,36 @@ struct Former {
 }
 
 impl Simulation {
-    /// Set up `case` on `threads` threads.
+    /// Set up `case`, a case of the plane, on `threads` threads.
     ///
     /// # Errors
     /// If the case does not fit its mesh, if there is no state as it begins with, or if the linear solver cannot be
     /// prepared.
-    pub fn new(mut case: Case, threads: usize) -> Result<Simulation, Error> {
+    pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
+        Simulation::set_up(case, threads)
+    }
+}
+
+impl Simulation<3> {
+    /// [`Simulation::new`] of a case in space.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn in_space(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
+        Simulation::set_up(case, threads)
+    }
+}
+
+impl<const D: usize> Simulation<D>
+where
+    Dim<D>: Dimension<D>,
+{
+    /// Set up `case`, whose mesh has the dimension D.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    #[doc(hidden)]
+    pub fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
         let start = Start::of(&mut case)?;
         let mut simulation = Simulation::at_rest(case, threads)?;
         start.begin(&mut simulation)?;
@@ -75,7 +101,10 @@ impl Start {
     ///
     /// # Errors
     /// [`Error::Case`] if there is no such state, [`Error::Breakdown`] if there is no equilibrium.
-    fn begin(self, simulation: &mut Simulation) -> Result<(), Error> {
+    fn begin<const D: usize>(self, simulation: &mut Simulation<D>) -> Result<(), Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         let (space, threads) = (simulation.stepper.assembler.space.clone(), simulation.threads);
         match self {
             Start::Rest => Ok(()),
@@ -109,7 +138,7 @@ impl Start {
                 at(simulation, (state, unloading), note)
             }
             Start::Static => {
-                let found = simulation.install(|simulation| simulation.case.initial_equilibrium(threads));
+                let found = simulation.install(|simulation| simulation.case.initial_equilibrium::<D>(threads));
                 let (state, parts) = found?;
                 let load =
                     if parts == 1 { String::new() } else { format!(", found in {parts} parts of the load") };
@@ -121,8 +150,8 @@ impl Start {
 }
 
 /// The simulation with `new` as its first state, with the boundary values of its first time, and with its prestress.
-fn at(
-    simulation: &mut Simulation,
+fn at<const D: usize>(
+    simulation: &mut Simulation<D>,
     (mut new, unloading): (State, Vec<f64>),
     note: String,
 ) -> Result<(), Error> {
@@ -184,7 +213,7 @@ impl Former {
     }
 
     /// The state `name` on `space`, the space of the run.
-    fn state(&self, name: &str, space: &FsiSpace<2>) -> Result<State, String> {
+    fn state<const D: usize>(&self, name: &str, space: &FsiSpace<D>) -> Result<State, String> {
         let field = |field: &str, n: usize| {
             let key = format!("{name}_{field}");
             let array = self.checkpoint.f64s(&key).filter(|array| array.len() == n);
@@ -204,8 +233,11 @@ impl Former {
     }
 
     /// Solution, the solution before it, and the length of the step between them; 0 if there is none before.
-    fn solution(&self, space: &FsiSpace<2>) -> Result<(State, State, f64), String> {
-        let own = self.case.build_space().map_err(|error| format!("the case of the run: {error}"))?;
+    fn solution<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(State, State, f64), String>
+    where
+        Dim<D>: Dimension<D>,
+    {
+        let own: FsiSpace<D> = self.case.space_in().map_err(|error| format!("the case of the run: {error}"))?;
         let new = self.state("new", &own)?;
         if same(&own, space) {
             return Ok((new, self.state("old", &own)?, self.clock[1]));
@@ -231,7 +263,7 @@ fn clock(metadata: &str) -> Option<[f64; 2]> {
 }
 
 /// Whether unknowns mean the same.
-fn same(a: &FsiSpace<2>, b: &FsiSpace<2>) -> bool {
+fn same<const D: usize>(a: &FsiSpace<D>, b: &FsiSpace<D>) -> bool {
     let (one, two) = (&a.mesh, &b.mesh);
     (one.shape, one.degree) == (two.shape, two.degree)
         && one.nodes == two.nodes
@@ -246,7 +278,10 @@ fn same(a: &FsiSpace<2>, b: &FsiSpace<2>) -> bool {
 ///
 /// # Errors
 /// [`Error::Case`] if the run is on another geometry, or its files do not belong together.
-fn begin(simulation: &mut Simulation, former: &Former) -> Result<(), Error> {
+fn begin<const D: usize>(simulation: &mut Simulation<D>, former: &Former) -> Result<(), Error>
+where
+    Dim<D>: Dimension<D>,
+{
     let assembler = &simulation.stepper.assembler;
     let (mut new, mut old, last_step) = match former.solution(&assembler.space) {
         Ok(solution) => solution,

@@ -21,7 +21,7 @@ pub struct Memory {
     pub unloading: Vec<f64>,
 }
 
-impl Simulation {
+impl<const D: usize> Simulation<D> {
     /// What a checkpoint keeps.
     #[doc(hidden)]
     pub fn save(&self) -> Memory {

@@ -45,27 +45,24 @@ impl Coordinates {
         self.is_axisymmetric().then_some(x[0])
     }
 
-    /// The unit of an integral, or of what stands beside one, that has the unit `of_plane` per depth.
-    pub fn unit(self, of_plane: &str) -> &str {
-        if self == Coordinates::Cartesian {
-            return of_plane;
-        }
-        match of_plane {
-            "m²" => "m³",
-            "m²/s" => "m³/s",
-            "m³/s" => "m⁴/s",
-            "N/m" => "N",
-            "N" => "N m",
-            "J/m" => "J",
-            "W/m" => "W",
-            "Pa s/m²" => "Pa s/m³",
-            "m²/Pa" => "m³/Pa",
-            other => other,
-        }
-    }
-
     /// Number of directions of what a mesh of dimension `dim` stands for: volumes are in m^n.
     pub fn dimension(self, dim: usize) -> usize {
         if self.is_axisymmetric() { dim + 1 } else { dim }
+    }
+}
+
+/// The unit in space of an integral, or of what stands beside one, that has the unit `of_plane` per depth.
+pub fn unit_of_space(of_plane: &str) -> &str {
+    match of_plane {
+        "m²" => "m³",
+        "m²/s" => "m³/s",
+        "m³/s" => "m⁴/s",
+        "N/m" => "N",
+        "N" => "N m",
+        "J/m" => "J",
+        "W/m" => "W",
+        "Pa s/m²" => "Pa s/m³",
+        "m²/Pa" => "m³/Pa",
+        other => other,
     }
 }

@@ -233,17 +233,19 @@ impl<const D: usize> FsiSpace<D> {
     }
 }
 
-impl FsiSpace<2> {
-    /// Mean distance ĥ of nodes \[m\]: the root of the area that there is for each.
+impl<const D: usize> FsiSpace<D> {
+    /// Mean distance ĥ of nodes \[m\]: the root of the area, in space the third root of the volume, that there is for each.
     pub fn node_distance(&self) -> f64 {
         let rule = Quadrature::cell(self.mesh.shape, 2);
-        let mut area = 0.0;
+        let mut measure = 0.0;
         for cell in 0..self.mesh.n_cells() {
             for (xi, w) in rule.points.iter().zip(&rule.weights) {
-                area += w * Tensor(self.mesh.map_gradient(cell, [xi[0], xi[1]])).det();
+                let xi = std::array::from_fn(|d| xi[d]);
+                measure += w * Tensor(self.mesh.map_gradient(cell, xi)).det();
             }
         }
-        (area / self.nodes.len() as f64).sqrt()
+        let each = measure / self.nodes.len() as f64;
+        if D == 3 { each.cbrt() } else { each.sqrt() }
     }
 }
 

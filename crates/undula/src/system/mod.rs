@@ -16,7 +16,7 @@ use crate::operators::biharmonic::Biharmonic;
 pub use crate::operators::border::{Border, Borders};
 use crate::operators::outflow::correction;
 pub use crate::operators::region::current_force::CurrentForce;
-use crate::operators::region::regions;
+pub use crate::operators::region::{Dim, Kernels};
 use crate::operators::stabilization::Stabilizer;
 pub use crate::operators::stabilization::patches;
 use crate::operators::{Blocks, RegionOperator};
@@ -60,7 +60,10 @@ pub struct Assembler<const D: usize> {
     borders: Borders,
 }
 
-impl Assembler<2> {
+impl<const D: usize> Assembler<D>
+where
+    Dim<D>: Kernels<D>,
+{
     /// Prepare everything that stays for the run.
     ///
     /// `conditions` has one entry per boundary of the mesh; `stiffness` is E_e(x) of the extension.
@@ -68,12 +71,12 @@ impl Assembler<2> {
     /// # Panics
     /// Where [`Assembler::try_new`] fails.
     pub fn new(
-        space: Arc<FsiSpace<2>>,
+        space: Arc<FsiSpace<D>>,
         physics: Physics,
-        conditions: &[BoundaryCondition<2>],
-        stiffness: &dyn Fn(&[f64; 2]) -> f64,
+        conditions: &[BoundaryCondition<D>],
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
-    ) -> Assembler<2> {
+    ) -> Assembler<D> {
         granted(Self::try_new(space, physics, conditions, stiffness, options))
     }
 
@@ -82,21 +85,21 @@ impl Assembler<2> {
     /// # Errors
     /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
     pub fn try_new(
-        space: Arc<FsiSpace<2>>,
+        space: Arc<FsiSpace<D>>,
         physics: Physics,
-        conditions: &[BoundaryCondition<2>],
-        stiffness: &dyn Fn(&[f64; 2]) -> f64,
+        conditions: &[BoundaryCondition<D>],
+        stiffness: &dyn Fn(&[f64; D]) -> f64,
         options: &Options,
-    ) -> Result<Assembler<2>, SolverError> {
-        let regions = regions(&space, &physics, stiffness, options)?;
+    ) -> Result<Assembler<D>, SolverError> {
+        let regions = Dim::<D>::regions(&space, &physics, stiffness, options)?;
         let constraints = Constraints::new(&space, conditions);
-        let mut terms: Vec<Box<dyn Operator<2>>> = vec![];
+        let mut terms: Vec<Box<dyn Operator<D>>> = vec![];
         for fluid in physics.fluids() {
             let n = options.quadrature;
             let outflow = correction(&space, fluid, conditions, n);
             let backflow = directional(&space, fluid, conditions, n);
-            terms.extend((!outflow.is_empty()).then(|| Box::new(outflow) as Box<dyn Operator<2>>));
-            terms.extend((!backflow.is_empty()).then(|| Box::new(backflow) as Box<dyn Operator<2>>));
+            terms.extend((!outflow.is_empty()).then(|| Box::new(outflow) as Box<dyn Operator<D>>));
+            terms.extend((!backflow.is_empty()).then(|| Box::new(backflow) as Box<dyn Operator<D>>));
         }
         if let (Some(Extension::Biharmonic { hinged }), true) =
             (physics.fluid.map(|fluid| fluid.extension), space.deforms)

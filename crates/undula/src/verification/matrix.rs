@@ -33,7 +33,7 @@ pub struct Portrait {
 ///
 /// # Errors
 /// If memory is short, or the problem too large.
-pub fn portrait(simulation: &mut Simulation) -> Result<Portrait, SolverError> {
+pub fn portrait<const D: usize>(simulation: &mut Simulation<D>) -> Result<Portrait, SolverError> {
     let matrix = whole_jacobian(simulation)?;
     let assembler = &simulation.stepper.assembler;
     let given = assembler.is_given();
@@ -72,7 +72,7 @@ pub fn portrait(simulation: &mut Simulation) -> Result<Portrait, SolverError> {
 }
 
 /// Number of the block of every unknown, and of the row with the same number.
-fn groups(space: &FsiSpace<2>) -> Vec<usize> {
+fn groups<const D: usize>(space: &FsiSpace<D>) -> Vec<usize> {
     let mut in_fluid = vec![false; space.nodes.len()];
     for cell in (0..space.mesh.n_cells()).filter(|&cell| space.regions[cell] == Region::Fluid) {
         space.nodes.cell(cell).iter().for_each(|&node| in_fluid[node as usize] = true);
@@ -82,8 +82,8 @@ fn groups(space: &FsiSpace<2>) -> Vec<usize> {
         (true, true) => 3,
         (false, true) => 5,
     };
-    let mut list: Vec<usize> = (0..space.n_v()).map(|i| place(i / 2)).collect();
-    list.extend((0..space.n_u()).map(|i| place(i / 2) + 1));
+    let mut list: Vec<usize> = (0..space.n_v()).map(|i| place(i / D)).collect();
+    list.extend((0..space.n_u()).map(|i| place(i / D) + 1));
     list.resize(space.n_field_unknowns(), 0);
     list
 }

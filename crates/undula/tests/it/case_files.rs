@@ -43,7 +43,8 @@ fn fsi3_is_the_published_problem() {
     let (fluid, solid) = (case.fluids[0].clone(), case.solids[0].clone());
     assert_eq!((fluid.density, fluid.kinematic_viscosity), (1000.0, 1e-3));
     assert_eq!((solid.density, solid.mu, solid.lambda), (1000.0, 2e6, 8e6));
-    let Some(Condition::Velocity([vx, vy])) = case.boundary.get("inflow") else { panic!() };
+    let Some(Condition::Velocity(vector)) = case.boundary.get("inflow") else { panic!() };
+    let [vx, vy] = &vector[..] else { panic!() };
     assert!((vx.eval(&[0.0, 0.205, 0.0], 10.0) - 3.0).abs() < 1e-14);
     assert!((vx.eval(&[0.0, 0.205, 0.0], 1.0) - 1.5).abs() < 1e-14);
     assert_eq!(vy, &Expression::constant(0.0));

@@ -82,7 +82,7 @@ fn domain_motion_terms_are_those_of_the_book() {
         assert!((secant - midpoint).dot(secant - midpoint) > 0.0);
     }
     let weights: Vec<f64> = StepRule { inertia: GALERKIN, ..StepRule::theta(0.1, 0.5) }
-        .inertia_points()
+        .inertia_points::<2>()
         .map(|(weight, _)| weight)
         .collect();
     for (found, book) in weights.iter().zip([1.0 / 6.0, 2.0 / 3.0, 1.0 / 6.0]) {

@@ -43,6 +43,7 @@ mod lengths;
 mod linearization;
 mod materials;
 mod mesh;
+mod mesh_in_space;
 mod methods;
 mod modes;
 mod moment;

@@ -318,7 +318,7 @@ fn a_prestress_is_kept() {
     assert!(values[0] > 1e-6 && values[1] > 0.1, "{values:?}");
     let (other, same, _) = run(2);
     assert!(state == same && kept.unloading == other.unloading);
-    let mut again = Simulation::at_rest(vessel(&more), 1).unwrap();
+    let mut again: Simulation = Simulation::at_rest(vessel(&more), 1).unwrap();
     again.restore(kept).unwrap();
     let row = again.step().unwrap();
     assert!(again.stepper.new == state && row.values == values);

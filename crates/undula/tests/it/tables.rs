@@ -303,7 +303,8 @@ fn tables_are_found_beside_the_case_and_written_back() {
     let name = folder.join("own.toml").display().to_string();
     let text = channel("80 [mm/s] * table(\"data/in.csv\", table(\"data/in.csv\", t))*y");
     let case = Case::from_toml(&text, &name, &[]).unwrap();
-    let Some(Condition::Velocity([x, _])) = case.boundary.get("left") else { panic!() };
+    let Some(Condition::Velocity(vector)) = case.boundary.get("left") else { panic!() };
+    let [x, _] = &vector[..] else { panic!() };
     assert_eq!(x.source(), "0.08 * table(\"data/in.csv\", table(\"data/in.csv\", t))*y");
     assert_eq!(x.eval(&[0.0, 2.0, 0.0], 0.25), 0.04);
     let again = Case::from_toml(&case.to_toml(), "elsewhere/case.toml", &[]);
@@ -387,7 +388,8 @@ fn values_with_units_are_those_in_si_units() {
     let fluid = case.fluids[0].clone();
     assert_eq!((fluid.kinematic_viscosity, fluid.body_force[0].constant_value()), (1e-6, Some(9.81)));
     assert_eq!(fluid.body_force[1].source(), "-0.01 + 2*x");
-    let Some(Condition::Traction([x, y])) = case.boundary.get("outflow") else { panic!() };
+    let Some(Condition::Traction(vector)) = case.boundary.get("outflow") else { panic!() };
+    let [x, y] = &vector[..] else { panic!() };
     assert_eq!((x.constant_value(), y.source()), (Some(-15998.6864898), "10000.0*sin(2*pi*t/0.8)"));
     let time = case.time.clone().unwrap();
     assert_eq!((time.step.constant_value(), time.end), (Some(2e-3), 6.0));

@@ -6,10 +6,10 @@ use crate::case::choices::BODY_FORCE_AT;
 use crate::case::element::{PRESSURES, Stability, VELOCITIES};
 use crate::case::error::quoted;
 use crate::case::expression::Expression;
-use crate::case::literal::number;
-use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Section};
+use crate::case::literal::{number, numbers};
+use crate::case::read::{NOT_NEGATIVE, POSITIVE, Section, Vectors};
 use crate::case::schema::{
-    FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
+    Extrude, FluidSpec, GENERATORS, MeshSource, MeshSpec, MotionModel, MotionSpec, PressureElement, SolidLaw,
     SolidSpec, SpaceSpec, VelocityElement,
 };
 use crate::case::synonyms::meant;
@@ -21,6 +21,7 @@ use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
 use crate::physics::solid_law::LAWS;
 use crate::space::{COORDINATES, WALLS};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<MeshSpec> {
     let generator = s.choice("generator", &GENERATORS, &[]);
@@ -30,7 +31,16 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     root.checker.coordinates.set(coordinates);
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
-    let (lower, upper, cells) = (s.pair("lower", ANY), s.pair("upper", ANY), s.counts("cells"));
+    let extrude = extrude(s.section("extrude"));
+    let in_space = matches!(generator, Some(MeshSource::Box { .. })) && s.length("lower") == Some(3);
+    let generated = if in_space { Vectors::Space } else { Vectors::Plane };
+    root.checker.vectors.set(generated);
+    let (lower, upper, cells) = (s.point("lower"), s.point("upper"), s.counts("cells"));
+    root.checker.vectors.set(match (&extrude, &file) {
+        (Some(extrude), _) => Vectors::Extruded { middle: 0.5 * extrude.depth },
+        (None, Some(file)) => of_file(&resolve(&s, "file", file)),
+        (None, None) => generated,
+    });
     let radii = s.pair("radii", POSITIVE);
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
@@ -49,16 +59,20 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     if s.has("scale") && file.is_none() {
         s.wrong("scale", "only for `file`: the generators make meshes in metres");
     }
-    if let (Some(a), Some(b)) = (lower, upper)
-        && (a[0] >= b[0] || a[1] >= b[1])
+    if let (Some(a), Some(b)) = (&lower, &upper)
+        && a.iter().zip(b).any(|(a, b)| a >= b)
     {
-        s.wrong("upper", format!("expected a corner right of and above `lower` = [{}, {}]", a[0], a[1]));
+        let place = if in_space { "right of, above and behind" } else { "right of and above" };
+        s.wrong("upper", format!("expected a corner {place} `lower` = {}", numbers(a)));
+    }
+    if in_space && extrude.is_some() {
+        s.wrong("extrude", "only for meshes of the plane: this box is one of space");
     }
     if let Some(MeshSource::Annulus { .. }) = generator {
-        check_ring(&s, radii, cells);
+        check_ring(&s, radii, cells.as_deref());
     }
     let source = match (generator, file) {
-        (Some(MeshSource::Annulus { .. }), _) => MeshSource::Annulus { radii: radii?, cells: cells? },
+        (Some(MeshSource::Annulus { .. }), _) => MeshSource::Annulus { radii: radii?, cells: <[usize; 2]>::try_from(cells?).ok()? },
         (Some(MeshSource::Box { .. }), _) => MeshSource::Box { lower: lower?, upper: upper?, cells: cells? },
         (Some(generator), _) => generator,
         (None, Some(file)) => MeshSource::File(resolve(&s, "file", &file)),
@@ -67,7 +81,31 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     };
     let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
-    Some(MeshSpec { source, scale, coordinates, refine, grading, region, leave_out, absent: vec![] })
+    let dimension = root.checker.vectors.get().len();
+    Some(MeshSpec { source, dimension, scale, extrude, coordinates, refine, grading, region, leave_out, absent: vec![] })
+}
+
+/// How many components vectors have on the mesh in a file; as in the plane if it cannot be read, which is told later.
+fn of_file(path: &Path) -> Vectors {
+    match gmsh::dimension(path) {
+        Ok(3) => Vectors::Space,
+        _ => Vectors::Plane,
+    }
+}
+
+/// How a plane mesh becomes one of space.
+fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
+    if !s.is_present() {
+        return None;
+    }
+    for (key, about) in [("depth", "the extent along z [m], such as 0.1"), ("layers", "the number of layers, such as 1")] {
+        if !s.has(key) {
+            s.missing(key, about);
+        }
+    }
+    let (depth, layers) = (s.number("depth", 1.0, POSITIVE), s.integer("layers", 1, 1..=100_000));
+    s.finish();
+    Some(Extrude { depth, layers: layers as usize })
 }
 
 /// Refuses sizes of another generator, and misses those of this one.
@@ -101,11 +139,11 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
 }
 
 /// Refuses a ring that has no thickness, or that has no vertices on the axes.
-fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<[usize; 2]>) {
+fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<&[usize]>) {
     if radii.is_some_and(|[inner, outer]| inner >= outer) {
         s.wrong("radii", "expected the radius of the inner circle, then the larger one of the outer circle");
     }
-    if cells.is_some_and(|[round, _]| !round.is_multiple_of(4)) {
+    if cells.is_some_and(|cells| !cells[0].is_multiple_of(4)) {
         s.wrong("cells", "expected a multiple of 4 round, as [16, 4]");
     }
 }
@@ -184,7 +222,7 @@ pub(super) fn fluid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<S
         density,
         kinematic_viscosity,
         thinning,
-        body_force: s.expressions("body-force").unwrap_or_default(),
+        body_force: s.expressions_or_zero("body-force"),
         force_at_current: s.choice("body-force-at", &BODY_FORCE_AT, &[]).unwrap_or(false),
     };
     if spec.thinning.is_none() {
@@ -227,7 +265,7 @@ pub(super) fn solid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<S
     let density = s.required_number("density", POSITIVE, "the density [kg/m³]");
     let Moduli { mu, lambda, c2, bulk, ogden, fibres } = material::law_constants(&mut s, law);
     let [viscosity, damping_mass, damping_stiffness] = material::damping(&mut s);
-    let body_force = s.expressions("body-force").unwrap_or_default();
+    let body_force = s.expressions_or_zero("body-force");
     let prestressed = s.boolean("prestress", false);
     s.finish();
     SolidSpec {

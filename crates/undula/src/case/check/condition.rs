@@ -7,7 +7,7 @@ use crate::case::error::{quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
 use crate::case::profile::{PROFILE_KEYS, PROFILES, Profile};
-use crate::case::read::{Checker, POSITIVE, Section};
+use crate::case::read::{Checker, POSITIVE, Section, Vectors};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
 use crate::output::history::COLUMNS;
@@ -44,6 +44,12 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         }
         s.finish();
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
+    }
+    if matches!(all.checker.vectors.get(), Vectors::Extruded { .. }) {
+        // The plane goes on behind them.
+        for side in ["front", "back"] {
+            boundary.entry(side.into()).or_insert(Condition::Symmetry);
+        }
     }
     partners(&mut boundary, &mut all);
     (boundary, directional)
@@ -99,7 +105,7 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
             s.checker.notes.borrow_mut().push(note);
         }
         if let Some(key) = needed {
-            let unit = s.checker.coordinates.get().unit(key.unit);
+            let unit = s.checker.unit(key.unit);
             s.missing(name, &format!("{} [{unit}]", key.about));
         }
         read_datum(s, name, datum);
@@ -163,8 +169,8 @@ fn check_series(s: &Section<'_, '_>, condition: &Condition) {
 /// Reads one datum; it stays as it is if it is not given.
 fn read_datum(s: &mut Section<'_, '_>, name: &str, datum: Datum<'_>) {
     match datum {
-        Datum::Pair(pair) => *pair = s.expressions(name).unwrap_or_default(),
-        Datum::Components(pair) => *pair = s.components(name).unwrap_or_default(),
+        Datum::Vector(vector) => *vector = s.expressions(name).unwrap_or_default(),
+        Datum::Partial(vector) => *vector = s.components(name).unwrap_or_default(),
         Datum::Scalar(one) => *one = s.expression(name).unwrap_or_default(),
         Datum::Number(number) => *number = s.optional_number(name, POSITIVE).unwrap_or(*number),
         Datum::Series(list) => *list = s.series(name).unwrap_or_default(),

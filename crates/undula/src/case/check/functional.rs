@@ -3,7 +3,7 @@
 use crate::case::choices::METHODS;
 use crate::case::error::quoted;
 use crate::case::functionals::{FunctionalSpec, Site};
-use crate::case::read::{ANY, POSITIVE, Section};
+use crate::case::read::{POSITIVE, Section};
 use crate::choice::{self, Choice};
 use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
@@ -33,14 +33,14 @@ impl FunctionalSpec {
             FunctionalSpec::Power { .. } => FunctionalSpec::Power { on: boundaries(s) },
             FunctionalSpec::Pressure(_) => FunctionalSpec::Pressure(site(s, true)),
             FunctionalSpec::Velocity { .. } => FunctionalSpec::Velocity {
-                component: component(s, Component::of_velocity()),
+                component: component(s, Component::of_velocity(dim(s))),
                 at: site(s, true),
             },
             FunctionalSpec::Stress { .. } => {
-                FunctionalSpec::Stress { component: component(s, Component::of_stress()), at: site(s, false) }
+                FunctionalSpec::Stress { component: component(s, Component::of_stress(dim(s))), at: site(s, false) }
             }
             FunctionalSpec::WallShearStress { .. } => FunctionalSpec::WallShearStress {
-                component: component(s, Component::of_shear()),
+                component: component(s, Component::of_shear(dim(s))),
                 on: boundaries(s),
                 take: take(s),
             },
@@ -125,26 +125,31 @@ fn force(s: &mut Section<'_, '_>) -> FunctionalSpec {
 
 /// The number of a direction.
 fn axis(s: &mut Section<'_, '_>) -> usize {
-    match component(s, Component::of_vector()) {
+    match component(s, Component::of_vector(dim(s))) {
         Component::Along(axis) => axis,
         _ => 0,
     }
 }
 
-fn component(s: &mut Section<'_, '_>, available: &'static [Choice<Component>]) -> Component {
-    let component = s.choice("component", available, &[]);
+/// Dimension of the mesh.
+fn dim(s: &Section<'_, '_>) -> usize {
+    s.checker.vectors.get().len()
+}
+
+fn component(s: &mut Section<'_, '_>, available: Vec<Choice<Component>>) -> Component {
+    let component = s.choice("component", &available, &[]);
     if !s.has("component") {
-        let meaning = match available {
-            [_, _] => format!("\"{}\" or \"{}\"", available[0].name, available[1].name),
-            _ => format!("one of {}", quoted(choice::names(available))),
+        let meaning = match &available[..] {
+            [one, two] => format!("\"{}\" or \"{}\"", one.name, two.name),
+            _ => format!("one of {}", quoted(choice::names(&available))),
         };
         s.missing("component", &meaning);
     }
     component.unwrap_or(available[0].value)
 }
 
-fn required_point(s: &mut Section<'_, '_>, key: &str) -> [f64; 2] {
-    let point = s.pair(key, ANY);
+fn required_point(s: &mut Section<'_, '_>, key: &str) -> Vec<f64> {
+    let point = s.point(key);
     if !s.has(key) {
         s.missing(key, "a point of the reference domain [m], such as [0.6, 0.2]");
     }

@@ -1,6 +1,7 @@
 //! Values by their type: each method takes a key, tells what is wrong with its value, and goes on.
 
-use super::{ANY, Range, Section};
+use super::{ANY, Range, Section, Vectors};
+use crate::case::conditions::Components;
 use crate::case::error::{did_you_mean, quoted};
 use crate::case::expression::{self, Expression};
 use crate::case::fibres::FibreDirection;
@@ -48,7 +49,7 @@ impl Section<'_, '_> {
         let unit = each.nth(index.parse().unwrap_or(0)).or(units.split(", ").next()).unwrap_or("");
         // Around an axis what belongs to a whole boundary is that of space.
         let whole = self.dotted(name).starts_with("boundary.");
-        if whole { self.checker.coordinates.get().unit(unit).into() } else { unit.into() }
+        if whole { self.checker.unit(unit).into() } else { unit.into() }
     }
 
     pub fn number(&mut self, key: &str, default: f64, range: Range) -> f64 {
@@ -218,14 +219,40 @@ impl Section<'_, '_> {
         Some([a?, b?])
     }
 
-    /// An angle to the x axis, or two expressions of x and y.
+    /// One value for each component; of an extruded plane that of z, `along_z`, may be left out.
+    fn vector_of<T: Clone>(
+        &mut self,
+        key: &str,
+        expected: &str,
+        along_z: T,
+        read: impl Fn(&Self, &str, &Item) -> Option<T>,
+    ) -> Option<Vec<T>> {
+        let item = self.item(key)?;
+        let vectors = self.checker.vectors.get();
+        let expected = format!("{} {expected}", if vectors == Vectors::Space { "three" } else { "two" });
+        let Value::Array(items) = &item.value else {
+            self.wrong_type(key, item, &expected);
+            return None;
+        };
+        if !vectors.takes(items.len()) {
+            self.wrong_item(key, item, format!("expected {expected}, not {} values", items.len()));
+            return None;
+        }
+        let values: Vec<_> =
+            (0..).zip(items).map(|(i, item)| read(self, &format!("{key}[{i}]"), item)).collect();
+        let mut values = values.into_iter().collect::<Option<Vec<T>>>()?;
+        values.resize(vectors.len(), along_z);
+        Some(values)
+    }
+
+    /// An angle to the x axis, or expressions of x, y and, in space, z.
     pub fn direction(&mut self, key: &str) -> Option<FibreDirection> {
         let item = self.item(key)?;
         if !matches!(item.value, Value::Array(_)) {
             let angle = Range { text: "an angle, or two expressions as [\"-y\", \"x\"]", ..ANY };
             return self.number_of(key, item, angle).map(FibreDirection::Angle);
         }
-        let field = self.pair_of(key, "two expressions, as [\"-y\", \"x\"]", |section, key, item| {
+        let field = self.vector_of(key, "expressions, as [\"-y\", \"x\"]", Expression::default(), |section, key, item| {
             let unit = matches!(&item.value, Value::String(text) if unit::quantity(text).is_some());
             if unit {
                 section.wrong_item(
@@ -243,19 +270,24 @@ impl Section<'_, '_> {
         Some(FibreDirection::Field(field))
     }
 
-    /// Two expressions, x and y component.
-    pub fn expressions(&mut self, key: &str) -> Option<[Expression; 2]> {
-        self.pair_of(key, "two expressions, as [\"x component\", \"y component\"]", Self::expression_of)
+    /// One expression for each component.
+    pub fn expressions(&mut self, key: &str) -> Option<Components> {
+        self.vector_of(key, "expressions, as [\"x component\", \"y component\"]", Expression::default(), Self::expression_of)
     }
 
-    /// Two expressions, x and y component, or `None` for the word `free`.
-    pub fn components(&mut self, key: &str) -> Option<[Option<Expression>; 2]> {
-        let expected = "two expressions or \"free\", as [\"x component\", \"free\"]";
-        let found = self.pair_of(key, expected, |section, key, item| match &item.value {
+    /// The same, zero if it is not there.
+    pub fn expressions_or_zero(&mut self, key: &str) -> Components {
+        self.expressions(key).unwrap_or_else(|| vec![Expression::default(); self.checker.vectors.get().len()])
+    }
+
+    /// One expression for each component, or `None` for the word `free`.
+    pub fn components(&mut self, key: &str) -> Option<Vec<Option<Expression>>> {
+        let expected = "expressions or \"free\", as [\"x component\", \"free\"]";
+        let found = self.vector_of(key, expected, Some(Expression::default()), |section, key, item| match &item.value {
             Value::String(word) if word == "free" => Some(None),
             _ => section.expression_of(key, item).map(Some),
         });
-        if found == Some([None, None]) {
+        if found.as_ref().is_some_and(|all| all.iter().all(Option::is_none)) {
             self.wrong(key, "expected one component at least that is not free; else use `traction-free`");
         }
         found
@@ -341,9 +373,18 @@ impl Section<'_, '_> {
         Some(values)
     }
 
-    /// Two counts, 1 or above.
-    pub fn counts(&mut self, key: &str) -> Option<[usize; 2]> {
-        self.pair_of(key, "two integers", |section, key, item| match item.value {
+    /// A position \[m\].
+    pub fn point(&mut self, key: &str) -> Option<Vec<f64>> {
+        let middle = match self.checker.vectors.get() {
+            Vectors::Extruded { middle } => middle,
+            _ => 0.0,
+        };
+        self.vector_of(key, "numbers", middle, |section, key, item| section.number_of(key, item, ANY))
+    }
+
+    /// Two counts, 1 or above, or in space three.
+    pub fn counts(&mut self, key: &str) -> Option<Vec<usize>> {
+        self.vector_of(key, "integers", 1, |section, key, item| match item.value {
             Value::Integer(i) if (1..=100_000).contains(&i) => usize::try_from(i).ok(),
             _ => {
                 section.wrong_type(key, item, "an integer from 1 to 100000");

@@ -1,6 +1,6 @@
 //! The tables of functionals.
 
-use super::{Lines, names, pair};
+use super::{Lines, names, numbers};
 use crate::case::choices::METHODS;
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec, Site};
 use crate::functional::body_energy::PARTS;
@@ -11,7 +11,7 @@ impl Site {
     pub(super) fn write(&self, out: &mut Lines) {
         match self {
             Site::Point { point, region } => {
-                out.key("point", pair(point));
+                out.key("point", numbers(point));
                 if let Some(region) = region {
                     out.word("region", region);
                 }
@@ -38,20 +38,20 @@ impl FunctionalSpec {
                 out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
                 out.choice("method", &METHODS, surface_integral);
                 if let Some(scales) = coefficient {
-                    out.key("coefficient", pair(scales));
+                    out.key("coefficient", numbers(scales));
                 }
             }
             FunctionalSpec::Moment { on, about } => {
                 out.key("on", names(on));
-                out.key("point", pair(about));
+                out.key("point", numbers(about));
             }
             FunctionalSpec::Displacement { point, component } => {
-                out.key("point", pair(point));
+                out.key("point", numbers(point));
                 out.choice("component", &COMPONENTS, &quantity::Component::Along(*component));
             }
             FunctionalSpec::PressureDifference { a, b } => {
-                out.key("a", pair(a));
-                out.key("b", pair(b));
+                out.key("a", numbers(a));
+                out.key("b", numbers(b));
             }
             FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
             FunctionalSpec::Rotation => {}

@@ -1,4 +1,4 @@
-//! Meshes of the benchmarks and of examples, of rectangles and rings.
+//! Meshes of the benchmarks and of examples, of rectangles, rings and cuboids.
 //!
 //! Level 0 is made of blocks; level `L` is its `L`-fold uniform refinement, with the nodes on the
 //! cylinder exactly on the circle at every level.
@@ -8,6 +8,7 @@ mod blocks;
 mod cavity;
 mod channel;
 mod flap;
+mod hexahedra;
 mod rectangle;
 mod rotor;
 mod schaefer_turek;
@@ -18,10 +19,11 @@ mod valve;
 pub use annulus::{annulus, circles};
 pub use cavity::cavity;
 pub use flap::flap;
+pub use hexahedra::hexahedra;
 pub use rectangle::rectangle;
 pub use rotor::rotor;
 pub use schaefer_turek::schaefer_turek;
-pub use tube::tube_2d;
+pub use tube::{cylinders, tube, tube_2d};
 pub use turek_hron::turek_hron;
 pub use valve::valve;
 

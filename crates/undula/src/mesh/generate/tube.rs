@@ -1,7 +1,7 @@
-//! The half of a section through an elastic tube (Formaggia et al. 2001; Gerbeau and Vidrascu 2003).
+//! An elastic tube (Formaggia et al. 2001; Gerbeau and Vidrascu 2003): the half of a section through it, and all of it.
 
 use super::blocks::{Blocks, Path, even};
-use crate::mesh::{INTERFACE, Mesh};
+use crate::mesh::{Curve, INTERFACE, Mesh, MeshError};
 
 /// Axis, inner and outer radius \[m\].
 const R: [f64; 3] = [0.0, 0.005, 0.006];
@@ -33,4 +33,97 @@ pub fn tube_2d(refine: usize) -> Mesh<2> {
         blocks.block(body as u16, [inner[0], outer[0], outer[1], inner[1]]);
     }
     blocks.finish().refined(refine, &[])
+}
+
+/// Distance of the corners of the core from the axis, by the inner radius.
+const CORE: f64 = 0.6;
+/// Angle between a side of the core and its chord at the corners: with it three angles of 120° meet there.
+const BULGE: f64 = std::f64::consts::PI / 12.0;
+
+/// Mesh of the fluid r < `radius`, 0 < z < `length` and of the wall of thickness `wall` around it, `size` being
+/// `[length, radius, wall]` \[m\]: `cells[0]` cells along the axis, `cells[1]` round it and `cells[2]` through the wall,
+/// each halved `refine` times in all directions.
+///
+/// The section of the lumen is an O-grid: a core of `(cells[1] / 4)²` cells, whose sides bulge, and half as many rings
+/// around it. Regions `fluid`, `solid`; boundaries `inflow` (z = 0), `outflow` (z = `length`), `clamp` (both ends of the
+/// wall), `outside` and `interface`; geometry of degree 2 with the nodes of both on their cylinders. If 8 divides
+/// `cells[1]`, no cell is cut by the planes x = 0 and y = 0.
+///
+/// # Errors
+/// [`MeshError::Parameter`] unless all sizes are above 0, 4 divides `cells[1]`, there is a cell in each direction, and 32
+/// bits can number the nodes.
+pub fn tube(size: [f64; 3], cells: [usize; 3], refine: usize) -> Result<Mesh<3>, MeshError> {
+    let reject = |reason| Err(MeshError::Parameter { generator: "tube", reason });
+    if !size.iter().all(|x| *x > 0.0 && x.is_finite()) || size[1] + size[2] <= size[1] {
+        return reject(format!("length, inner radius and wall {size:?}: expected numbers above 0"));
+    }
+    let [along, round, through] = cells;
+    if along == 0 || round == 0 || !round.is_multiple_of(4) || through == 0 {
+        return reject(format!(
+            "cells = {cells:?}: at least one along, a multiple of 4 round and at least one through the wall are needed"
+        ));
+    }
+    // Eight nodes to a cell, and those of the sides.
+    let n = (round / 4) as f64;
+    let in_section = n * (n + 4.0 * (0.5 * n + 0.5) + 4.0 * through as f64);
+    let nodes = 9.0 * in_section * along as f64 * 8_f64.powi(refine.min(1000) as i32);
+    if nodes > f64::from(u32::MAX) {
+        return reject(format!(
+            "cells = {cells:?}, refine = {refine}: the mesh would have more nodes than 32 bits can number"
+        ));
+    }
+    let mut mesh = section(size[1], size[2], round / 4, through).extruded(size[0], along)?;
+    // The sides across the axis are called as those of the plane section.
+    let [front, clamp] = ["front", "clamp"].map(|name| mesh.boundary_number(name));
+    for f in mesh.facets.iter_mut().filter(|f| f.boundary >= front) {
+        let is_fluid = mesh.cell_region[f.cell as usize] == 0;
+        f.boundary = if is_fluid { f.boundary - front } else { clamp };
+    }
+    mesh.boundaries.truncate(front as usize);
+    Ok(mesh.refined(refine, &cylinders(size)))
+}
+
+/// The two cylinders of a [`tube`] of this `size`.
+pub fn cylinders(size: [f64; 3]) -> Vec<Curve<3>> {
+    let cylinder = |name: &str, radius| Curve::Cylinder {
+        boundaries: vec![name.into()],
+        point: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        radius,
+    };
+    vec![cylinder(INTERFACE, size[1]), cylinder("outside", size[1] + size[2])]
+}
+
+/// The section of a [`tube`] with `n` cells in a quarter, and the names of its ends.
+fn section(radius: f64, wall: f64, n: usize, through: usize) -> Mesh<2> {
+    let mut blocks = Blocks::new(&["fluid", "solid"]);
+    for name in ["inflow", "outflow", "clamp", "outside", INTERFACE] {
+        blocks.boundary(name);
+    }
+    let diagonals = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
+    let points = [CORE * radius, radius, radius + wall].map(|r| {
+        let r = r * std::f64::consts::FRAC_1_SQRT_2;
+        diagonals.map(|[x, y]| blocks.point(r * x, r * y))
+    });
+    // The centre of the arc that is a side of the core lies beyond the axis.
+    let beyond = CORE * radius * std::f64::consts::FRAC_1_SQRT_2 * (1.0 / BULGE.tan() - 1.0);
+    for (i, [x, y]) in [[0.0, beyond], [-beyond, 0.0], [0.0, -beyond], [beyond, 0.0]].into_iter().enumerate()
+    {
+        let j = (i + 1) % 4;
+        blocks.edge(points[0][i], points[0][j], Path::Arc([x, y]), &even(n));
+        blocks.edge(points[1][i], points[1][j], Path::Arc([0.0; 2]), &even(n));
+        blocks.edge(points[2][i], points[2][j], Path::Arc([0.0; 2]), &even(n));
+        blocks.name(points[1][i], points[1][j], INTERFACE);
+        blocks.name(points[2][i], points[2][j], "outside");
+        blocks.edge(points[0][i], points[1][i], Path::Line, &even(n.div_ceil(2)));
+        blocks.edge(points[1][i], points[2][i], Path::Line, &even(through));
+    }
+    blocks.block(0, points[0]);
+    for (body, pair) in points.windows(2).enumerate() {
+        for i in 0..4 {
+            let j = (i + 1) % 4;
+            blocks.block(body as u16, [pair[0][j], pair[0][i], pair[1][i], pair[1][j]]);
+        }
+    }
+    blocks.finish()
 }

@@ -67,22 +67,24 @@ pub struct Unknown {
     pub index: usize,
     /// Its field.
     pub field: Field,
-    /// 0: x, 1: y; 0 for a pressure.
+    /// 0: x, 1: y, 2: z; 0 for a pressure.
     pub component: usize,
-    /// Where its node is, or the cell of a pressure \[m\].
-    pub position: [f64; 2],
+    /// Where its node is, or the cell of a pressure \[m\]; in the plane without the last.
+    pub position: [f64; 3],
+    /// Number of coordinates.
+    pub dim: usize,
 }
 
 impl fmt::Display for Unknown {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let component = match self.field {
             Field::P => "",
-            _ => ["_x", "_y"][self.component],
+            _ => ["_x", "_y", "_z"][self.component],
         };
-        let [x, y] = self.position;
-        let size = x.abs().max(y.abs());
-        let [x, y] = [x, y].map(|x| shortest(rounded(x, size, 6)));
-        write!(f, "{}{component} at ({x}, {y})", self.field)
+        let position = &self.position[..self.dim];
+        let size = position.iter().fold(0.0, |size: f64, x| size.max(x.abs()));
+        let shown: Vec<String> = position.iter().map(|x| shortest(rounded(*x, size, 6))).collect();
+        write!(f, "{}{component} at ({})", self.field, shown.join(", "))
     }
 }
 
@@ -116,7 +118,7 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Of the Jacobian `exact`; with which unknowns are given.
-    pub(super) fn new(space: &FsiSpace<2>, exact: &Csr, given: Vec<bool>) -> Blocks {
+    pub(super) fn new<const D: usize>(space: &FsiSpace<D>, exact: &Csr, given: Vec<bool>) -> Blocks {
         let unknowns = unknowns(space);
         let equations = equations(space);
         let mut sizes = vec![[0.0f64; 3]; unknowns.len()];
@@ -176,21 +178,25 @@ impl Blocks {
     }
 }
 
-fn unknowns(space: &FsiSpace<2>) -> Vec<Unknown> {
+fn padded<const D: usize>(x: &[f64; D]) -> [f64; 3] {
+    std::array::from_fn(|d| if d < D { x[d] } else { 0.0 })
+}
+
+fn unknowns<const D: usize>(space: &FsiSpace<D>) -> Vec<Unknown> {
     let mut list = vec![];
     for (field, n) in [(Field::V, space.n_v()), (Field::U, space.n_u())] {
         for i in 0..n {
-            let position = space.nodes.points[i / 2];
-            list.push(Unknown { index: list.len(), field, component: i % 2, position });
+            let position = padded(&space.nodes.points[i / D]);
+            list.push(Unknown { index: list.len(), field, component: i % D, position, dim: D });
         }
     }
     for position in &space.pressure.points {
-        list.push(Unknown { index: list.len(), field: Field::P, component: 0, position: *position });
+        list.push(Unknown { index: list.len(), field: Field::P, component: 0, position: padded(position), dim: D });
     }
     list
 }
 
-fn equations(space: &FsiSpace<2>) -> Vec<Equation> {
+fn equations<const D: usize>(space: &FsiSpace<D>) -> Vec<Equation> {
     let mut in_fluid = vec![false; space.nodes.len()];
     for cell in (0..space.mesh.n_cells()).filter(|&cell| space.regions[cell] == Region::Fluid) {
         space.nodes.cell(cell).iter().for_each(|&node| in_fluid[node as usize] = true);
@@ -204,8 +210,8 @@ fn equations(space: &FsiSpace<2>) -> Vec<Equation> {
         PsiOwner::Extension => Equation::Ale,
         PsiOwner::Relation => Equation::Relation,
     };
-    let mut list: Vec<Equation> = (0..space.n_v()).map(|i| momentum(i / 2)).collect();
-    list.extend((0..space.n_u()).map(|i| psi(i / 2)));
+    let mut list: Vec<Equation> = (0..space.n_v()).map(|i| momentum(i / D)).collect();
+    list.extend((0..space.n_u()).map(|i| psi(i / D)));
     list.resize(space.n_field_unknowns(), Equation::Divergence);
     list
 }

@@ -110,7 +110,7 @@ const CENTRAL_TOLERANCE: f64 = 1e-6;
 ///
 /// # Errors
 /// If the matrix has too many entries to be numbered.
-pub fn compare(simulation: &mut Simulation, at: At) -> Result<JacobianReport, SolverError> {
+pub fn compare<const D: usize>(simulation: &mut Simulation<D>, at: At) -> Result<JacobianReport, SolverError> {
     simulation.install(|simulation| {
         let setting = Setting::new(simulation, at);
         let case = simulation.case.name.clone();
@@ -123,8 +123,8 @@ pub fn compare(simulation: &mut Simulation, at: At) -> Result<JacobianReport, So
     })
 }
 
-fn matrices(
-    assembler: &mut Assembler<2>,
+fn matrices<const D: usize>(
+    assembler: &mut Assembler<D>,
     setting: &Setting,
 ) -> Result<(Vec<Comparison>, Vec<LeftOut>), SolverError> {
     let view = setting.view();

@@ -23,7 +23,7 @@ const DEFORMATION: f64 = 0.1;
 const SMALLEST_J: f64 = 0.3;
 
 impl Setting {
-    pub(super) fn new(simulation: &mut Simulation, at: At) -> Setting {
+    pub(super) fn new<const D: usize>(simulation: &mut Simulation<D>, at: At) -> Setting {
         let spacing = spacing(&simulation.stepper.assembler.space);
         match at {
             At::Present => {
@@ -35,7 +35,7 @@ impl Setting {
         }
     }
 
-    pub(super) fn min_j(&self, assembler: &mut Assembler<2>) -> f64 {
+    pub(super) fn min_j<const D: usize>(&self, assembler: &mut Assembler<D>) -> f64 {
         let mut r = vec![0.0; assembler.n_unknowns()];
         assembler.residual(&StepView { rule: self.rule, new: &self.new, old: &self.old }, &mut r)
     }
@@ -51,7 +51,7 @@ impl Setting {
     }
 }
 
-fn random(simulation: &mut Simulation, seed: u64, spacing: Vec<f64>) -> Setting {
+fn random<const D: usize>(simulation: &mut Simulation<D>, seed: u64, spacing: Vec<f64>) -> Setting {
     let time = simulation.case.time.as_ref();
     let k = time.map(|time| time.step.eval(&[0.0; 3], time.start));
     let stepper = &mut simulation.stepper;
@@ -76,23 +76,23 @@ fn random(simulation: &mut Simulation, seed: u64, spacing: Vec<f64>) -> Setting 
     setting
 }
 
-fn state(assembler: &Assembler<2>, spacing: &[f64], density: f64, random: &mut Random) -> State {
+fn state<const D: usize>(assembler: &Assembler<D>, spacing: &[f64], density: f64, random: &mut Random) -> State {
     let (space, s) = (&assembler.space, assembler.zero().s);
     let v = (0..space.n_v()).map(|_| 2.0 * random.next()).collect();
-    let u = (0..space.n_u()).map(|i| 2.0 * DEFORMATION * spacing[i / 2] * random.next()).collect();
+    let u = (0..space.n_u()).map(|i| 2.0 * DEFORMATION * spacing[i / D] * random.next()).collect();
     let p = (0..space.n_p()).map(|_| 2.0 * density * random.next()).collect();
     State { v, u, p, s }
 }
 
 /// Smallest distance of each node to another node of a cell.
-fn spacing(space: &FsiSpace<2>) -> Vec<f64> {
+fn spacing<const D: usize>(space: &FsiSpace<D>) -> Vec<f64> {
     let mut spacing = vec![f64::INFINITY; space.nodes.len()];
     for cell in 0..space.mesh.n_cells() {
         let nodes = space.nodes.cell(cell);
         for &a in nodes {
             for &b in nodes.iter().filter(|&&b| b != a) {
                 let [p, q] = [a, b].map(|node| space.nodes.points[node as usize]);
-                let distance = (p[0] - q[0]).hypot(p[1] - q[1]);
+                let distance = (0..D).fold(0.0, |length: f64, d| length.hypot(p[d] - q[d]));
                 spacing[a as usize] = spacing[a as usize].min(distance);
             }
         }

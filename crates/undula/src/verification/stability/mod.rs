@@ -36,7 +36,7 @@ pub type Conditions = Vec<(&'static str, Condition)>;
 ///
 /// # Errors
 /// If a matrix cannot be factorised.
-pub fn constants(simulation: &Simulation, present: bool) -> Result<Option<Constants>, SolverError> {
+pub fn constants<const D: usize>(simulation: &Simulation<D>, present: bool) -> Result<Option<Constants>, SolverError> {
     let assembler = &simulation.stepper.assembler;
     let (space, quadrature) = (&*assembler.space, simulation.case.space.quadrature);
     if assembler.physics.fluid.is_none() {
@@ -83,7 +83,7 @@ fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f
 ///
 /// # Errors
 /// If memory is short, or the problem too large.
-pub(super) fn whole_jacobian(simulation: &mut Simulation) -> Result<Csr, SolverError> {
+pub(super) fn whole_jacobian<const D: usize>(simulation: &mut Simulation<D>) -> Result<Csr, SolverError> {
     let now = simulation.stepper.time;
     let rule = match (&simulation.case.time, simulation.case.theta()) {
         (Some(time), Some(theta)) => StepRule::theta(time.step.eval(&[0.0; 3], now), theta),
@@ -99,7 +99,7 @@ pub(super) fn whole_jacobian(simulation: &mut Simulation) -> Result<Csr, SolverE
 ///
 /// # Errors
 /// If memory is short, or the problem too large.
-pub fn conditions(simulation: &mut Simulation) -> Result<Conditions, SolverError> {
+pub fn conditions<const D: usize>(simulation: &mut Simulation<D>) -> Result<Conditions, SolverError> {
     let matrix = whole_jacobian(simulation)?;
     let assembler = &simulation.stepper.assembler;
     let space = &*assembler.space;

@@ -1,15 +1,16 @@
-//! Numbers of a whole body of revolution.
+//! Numbers of bodies in space.
 
 use super::body_energy::Body;
 use super::{Functional, Snapshot};
-use crate::space::Coordinates;
+use crate::space::coordinates::unit_of_space;
 
-/// A functional whose integrals are those over a body of revolution: the units of space instead of those per depth.
-pub struct AroundAxis<const D: usize>(pub Box<dyn Functional<D>>);
+/// A functional whose integrals are those over bodies in space or of revolution, so that the units are those of space
+/// instead of those per depth.
+pub struct Spatial<const D: usize>(pub Box<dyn Functional<D>>);
 
-impl<const D: usize> Functional<D> for AroundAxis<D> {
+impl<const D: usize> Functional<D> for Spatial<D> {
     fn unit(&self) -> &'static str {
-        Coordinates::Axisymmetric.unit(self.0.unit())
+        unit_of_space(self.0.unit())
     }
 
     fn at_force_time(&self) -> bool {

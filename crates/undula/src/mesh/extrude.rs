@@ -1,0 +1,167 @@
+//! Meshes of space from plane ones: each quadrilateral is drawn out into a column of hexahedra.
+
+use super::{Facet, Hierarchy, Mesh, MeshError};
+use crate::element::Shape;
+
+/// The sides at both ends, with the number of their facets in a hexahedron.
+const ENDS: [(&str, u8); 2] = [("front", 4), ("back", 5)];
+
+impl Mesh<2> {
+    /// The mesh times `0 < z < depth` \[m\] in `layers` equal layers: hexahedra of the same geometry degree.
+    ///
+    /// Regions, boundaries and further names stay: those of an edge are those of the sides above it. New boundaries are
+    /// `front` (z = 0) and `back` (z = `depth`). Cell `layers c + l` is layer `l` above cell `c`, node
+    /// `(degree layers + 1) n + k` lies above node `n`. A curved edge becomes a part of a cylinder, so that the sides
+    /// are as close to their curves as the edges are.
+    ///
+    /// # Errors
+    /// [`MeshError::Parameter`] unless `depth` is finite and above 0 and there is a layer, for triangles, for a mesh
+    /// that has a name `front` or `back`, and for more nodes than 32 bits can number.
+    ///
+    /// ```
+    /// let plane = undula::mesh::generate::rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], 0)?;
+    /// let space = plane.extruded(0.5, 3)?;
+    /// assert_eq!(space.n_cells(), 6);
+    /// assert_eq!(space.boundaries, ["left", "right", "bottom", "top", "front", "back"]);
+    /// # Ok::<(), undula::mesh::MeshError>(())
+    /// ```
+    pub fn extruded(&self, depth: f64, layers: usize) -> Result<Mesh<3>, MeshError> {
+        if !(depth > 0.0 && depth.is_finite()) {
+            return reject(format!("depth = {depth}: expected a number above 0"));
+        }
+        self.between(0.0, depth, layers)
+    }
+
+    /// The same between z = `lower` and z = `upper`, exactly.
+    pub(super) fn between(&self, lower: f64, upper: f64, layers: usize) -> Result<Mesh<3>, MeshError> {
+        self.check_extrusion(layers)?;
+        let n = self.degree * layers;
+        let level = |k: usize| match k as f64 / n as f64 {
+            1.0 => upper,
+            s => lower + s * (upper - lower),
+        };
+        let levels: Vec<f64> = (0..=n).map(level).collect();
+        Ok(self.drawn_along(&levels, &Columns { layers, halvings: 0 }))
+    }
+
+    /// Whether it can be drawn out.
+    fn check_extrusion(&self, layers: usize) -> Result<(), MeshError> {
+        if self.shape != Shape::Quadrilateral {
+            return reject(format!("the mesh has {}: expected quadrilaterals", self.shape.name()));
+        }
+        if layers == 0 {
+            return reject("layers = 0: at least one is needed".into());
+        }
+        let taken = |name: &&str| self.boundary(name).is_some() || self.region(name).is_some();
+        if let Some(name) = ENDS.iter().map(|(name, _)| *name).find(taken) {
+            return reject(format!(
+                "the mesh has the name `{name}` already, which the sides across z get: give it another name"
+            ));
+        }
+        let levels = self.degree.checked_mul(layers).and_then(|n| n.checked_add(1));
+        let nodes = levels.and_then(|levels| levels.checked_mul(self.nodes.len()));
+        match nodes.is_some_and(|n| u32::try_from(n).is_ok()) {
+            true => Ok(()),
+            false => {
+                reject(format!("layers = {layers}: the mesh would have more nodes than 32 bits can number"))
+            }
+        }
+    }
+
+    /// The mesh with the nodes at each of `levels`, and cells in the order of `columns`.
+    fn drawn_along(&self, levels: &[f64], columns: &Columns) -> Mesh<3> {
+        let (k, layers) = (self.degree, columns.layers);
+        let mut mesh = Mesh {
+            shape: Shape::Hexahedron,
+            degree: k,
+            nodes: self.nodes.iter().flat_map(|&[x, y]| levels.iter().map(move |&z| [x, y, z])).collect(),
+            cell_nodes: vec![0; self.cell_nodes.len() * layers * (k + 1)],
+            cell_region: vec![0; self.n_cells() * layers],
+            regions: self.regions.clone(),
+            facets: columns.sides(&self.facets),
+            boundaries: self.boundaries.clone(),
+            parts: columns.sides(&self.parts),
+        };
+        let plane = self.shape.n_nodes(k);
+        let n = plane * (k + 1);
+        for (cell, &region) in self.cell_region.iter().enumerate() {
+            for layer in 0..layers {
+                let here = columns.cell(cell, layer);
+                mesh.cell_region[here] = region;
+                for (i, node) in mesh.cell_nodes[here * n..(here + 1) * n].iter_mut().enumerate() {
+                    let level = layer * k + i / plane;
+                    *node = self.cell(cell)[i % plane] * levels.len() as u32 + level as u32;
+                }
+            }
+        }
+        for ((name, local), layer) in ENDS.into_iter().zip([0, layers - 1]) {
+            let boundary = mesh.boundary_number(name);
+            let facet = |c| Facet { cell: columns.cell(c, layer) as u32, local, boundary };
+            mesh.facets.extend((0..self.n_cells()).map(facet));
+        }
+        mesh
+    }
+}
+
+impl Hierarchy<2> {
+    /// `finest`, the mesh that this is the hierarchy of, drawn out as by [`Mesh::extruded`], and its coarser meshes: each
+    /// is the coarser plane mesh in half as many layers. They end where a number of layers is odd.
+    ///
+    /// With coarser levels cell `8 c + 4 b + i` is half `b` of a layer above child `i` of the plane cell of cell `c`.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::extruded`].
+    pub fn extruded(
+        &self,
+        finest: &Mesh<2>,
+        depth: f64,
+        layers: usize,
+    ) -> Result<(Mesh<3>, Hierarchy<3>), MeshError> {
+        let whole = finest.extruded(depth, layers)?;
+        let halvings = self.coarser().len().min(layers.trailing_zeros() as usize);
+        if halvings == 0 {
+            return Ok((whole, Hierarchy::default()));
+        }
+        let levels = &whole.nodes[..=finest.degree * layers];
+        let levels: Vec<f64> = levels.iter().map(|x| x[2]).collect();
+        let planes = &self.coarser()[self.coarser().len() - halvings..];
+        let mut meshes = vec![];
+        for (j, plane) in planes.iter().chain([finest]).enumerate() {
+            let step = 1 << (halvings - j);
+            let levels: Vec<f64> = levels.iter().copied().step_by(step).collect();
+            let columns = Columns { layers: layers / step, halvings: j };
+            meshes.push(plane.drawn_along(&levels, &columns));
+        }
+        let finest = meshes.pop().unwrap_or(whole);
+        Ok((finest, Hierarchy { coarser: meshes }))
+    }
+}
+
+/// The order of cells that stand above those of a plane mesh.
+struct Columns {
+    layers: usize,
+    /// How many coarser levels there are, of half as many layers each.
+    halvings: usize,
+}
+
+impl Columns {
+    /// Number of the cell in `layer` above plane cell `cell`.
+    fn cell(&self, cell: usize, layer: usize) -> usize {
+        let j = self.halvings;
+        let coarsest = (self.layers >> j) * (cell >> (2 * j)) + (layer >> j);
+        (0..j).rev().fold(coarsest, |parent, j| parent * 8 + (cell >> (2 * j) & 3) + 4 * (layer >> j & 1))
+    }
+
+    /// The sides above the edges `facets`; their numbers in the cells are those of the edges.
+    fn sides(&self, facets: &[Facet]) -> Vec<Facet> {
+        let above = |f: &Facet| {
+            let f = *f;
+            (0..self.layers).map(move |layer| Facet { cell: self.cell(f.cell as usize, layer) as u32, ..f })
+        };
+        facets.iter().flat_map(above).collect()
+    }
+}
+
+fn reject<T>(reason: String) -> Result<T, MeshError> {
+    Err(MeshError::Parameter { generator: "extrude", reason })
+}
