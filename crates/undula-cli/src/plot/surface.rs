@@ -58,17 +58,18 @@ impl Surface {
     /// # Errors
     /// What is missing, and what to do.
     pub fn new(snapshot: &FieldSnapshot, solid: &[bool], field: SurfaceField) -> Result<Surface, String> {
-        let name = array_of(field);
+        let (name, key) = array_of(field);
         let outer = outer_faces(snapshot, solid);
         if outer.is_empty() {
             return Err("this run has no body whose surface could be drawn; --cut shows the flow".into());
         }
+        if field == SurfaceField::Pressure && outer.iter().all(|face| face.other.is_none()) {
+            return Err("no fluid is beside the bodies of this run, whose pressure could be drawn".into());
+        }
         let Some(values) = snapshot.at_points(name) else {
-            let remedy = match field {
-                SurfaceField::Stress => "add \"von-mises\" to output.fields and run the case again",
-                _ => "add it to output.fields and run the case again",
-            };
-            return Err(format!("the fields of this run have no `{name}`: {remedy}"));
+            return Err(format!(
+                "the fields of this run have no `{name}`: add \"{key}\" to output.fields and run the case again"
+            ));
         };
         let sizes: Vec<f64> = values.values.chunks_exact(values.components).map(length).collect();
         let patches = patches(snapshot, &outer, &sizes, field == SurfaceField::Pressure);
@@ -100,12 +101,12 @@ fn patches(snapshot: &FieldSnapshot, faces: &[Face], values: &[f64], of_fluid: b
     faces.iter().map(patch).collect()
 }
 
-/// The array of a field file that a surface shows.
-fn array_of(field: SurfaceField) -> &'static str {
+/// The array of a field file that a surface shows, and its name in a case.
+fn array_of(field: SurfaceField) -> (&'static str, &'static str) {
     match field {
-        SurfaceField::Displacement => "deformation",
-        SurfaceField::Stress => "solid-von-mises",
-        SurfaceField::Pressure => "pressure",
+        SurfaceField::Displacement => ("deformation", "displacement"),
+        SurfaceField::Stress => ("solid-von-mises", "von-mises"),
+        SurfaceField::Pressure => ("pressure", "pressure"),
     }
 }
 
@@ -306,7 +307,8 @@ mod tests {
         };
         assert!(error(&mesh, false, SurfaceField::Pressure).contains("no body"));
         assert!(error(&mesh, true, SurfaceField::Stress).contains("\"von-mises\" to output.fields"));
+        assert!(error(&mesh, true, SurfaceField::Pressure).contains("no fluid"));
         mesh.point_data.clear();
-        assert!(error(&mesh, true, SurfaceField::Displacement).contains("no `deformation`"));
+        assert!(error(&mesh, true, SurfaceField::Displacement).contains("add \"displacement\" to"));
     }
 }
