@@ -1,4 +1,4 @@
-//! The reference cell of a picture: values between the points of a cell, and its sides.
+//! The plane reference cell of a picture: values between the points of a cell, and its sides.
 
 use undula::output::{CellKind, FieldSnapshot};
 
@@ -34,7 +34,6 @@ impl Reference {
         let table: Vec<Vec<f64>> = (0..=n).map(|i| lagrange(self.degree, i as f64 / n as f64)).collect();
         let weights = |&(i, j): &(usize, usize)| -> Vec<f64> {
             let weight = |&(a, b): &(usize, usize)| match self.kind {
-                CellKind::Quadrilateral | CellKind::Hexahedron => table[i][a] * table[j][b],
                 CellKind::Triangle => {
                     let c = self.degree - a - b;
                     let [x, y] = [i, j].map(|i| i as f64 / n as f64);
@@ -43,6 +42,7 @@ impl Reference {
                         .map(|&(m, s)| factor(self.degree, m, s))
                         .product()
                 }
+                _ => table[i][a] * table[j][b],
             };
             self.lattice(self.degree).iter().map(weight).collect()
         };
@@ -52,11 +52,9 @@ impl Reference {
         for (i, j) in self.lattice(n.saturating_sub(1)) {
             let corner = |a: usize, b: usize| number(i + a, j + b);
             let halves = match self.kind {
-                CellKind::Quadrilateral | CellKind::Hexahedron => {
-                    [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]]
-                }
                 // The second one is missing at the long side.
                 CellKind::Triangle => [[(0, 0), (1, 0), (0, 1)], [(1, 0), (1, 1), (0, 1)]],
+                _ => [[(0, 0), (1, 0), (1, 1)], [(0, 0), (1, 1), (0, 1)]],
             };
             for triangle in halves {
                 if let [Some(a), Some(b), Some(c)] = triangle.map(|(a, b)| corner(a, b)) {
@@ -77,9 +75,7 @@ impl Reference {
         let mut sides = vec![on(&|_, j| j == 0), on(&|i, _| i == 0)];
         match self.kind {
             CellKind::Triangle => sides.push(on(&|i, j| i + j == k)),
-            CellKind::Quadrilateral | CellKind::Hexahedron => {
-                sides.extend([on(&|i, _| i == k), on(&|_, j| j == k)])
-            }
+            _ => sides.extend([on(&|i, _| i == k), on(&|_, j| j == k)]),
         }
         sides
     }

@@ -3,14 +3,14 @@
 mod edges;
 mod raster;
 mod streamlines;
+mod view;
 
 use super::colors::{self, INK, PLASMA, Rgb, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
-use crate::digits::fixed;
-use edges::Edges;
 use raster::{NOWHERE, Raster};
 use std::path::{Path, PathBuf};
-use undula::output::{FieldSnapshot, Summary};
+use undula::output::FieldSnapshot;
+pub use view::{View, solid_cells};
 
 /// Width of a picture without margins.
 const WIDTH: f64 = 1000.0;
@@ -28,22 +28,11 @@ struct Content {
 }
 
 /// Writes `speed.png` and `pressure.png`, or `deformation.png` if all is solid.
-pub fn plot(
-    snapshot: &FieldSnapshot,
-    time: Option<f64>,
-    summary: &Summary,
-    into: &Path,
-) -> anyhow::Result<Vec<PathBuf>> {
-    let solid = solid_cells(snapshot);
-    let mut title = summary.case.clone();
-    if let Some(time) = time {
-        title += &format!(",  t = {} s", fixed(time, time, 3));
-    }
-    let edges = Edges::new(snapshot, &solid);
+pub fn plot(view: &View, title: &str, into: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut written = Vec::new();
-    for content in contents(snapshot, &solid) {
-        let path = into.join(content.file);
-        draw(snapshot, &solid, &edges, &content, &title, false)?.save(&path)?;
+    for content in contents(&view.fields, &view.solid) {
+        let path = into.join(format!("{}{}.png", content.file, view.suffix));
+        draw(view, &content, title, false)?.save(&path)?;
         written.push(path);
     }
     Ok(written)
@@ -58,9 +47,9 @@ fn contents(snapshot: &FieldSnapshot, solid: &[bool]) -> Vec<Content> {
 /// The field of this name; `None` where there is none, or where it is not finite.
 fn content(snapshot: &FieldSnapshot, name: &str) -> Option<Content> {
     let (file, symbol, unit, map, in_solid): (_, _, _, &'static [Rgb; 17], _) = match name {
-        "velocity" => ("speed.png", "|v|", "m/s", &VIRIDIS, true),
-        "pressure" => ("pressure.png", "p", "Pa", &PLASMA, false),
-        _ => ("deformation.png", "|u|", "m", &VIRIDIS, true),
+        "velocity" => ("speed", "|v|", "m/s", &VIRIDIS, true),
+        "pressure" => ("pressure", "p", "Pa", &PLASMA, false),
+        _ => ("deformation", "|u|", "m", &VIRIDIS, true),
     };
     let field = snapshot.at_points(name)?;
     let tuples = field.values.chunks_exact(field.components.max(1));
@@ -80,35 +69,14 @@ fn content(snapshot: &FieldSnapshot, name: &str) -> Option<Content> {
 ///
 /// # Errors
 /// As [`Figure::raster`].
-pub fn image(
-    snapshot: &FieldSnapshot,
-    field: &str,
-    title: &str,
-    with_streamlines: bool,
-) -> anyhow::Result<Option<Image>> {
-    let solid = solid_cells(snapshot);
-    let Some(content) = content(snapshot, field) else { return Ok(None) };
-    let edges = Edges::new(snapshot, &solid);
-    draw(snapshot, &solid, &edges, &content, title, with_streamlines).map(Some)
-}
-
-/// Whether each cell is solid.
-fn solid_cells(snapshot: &FieldSnapshot) -> Vec<bool> {
-    match snapshot.in_cells("solid") {
-        Some(field) => field.values.iter().map(|&s| s > 0.5).collect(),
-        None => vec![false; snapshot.n_cells()],
-    }
+pub fn image(view: &View, field: &str, title: &str, with_streamlines: bool) -> anyhow::Result<Option<Image>> {
+    let Some(content) = content(&view.fields, field) else { return Ok(None) };
+    draw(view, &content, title, with_streamlines).map(Some)
 }
 
 /// The whole domain, and below it the surroundings of the solid if that is small.
-fn draw(
-    snapshot: &FieldSnapshot,
-    solid: &[bool],
-    edges: &Edges,
-    content: &Content,
-    title: &str,
-    with_streamlines: bool,
-) -> anyhow::Result<Image> {
+fn draw(view: &View, content: &Content, title: &str, with_streamlines: bool) -> anyhow::Result<Image> {
+    let (snapshot, solid): (&FieldSnapshot, &[bool]) = (&view.fields, &view.solid);
     let whole = bounds(snapshot, |_| true);
     let mut views = vec![whole];
     views.extend(surroundings(whole, bounds(snapshot, |cell| solid[cell])));
@@ -121,7 +89,8 @@ fn draw(
     let widest = panels.iter().map(|panel| panel.width).fold(0.0, f64::max);
     let below = panels.last().map_or(0.0, |panel| panel.top + panel.height);
     let mut figure = Figure::new(margin + widest + 110.0, below + 56.0);
-    figure.text((margin, 26.0), title, 15, Anchor::Start, INK);
+    let title = view.place.iter().fold(title.to_string(), |title, place| format!("{title},  {place}"));
+    figure.text((margin, 26.0), &title, 15, Anchor::Start, INK);
 
     let rasters: Vec<Raster> =
         panels.iter().map(|panel| Raster::new(snapshot, &content.values, panel)).collect();
@@ -129,14 +98,14 @@ fn draw(
     let bar =
         Panel { left: margin + widest + 24.0, width: 16.0, x: (0.0, 1.0), y: range, ..panels[0].clone() };
     for (n, panel) in panels.iter().enumerate() {
-        edges.draw(&mut figure, panel, n > 0 || panels.len() == 1);
+        view.edges.draw(&mut figure, panel, n > 0 || panels.len() == 1);
         if with_streamlines {
             let lines = streamlines::trace(snapshot, solid, panel);
             figure.clipped(panel, |figure| {
                 lines.into_iter().for_each(|line| figure.curve(line, INK, 0.7));
             });
         }
-        panel.axes(&mut figure, Some("x [m]"), "y [m]");
+        panel.axes(&mut figure, Some(view.axes[0]), view.axes[1]);
         frame(&mut figure, panel);
     }
     legend(&mut figure, &bar, &content.label);
@@ -164,7 +133,7 @@ fn panels(views: Vec<Box2>) -> Vec<Panel> {
 }
 
 /// Frame and numbers of the bar of colours, whose values are those of y.
-fn legend(figure: &mut Figure, bar: &Panel, label: &str) {
+pub(super) fn legend(figure: &mut Figure, bar: &Panel, label: &str) {
     frame(figure, bar);
     for (value, label) in ticks(bar.y, (bar.height / 40.0).clamp(3.0, 8.0)) {
         let (x, y) = bar.at(1.0, value);
@@ -175,7 +144,7 @@ fn legend(figure: &mut Figure, bar: &Panel, label: &str) {
 }
 
 /// The colours of the bar, from below.
-fn paint_bar(image: &mut Image, bar: &Panel, map: &[Rgb; 17]) {
+pub(super) fn paint_bar(image: &mut Image, bar: &Panel, map: &[Rgb; 17]) {
     let (left, width) = (bar.left as usize * SCALE, bar.width as usize * SCALE);
     for y in 0..bar.height as usize * SCALE {
         let color = colors::at(map, 1.0 - (y as f64 + 0.5) / (bar.height * SCALE as f64));
@@ -183,7 +152,7 @@ fn paint_bar(image: &mut Image, bar: &Panel, map: &[Rgb; 17]) {
     }
 }
 
-fn frame(figure: &mut Figure, panel: &Panel) {
+pub(super) fn frame(figure: &mut Figure, panel: &Panel) {
     let (x, y) = (panel.left, panel.top);
     let (right, bottom) = (x + panel.width, y + panel.height);
     figure.curve(vec![(x, y), (right, y), (right, bottom), (x, bottom), (x, y)], INK, 1.0);
@@ -226,12 +195,16 @@ fn surroundings(whole: Box2, inner: Box2) -> Option<Box2> {
 fn range(content: &Content, raster: &Raster, solid: &[bool]) -> (f64, f64) {
     let shown =
         raster.samples.iter().filter(|s| s.cell != NOWHERE && (content.in_solid || !solid[s.cell as usize]));
-    let mut values: Vec<f32> = shown.map(|s| s.value).collect();
+    limits(shown.map(|s| s.value).collect(), content.magnitude)
+}
+
+/// The same of these values.
+pub(super) fn limits(mut values: Vec<f32>, magnitude: bool) -> (f64, f64) {
     values.sort_by(f32::total_cmp);
-    let tail = if content.magnitude { 0 } else { values.len() / 500 };
+    let tail = if magnitude { 0 } else { values.len() / 500 };
     let Some(high) = values.len().checked_sub(1 + tail).map(|n| f64::from(values[n])) else {
         return (0.0, 1.0);
     };
-    let low = if content.magnitude { 0.0 } else { f64::from(values[tail]) };
+    let low = if magnitude { 0.0 } else { f64::from(values[tail]) };
     if high - low > 1e-9 * high.abs().max(low.abs()) { (low, high) } else { (low - 0.5, low + 0.5) }
 }

@@ -11,6 +11,7 @@ mod keys;
 mod modes;
 mod outputs;
 mod pictures;
+mod pictures_space;
 mod study;
 mod tables;
 

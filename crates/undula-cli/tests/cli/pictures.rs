@@ -135,13 +135,13 @@ impl Channel {
 }
 
 /// A directory in which nothing is.
-fn scratch(name: &str) -> PathBuf {
+pub fn scratch(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&path);
     path
 }
 
-fn run(path: &Path, case: &str, units: &[(&str, &str)]) -> RunDirectory {
+pub fn run(path: &Path, case: &str, units: &[(&str, &str)]) -> RunDirectory {
     let run = RunDirectory::create(path, true).unwrap();
     run.write_case("[time]\n").unwrap();
     let functional = |unit: &str| FunctionalSummary { unit: unit.into(), ..Default::default() };
@@ -151,7 +151,7 @@ fn run(path: &Path, case: &str, units: &[(&str, &str)]) -> RunDirectory {
     run
 }
 
-fn fields(run: &RunDirectory, step: u64, time: f64, snapshot: &FieldSnapshot) {
+pub fn fields(run: &RunDirectory, step: u64, time: f64, snapshot: &FieldSnapshot) {
     let mut collection = Collection::create(run.collection()).unwrap();
     let name = run.field_name(step);
     write_vtu(run.path().join(&name), snapshot, time, Precision::Auto).unwrap();
@@ -159,7 +159,7 @@ fn fields(run: &RunDirectory, step: u64, time: f64, snapshot: &FieldSnapshot) {
 }
 
 /// Width, height and pixels of a picture, three bytes each.
-fn decoded(path: &Path) -> (usize, usize, Vec<u8>) {
+pub fn decoded(path: &Path) -> (usize, usize, Vec<u8>) {
     let file = std::io::BufReader::new(fs::File::open(path).unwrap());
     let mut reader = png::Decoder::new(file).read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
@@ -167,7 +167,7 @@ fn decoded(path: &Path) -> (usize, usize, Vec<u8>) {
     (info.width as usize, info.height as usize, pixels)
 }
 
-fn names(paths: &[PathBuf]) -> Vec<String> {
+pub fn names(paths: &[PathBuf]) -> Vec<String> {
     paths.iter().map(|p| p.file_name().unwrap().to_string_lossy().into_owned()).collect()
 }
 

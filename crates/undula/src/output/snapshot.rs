@@ -44,7 +44,8 @@ impl CellKind {
 ///
 /// Points lie where the material or the mesh is at that moment, so that pictures show the deformed domain
 /// without further filters. The pictures of `undula plot` look for the point data `velocity` \[m/s\],
-/// `pressure` \[Pa\] and for the cell data `solid` (1 in cells of the solid, else 0).
+/// `pressure` \[Pa\], `deformation` \[m\] and `solid-von-mises` \[Pa\], and for the cell data `solid` (1 in cells of the
+/// solid, else 0).
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FieldSnapshot {
     /// Shape of the cells.

@@ -270,7 +270,7 @@ fn cells(snapshot: &mut FieldSnapshot, connectivity: &[f64], types: &[f64]) -> R
     let first = types.first().copied().unwrap_or(9.0);
     let of_type = TYPES.iter().find(|(_, types)| types.iter().any(|t| f64::from(*t) == first));
     let Some((kind, _)) = of_type else {
-        return Err(format!("cells of type {first} of VTK, which are not read here"));
+        return Err(format!("cells of type {first} of VTK, which are not read here; ParaView shows them"));
     };
     let points_per_cell =
         |degree: usize| FieldSnapshot { kind: *kind, degree, ..FieldSnapshot::default() }.points_per_cell();
@@ -345,6 +345,18 @@ fn inflate(appended: &[u8], offset: usize) -> Option<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cells_of_other_programs_are_named() {
+        let mut snapshot = FieldSnapshot { points: vec![[0.0; 3]; 10], ..FieldSnapshot::default() };
+        let numbers: Vec<f64> = (0..10).map(f64::from).collect();
+        let error = cells(&mut snapshot, &numbers, &[24.0]).unwrap_err();
+        assert_eq!(error, "cells of type 24 of VTK, which are not read here; ParaView shows them");
+        assert!(cells(&mut snapshot, &numbers, &[12.0]).unwrap_err().contains("not all of the same kind"));
+        assert!(cells(&mut snapshot, &numbers[..8], &[12.0]).is_ok());
+        assert_eq!((snapshot.kind, snapshot.degree), (CellKind::Hexahedron, 1));
+        assert_eq!(snapshot.cells, [0, 1, 3, 2, 4, 5, 7, 6]);
+    }
 
     /// Figures of the VTK file format: vertices round the cell, then edges, then the interior.
     #[test]

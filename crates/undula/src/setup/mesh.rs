@@ -137,12 +137,10 @@ impl Case {
             MeshSource::Box { lower, upper, cells } => {
                 generate::hexahedra(first(lower), first(upper), first(cells), 0)?
             }
-            MeshSource::File(path) => {
-                match gmsh::read_any(path).map_err(|e| self.blame("mesh.file", e))? {
-                    AnyMesh::Space(mesh) => self.scaled(mesh)?,
-                    AnyMesh::Plane(_) => return Err(self.refuse("mesh.file", "it is a plane mesh".into())),
-                }
-            }
+            MeshSource::File(path) => match gmsh::read_any(path).map_err(|e| self.blame("mesh.file", e))? {
+                AnyMesh::Space(mesh) => self.scaled(mesh)?,
+                AnyMesh::Plane(_) => return Err(self.refuse("mesh.file", "it is a plane mesh".into())),
+            },
             _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
         };
         let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &[]);

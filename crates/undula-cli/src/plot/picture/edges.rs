@@ -4,7 +4,7 @@ use super::super::cell::{Reference, lagrange};
 use super::super::colors::Rgb;
 use super::super::figure::{Figure, Panel};
 use super::bounds;
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use undula::output::FieldSnapshot;
 
 /// Mesh lines and outlines darken the colours beneath.
@@ -38,7 +38,8 @@ impl Edges {
         let key = |p: [f64; 2]| p.map(|c| (c / unit).round() as i64);
         let (k, sides) = (snapshot.degree, Reference::of(snapshot).sides());
         let parts = snapshot.in_cells("cell");
-        let mut found: HashMap<[[i64; 2]; 2], Edge> = HashMap::new();
+        // In order, so that the picture is the same every time.
+        let mut found: BTreeMap<[[i64; 2]; 2], Edge> = BTreeMap::new();
         for (n, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
             for side in &sides {
                 let at = |i: usize| snapshot.points[cell[i] as usize];
@@ -62,6 +63,13 @@ impl Edges {
             (if inside { &mut edges.inner } else { &mut edges.outline }).push(curve(&nodes));
         }
         edges
+    }
+
+    /// Lines of a cut through `fields`, which have three dimensions.
+    pub fn of_cut(fields: &FieldSnapshot, inner: Vec<Vec<[f64; 2]>>, outline: Vec<Vec<[f64; 2]>>) -> Self {
+        let last = fields.in_cells("cell").and_then(|parts| parts.values.last());
+        let cells = last.map_or(fields.n_cells() as f64, |last| last + 1.0);
+        Edges { inner, outline, pieces: (fields.n_cells() as f64 / cells).cbrt() }
     }
 
     /// Draws outlines, and the mesh if it is asked for and coarse enough to be seen.
