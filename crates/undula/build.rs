@@ -18,6 +18,10 @@ fn main() {
     // Lanes of assembly; architectures other than x86-64 have four without instructions of their own.
     choose("lanes_4", !narrow && (all || !avx512));
     choose("lanes_8", !narrow && x86 && (all || avx512));
+    // In space four lanes, or one where they are not available: builds that stay here have one of the two.
+    let four = !x86 || has_avx2();
+    choose("space_4", !narrow && (all || four));
+    choose("space_1", narrow || all || !four);
     // Vectors of the linear solver.
     choose("solver_avx2", all || !avx512);
     choose("solver_avx512", all || avx512);
@@ -37,7 +41,17 @@ fn has_avx512() -> bool {
         && is_x86_feature_detected!("avx512dq")
 }
 
+#[cfg(target_arch = "x86_64")]
+fn has_avx2() -> bool {
+    is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
+}
+
 #[cfg(not(target_arch = "x86_64"))]
 fn has_avx512() -> bool {
+    false
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn has_avx2() -> bool {
     false
 }

@@ -8,8 +8,7 @@ use undula::bench::{Options, Report, measure, write_matrices};
 use undula::case::Case;
 use undula::error::Error;
 use undula::output::write_atomic;
-use undula::setup::dimension::Dimension;
-use undula::simulation::Simulation;
+use undula::simulation::SetUp;
 use undula::system::Dim;
 
 /// Measures, and writes the report.
@@ -37,7 +36,7 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<ExitCode> {
 
 fn report<const D: usize>(args: &BenchArgs, case: Case) -> Result<Report, Error>
 where
-    Dim<D>: Dimension<D>,
+    Dim<D>: SetUp<D>,
 {
     let options = Options {
         steps: usize::from(args.steps),
@@ -45,9 +44,9 @@ where
         kernels: !args.no_kernels,
     };
     // The state is that of the run in `from`.
-    let mut simulation: Simulation<D> = match args.from {
-        Some(_) => Simulation::at_rest(case, threads(args.threads))?,
-        None => Simulation::set_up(case, threads(args.threads))?,
+    let mut simulation = match args.from {
+        Some(_) => Dim::<D>::at_rest(case, threads(args.threads))?,
+        None => Dim::<D>::set_up(case, threads(args.threads))?,
     };
     if let Some(from) = &args.from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);

@@ -7,8 +7,7 @@ use std::path::Path;
 use std::process::ExitCode;
 use undula::case::Case;
 use undula::error::Error;
-use undula::setup::dimension::Dimension;
-use undula::simulation::Simulation;
+use undula::simulation::SetUp;
 use undula::system::Dim;
 use undula::verification::stability::{Conditions, Constants, InfSup, conditions, constants};
 
@@ -37,13 +36,13 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 /// If the case does not fit its mesh, the run has no checkpoint, or a matrix cannot be factorised.
 fn report<const D: usize>(case: Case, from: Option<&Path>) -> Result<String, Error>
 where
-    Dim<D>: Dimension<D>,
+    Dim<D>: SetUp<D>,
 {
     case.needs_plane("inf-sup constants")?;
     // The state is that of the run in `from`.
-    let mut simulation: Simulation<D> = match from {
-        Some(_) => Simulation::at_rest(case, 1)?,
-        None => Simulation::set_up(case, 1)?,
+    let mut simulation = match from {
+        Some(_) => Dim::<D>::at_rest(case, 1)?,
+        None => Dim::<D>::set_up(case, 1)?,
     };
     if let Some(from) = from {
         say_notes(&undula::run::restore_latest(&mut simulation, from)?);

@@ -6,8 +6,7 @@ use std::process::ExitCode;
 use undula::case::Case;
 use undula::error::Error;
 use undula::run::restore_latest;
-use undula::setup::dimension::Dimension;
-use undula::simulation::Simulation;
+use undula::simulation::SetUp;
 use undula::system::Dim;
 use undula::verification::jacobians::{At, JacobianReport, compare};
 
@@ -32,12 +31,12 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 
 fn report<const D: usize>(args: &CheckArgs, case: Case) -> Result<JacobianReport, Error>
 where
-    Dim<D>: Dimension<D>,
+    Dim<D>: SetUp<D>,
 {
     // The state is that of the run in `from`.
-    let mut simulation: Simulation<D> = match args.from {
-        Some(_) => Simulation::at_rest(case, 1)?,
-        None => Simulation::set_up(case, 1)?,
+    let mut simulation = match args.from {
+        Some(_) => Dim::<D>::at_rest(case, 1)?,
+        None => Dim::<D>::set_up(case, 1)?,
     };
     let at = match &args.from {
         Some(from) => {

@@ -5,6 +5,8 @@ mod memory;
 mod row;
 mod summary;
 
+#[doc(hidden)]
+pub use initial::SetUp;
 pub use initial::with_start;
 #[doc(hidden)]
 pub use memory::Memory;
@@ -80,8 +82,7 @@ where
     ///
     /// # Errors
     /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
-    #[doc(hidden)]
-    pub fn at_rest(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+    pub(crate) fn rest(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
         let threads = threads.max(1);
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);

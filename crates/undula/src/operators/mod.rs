@@ -13,6 +13,7 @@ pub mod border;
 mod columns;
 pub mod facets;
 mod instant;
+pub mod kernels;
 pub mod nodal_load;
 pub mod outflow;
 pub mod outlet;

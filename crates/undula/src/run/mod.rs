@@ -17,8 +17,7 @@ pub use inflow::{Inflow, inflow};
 use crate::case::Case;
 use crate::error::Error;
 use crate::output::{Status, Summary};
-use crate::setup::dimension::Dimension;
-use crate::simulation::{Row, Simulation};
+use crate::simulation::{Row, SetUp, Simulation};
 use crate::system::Dim;
 use files::Run;
 pub(crate) use identity::mesh_hash;
@@ -95,12 +94,12 @@ fn run_in<const D: usize>(
     observer: &mut dyn Observer<D>,
 ) -> Result<Summary, Error>
 where
-    Dim<D>: Dimension<D>,
+    Dim<D>: SetUp<D>,
 {
     // Everything that can be wrong with the input is found before a file is touched.
     let simulation = match options.resume {
         true => again(case, options)?,
-        false => Simulation::set_up(case, options.threads)?,
+        false => Dim::<D>::set_up(case, options.threads)?,
     };
     run_simulation(simulation, options, observer)
 }

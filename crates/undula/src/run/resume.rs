@@ -9,8 +9,7 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::output::{Collection, HistoryWriter, RunDirectory};
 use crate::results::computed::case_of;
-use crate::setup::dimension::Dimension;
-use crate::simulation::Simulation;
+use crate::simulation::{SetUp, Simulation};
 use crate::system::Dim;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,7 +61,7 @@ impl<const D: usize> Run<D> {
 /// gave it, from its own case.
 pub(super) fn again<const D: usize>(mut case: Case, options: &RunOptions) -> Result<Simulation<D>, Error>
 where
-    Dim<D>: Dimension<D>,
+    Dim<D>: SetUp<D>,
 {
     let given = case.record.places.contains_key("time.start");
     if let (Some(Initial::From(_)), false, Some(time)) = (&case.initial, given, &mut case.time)
@@ -70,7 +69,7 @@ where
     {
         time.start = former.start;
     }
-    Simulation::at_rest(case, options.threads)
+    Dim::<D>::at_rest(case, options.threads)
 }
 
 /// Whether `case` ends later than that of the run in `path`.

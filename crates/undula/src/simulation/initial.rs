@@ -42,7 +42,52 @@ impl Simulation {
     /// If the case does not fit its mesh, if there is no state as it begins with, or if the linear solver cannot be
     /// prepared.
     pub fn new(case: Case, threads: usize) -> Result<Simulation, Error> {
+        Dim::<2>::set_up(case, threads)
+    }
+
+    /// [`Simulation::new`] at rest, whatever the case begins with: its state comes from elsewhere.
+    ///
+    /// # Errors
+    /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
+    #[doc(hidden)]
+    pub fn at_rest(case: Case, threads: usize) -> Result<Simulation, Error> {
+        Dim::<2>::at_rest(case, threads)
+    }
+}
+
+/// Sets up simulations in a dimension. Not generic: whoever called something generic would compile all of them once more.
+#[doc(hidden)]
+pub trait SetUp<const D: usize>: Dimension<D> {
+    /// [`Simulation::new`] in this dimension.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    fn set_up(case: Case, threads: usize) -> Result<Simulation<D>, Error>;
+
+    /// The same at rest, whatever the case begins with: its state comes from elsewhere.
+    ///
+    /// # Errors
+    /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
+    fn at_rest(case: Case, threads: usize) -> Result<Simulation<D>, Error>;
+}
+
+impl SetUp<2> for Dim<2> {
+    fn set_up(case: Case, threads: usize) -> Result<Simulation<2>, Error> {
         Simulation::set_up(case, threads)
+    }
+
+    fn at_rest(case: Case, threads: usize) -> Result<Simulation<2>, Error> {
+        Simulation::rest(case, threads)
+    }
+}
+
+impl SetUp<3> for Dim<3> {
+    fn set_up(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
+        Simulation::set_up(case, threads)
+    }
+
+    fn at_rest(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
+        Simulation::rest(case, threads)
     }
 }
 
@@ -52,7 +97,7 @@ impl Simulation<3> {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn in_space(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
-        Simulation::set_up(case, threads)
+        Dim::<3>::set_up(case, threads)
     }
 }
 
@@ -64,10 +109,9 @@ where
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    #[doc(hidden)]
-    pub fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+    pub(crate) fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
         let start = Start::of(&mut case)?;
-        let mut simulation = Simulation::at_rest(case, threads)?;
+        let mut simulation = Simulation::rest(case, threads)?;
         start.begin(&mut simulation)?;
         Ok(simulation)
     }

@@ -14,10 +14,9 @@ use crate::mesh::Side;
 use crate::operators::backflow::backflow;
 use crate::operators::biharmonic::Biharmonic;
 pub use crate::operators::border::{Border, Borders};
+pub use crate::operators::kernels::{Dim, Kernels};
 use crate::operators::outflow::correction;
 pub use crate::operators::region::current_force::CurrentForce;
-pub use crate::operators::region::{Dim, Kernels};
-use crate::operators::stabilization::Stabilizer;
 pub use crate::operators::stabilization::patches;
 use crate::operators::{Blocks, RegionOperator};
 pub use crate::operators::{DataTime, End, ForceAt, Matrix, NotFinite, Operator, Options, Physics, StepView};
@@ -126,6 +125,22 @@ where
             borders: Borders::default(),
         })
     }
+
+    /// Add stabilisation to the equations of the fluid, section 5.3.3.
+    ///
+    /// # Panics
+    /// If a matrix was asked for already, or if π projects on patches that the mesh does not have: cells that come from refining one in four.
+    ///
+    /// # Errors
+    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
+    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) -> Result<(), SolverError> {
+        self.assert_open();
+        if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
+            self.terms.insert(0, Dim::<D>::stabilizer(how, fluid, &self.space, options)?);
+            self.stabilized = true;
+        }
+        Ok(())
+    }
 }
 
 impl<const D: usize> Assembler<D> {
@@ -164,24 +179,6 @@ impl<const D: usize> Assembler<D> {
     pub fn borders(&mut self, matrix: Matrix, step: &StepView<'_>, borders: &mut Borders) {
         borders.clear();
         self.operators_mut().for_each(|operator| operator.borders(matrix, step, borders));
-    }
-
-    /// Add stabilisation to the equations of the fluid, section 5.3.3.
-    ///
-    /// # Panics
-    /// If a matrix was asked for already, or if π projects on patches that the mesh does not have: cells that come from refining one in four.
-    ///
-    /// # Errors
-    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
-    pub fn stabilize(&mut self, how: &Stabilization, options: &Options) -> Result<(), SolverError> {
-        self.assert_open();
-        if let (Some(fluid), true) = (self.physics.fluid, how.acts()) {
-            // One cell at a time: for every vector width it would take minutes to compile.
-            let term = Stabilizer::<D, 1>::new(how, fluid, &self.space, options)?;
-            self.terms.insert(0, Box::new(term));
-            self.stabilized = true;
-        }
-        Ok(())
     }
 
     /// Take the body force of the fluid `material` at the current position x + u.

@@ -3,6 +3,7 @@
 use super::*;
 use crate::algebra::Pattern;
 use crate::element::Shape;
+use crate::loops::batch::Batches;
 use crate::loops::scatter::DROP;
 use crate::loops::test_functions::{Test, Trial};
 use crate::math::Scalar;
