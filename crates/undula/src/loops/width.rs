@@ -7,14 +7,12 @@
 #![allow(unsafe_code)]
 
 use crate::math::Lanes;
+pub use crate::math::apart::Task;
+use crate::math::apart::run_baseline;
+#[cfg(target_arch = "x86_64")]
+use crate::math::apart::{run_avx2, run_avx512};
 #[cfg(target_arch = "x86_64")]
 use std::sync::OnceLock;
-
-/// Work on one batch; `run` must be `#[inline(always)]`.
-pub trait Task {
-    /// Do it.
-    fn run(self);
-}
 
 /// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1; of those
 /// that are compiled.
@@ -106,23 +104,4 @@ impl Width for Lanes<8> {
         #[cfg(not(target_arch = "x86_64"))]
         run_baseline(task);
     }
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
-#[inline(never)]
-unsafe fn run_avx512<T: Task>(task: T) {
-    task.run();
-}
-
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
-#[inline(never)]
-unsafe fn run_avx2<T: Task>(task: T) {
-    task.run();
-}
-
-#[inline(never)]
-fn run_baseline<T: Task>(task: T) {
-    task.run();
 }

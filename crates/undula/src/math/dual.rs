@@ -1,6 +1,7 @@
 //! Forward-mode automatic differentiation.
 
 use super::Scalar;
+use super::apart::Task;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// `re + eps·ε` with `ε² = 0`: a value and its derivative in one direction.
@@ -125,6 +126,11 @@ impl<S: Scalar<Value = S>> Scalar for Dual<S> {
     #[inline(always)]
     fn lane(&self, lane: usize) -> [f64; 2] {
         [self.re.lane(lane)[0], self.eps.lane(lane)[0]]
+    }
+
+    #[inline(always)]
+    fn apart(task: impl Task) {
+        S::apart(task);
     }
 
     #[inline(always)]

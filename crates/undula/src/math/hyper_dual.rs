@@ -1,6 +1,7 @@
 //! Second derivatives by automatic differentiation.
 
 use super::Scalar;
+use super::apart::{Task, run_baseline};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
 /// `re + a ε + b η + ab ε η` with `ε² = η² = 0`: a value, its derivatives in two directions and the mixed second one.
@@ -134,6 +135,10 @@ impl Scalar for HyperDual {
 
     fn lane(&self, _: usize) -> [f64; 2] {
         [self.re, self.a]
+    }
+
+    fn apart(task: impl Task) {
+        run_baseline(task);
     }
 
     fn set_lane(&mut self, _: usize, [re, a]: [f64; 2]) {

@@ -1,5 +1,6 @@
 //! Numbers and small tensors; this layer knows nothing else of the library.
 
+pub(crate) mod apart;
 mod decimal;
 pub mod dual;
 mod erf;

@@ -1,5 +1,6 @@
 //! The one number type that the equations are generic over.
 
+use super::apart::{Task, run_baseline};
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
@@ -47,6 +48,9 @@ pub trait Scalar:
 
     /// Value and derivative in lane `lane`; the derivative is 0 unless the number has one.
     fn lane(&self, lane: usize) -> [f64; 2];
+
+    /// Does `task`, whose numbers have these lanes, in a function of its own.
+    fn apart(task: impl Task);
 
     /// Sets value and derivative in lane `lane`, the inverse of [`Scalar::lane`].
     fn set_lane(&mut self, lane: usize, number: [f64; 2]);
@@ -115,6 +119,11 @@ impl Scalar for f64 {
     #[inline(always)]
     fn lane(&self, _: usize) -> [f64; 2] {
         [*self, 0.0]
+    }
+
+    #[inline(always)]
+    fn apart(task: impl Task) {
+        run_baseline(task);
     }
 
     #[inline(always)]

@@ -14,6 +14,8 @@ use crate::math::Lanes;
 use crate::physics::{Axisymmetric, Solid};
 use crate::physics::{Fluid, Stabilization};
 use crate::space::{FsiSpace, Region};
+#[cfg(not(test))]
+use crate::tangent::InSpace;
 use crate::tangent::StepForm;
 
 /// The operators of all regions, fluid first.
@@ -96,10 +98,10 @@ impl Kernels<3> for Dim<3> {
     ) -> Result<Regions<3>, SolverError> {
         #[cfg(space_4)]
         if cfg!(not(space_1)) || (options.lanes >= 4 && available(4)) {
-            return Making::<3, 4> { space, stiffness, options }.all(physics);
+            return Making::<3, 4> { space, stiffness, options }.in_space(physics);
         }
         #[cfg(space_1)]
-        return Making::<3, 1> { space, stiffness, options }.all(physics);
+        return Making::<3, 1> { space, stiffness, options }.in_space(physics);
         #[cfg(not(space_1))]
         unreachable!("a build has one lane or four")
     }
@@ -167,14 +169,22 @@ where
 impl<const D: usize, const L: usize> Making<'_, D, L>
 where
     Lanes<L>: Width,
-    Fluid: StepForm<D>,
-    Solid: StepForm<D>,
 {
-    /// The operators of all materials.
-    fn all(&self, physics: &Physics) -> Result<Regions<D>, SolverError> {
-        let fluids = physics.fluids().map(|(n, form)| self.region((Region::Fluid, n), form, true));
-        let solids =
-            physics.solids().map(|(n, form)| self.region((Region::Solid, n), form, guards(physics, &form)));
+    /// The operators of all materials, with the equations as `fluid` and `solid` make them of those of a material.
+    fn all<A, B>(
+        &self,
+        physics: &Physics,
+        fluid: impl Fn(Fluid) -> A,
+        solid: impl Fn(Solid) -> B,
+    ) -> Result<Regions<D>, SolverError>
+    where
+        A: StepForm<D> + Send + 'static,
+        B: StepForm<D> + Send + 'static,
+    {
+        let fluids = physics.fluids().map(|(n, form)| self.region((Region::Fluid, n), fluid(form), true));
+        let solids = physics
+            .solids()
+            .map(|(n, form)| self.region((Region::Solid, n), solid(form), guards(physics, &form)));
         fluids.chain(solids).collect()
     }
 }
@@ -186,15 +196,21 @@ where
 {
     /// The operators of all materials, in (x, y) or in (r, z).
     fn in_plane(&self, physics: &Physics) -> Result<Regions<2>, SolverError> {
-        if !self.space.coordinates.is_axisymmetric() {
-            return self.all(physics);
+        match self.space.coordinates.is_axisymmetric() {
+            true => self.all(physics, Axisymmetric, Axisymmetric),
+            false => self.all(physics, |fluid| fluid, |solid| solid),
         }
-        let fluids =
-            physics.fluids().map(|(n, form)| self.region((Region::Fluid, n), Axisymmetric(form), true));
-        let solids = physics
-            .solids()
-            .map(|(n, form)| self.region((Region::Solid, n), Axisymmetric(form), guards(physics, &form)));
-        fluids.chain(solids).collect()
+    }
+}
+
+#[cfg(not(test))]
+impl<const L: usize> Making<'_, 3, L>
+where
+    Lanes<L>: Width,
+{
+    /// The operators of all materials in space.
+    fn in_space(&self, physics: &Physics) -> Result<Regions<3>, SolverError> {
+        self.all(physics, InSpace, InSpace)
     }
 }
 

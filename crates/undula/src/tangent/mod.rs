@@ -2,9 +2,11 @@
 #![allow(non_snake_case)]
 
 mod difference;
+mod in_space;
 mod step_form;
 
 pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};
+pub use in_space::InSpace;
 pub use step_form::StepForm;
 
 use crate::choice::{Choice, choice};

@@ -1,6 +1,7 @@
 //! What the loops over cells know of an equation: one step at a point.
 
-use super::ByHand;
+use super::in_space::InSpace;
+use super::{ByHand, in_space};
 use crate::math::{Dual, Scalar, Tensor};
 use crate::physics::axisymmetric::{self, Axisymmetric};
 use crate::physics::{Couplings, Fields, Place, StepRule, Tested};
@@ -99,6 +100,56 @@ impl<F: ByHand<D>, const D: usize> StepForm<D> for F {
     }
 }
 
+impl<F: ByHand<3>> StepForm<3> for InSpace<F> {
+    const HAS_AXIS: bool = false;
+
+    fn blocks(&self) -> Couplings {
+        self.0.couplings()
+    }
+
+    #[inline(always)]
+    fn residual<T: Scalar>(
+        &self,
+        rule: &StepRule,
+        place: &Place<T::Value, 3>,
+        new: &Fields<T, 3>,
+        lag: &Fields<T, 3>,
+        old: &Fields<T::Value, 3>,
+        r: &mut Tested<T, 3>,
+    ) {
+        in_space::residual(&self.0, rule, place, [new, lag], old, r);
+    }
+
+    #[inline(always)]
+    fn explicit<S: Scalar<Value = S>>(
+        &self,
+        rule: &StepRule,
+        place: &Place<S, 3>,
+        old: &Fields<S, 3>,
+        r: &mut Tested<S, 3>,
+    ) {
+        in_space::explicit(&self.0, rule, place, old, r);
+    }
+
+    #[allow(non_snake_case)]
+    #[inline(always)]
+    fn analytic<S: Scalar<Value = S>>(
+        &self,
+        rule: &StepRule,
+        place: &Place<S, 3>,
+        new: &Fields<S, 3>,
+        old: &Fields<S, 3>,
+        W: &Fields<S, 3>,
+    ) -> Tested<S, 3> {
+        in_space::analytic(&self.0, rule, place, [new, old], W)
+    }
+
+    #[inline(always)]
+    fn volume_ratio<S: Scalar>(&self, _: &Place<S, 3>, at: &Fields<S, 3>) -> S {
+        (Tensor::identity() + at.grad_u).det()
+    }
+}
+
 /// Evaluated cell by cell, out of line: compiled in all lanes, every equation of space would cost minutes.
 impl<F: ByHand<3>> StepForm<2> for Axisymmetric<F> {
     const HAS_AXIS: bool = true;
@@ -181,7 +232,7 @@ fn around<F: ByHand<3>, N: Scalar<Value = f64>>(
     let per_radius = place.per_radius;
     let (new, lag) = (axisymmetric::fields(new, per_radius), axisymmetric::fields(lag, per_radius));
     let (old, mut of, mut r) = (axisymmetric::fields(old, per_radius), Tested::zero(), Tested::zero());
-    rule.residual(form, &axisymmetric::place(place), &new, &lag, &old, &mut of);
+    in_space::residual(form, rule, &axisymmetric::place(place), [&new, &lag], &old, &mut of);
     axisymmetric::add_tested(&of, per_radius, &mut r);
     r
 }
@@ -195,7 +246,7 @@ fn explicit_around<F: ByHand<3>>(
 ) -> Tested<f64, 2> {
     let (mut of, mut r) = (Tested::zero(), Tested::zero());
     let old = axisymmetric::fields(old, place.per_radius);
-    rule.explicit(form, &axisymmetric::place(place), &old, &mut of);
+    in_space::explicit(form, rule, &axisymmetric::place(place), &old, &mut of);
     axisymmetric::add_tested(&of, place.per_radius, &mut r);
     r
 }
@@ -211,7 +262,7 @@ fn by_hand_around<F: ByHand<3>>(
     let per_radius = place.per_radius;
     let (new, old) = (axisymmetric::fields(new, per_radius), axisymmetric::fields(old, per_radius));
     let (direction, mut r) = (axisymmetric::fields(direction, per_radius), Tested::zero());
-    let of = form.by_hand(rule, &axisymmetric::place(place), &new, &old, &direction);
+    let of = in_space::analytic(form, rule, &axisymmetric::place(place), [&new, &old], &direction);
     axisymmetric::add_tested(&of, per_radius, &mut r);
     r
 }

@@ -43,7 +43,7 @@ impl<const D: usize, const L: usize> Task for BlockTask<'_, D, L> {
     fn run(self) {
         match self.basis.line.n_basis {
             4 => contract::<4, D, L>(self),
-            5 => contract::<5, D, L>(self),
+            5 if D < 3 => contract::<5, D, L>(self),
             n => unreachable!("{n} basis functions"),
         }
     }

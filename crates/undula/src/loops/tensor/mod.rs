@@ -34,7 +34,9 @@ impl TensorBasis {
     /// Degree `degree` with `points` Gauss points per coordinate, for cells of `shape`; `None` where the whole
     /// tables are to be used.
     pub fn new(shape: Shape, degree: usize, points: usize) -> Option<TensorBasis> {
-        if shape == Shape::Triangle || !(3..=4).contains(&degree) {
+        // In space degree 4 has whole tables, so that its sums need not be compiled.
+        let most = if shape == Shape::Hexahedron { 3 } else { 4 };
+        if shape == Shape::Triangle || !(3..=most).contains(&degree) {
             return None;
         }
         let (n, dim, n_basis) = (degree + 1, shape.dim(), shape.n_nodes(degree));
