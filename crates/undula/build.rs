@@ -18,10 +18,11 @@ fn main() {
     // Lanes of assembly; architectures other than x86-64 have four without instructions of their own.
     choose("lanes_4", !narrow && (all || !avx512));
     choose("lanes_8", !narrow && x86 && (all || avx512));
-    // In space four lanes, or one where they are not available: builds that stay here have one of the two.
+    // The same in space, where builds that stay here have one width alone.
     let four = !x86 || has_avx2();
-    choose("space_4", !narrow && (all || four));
-    choose("space_1", narrow || all || !four);
+    choose("space_8", !narrow && x86 && (all || avx512));
+    choose("space_4", !narrow && (all || (four && !avx512)));
+    choose("space_1", narrow || all || !(four || avx512));
     // Vectors of the linear solver.
     choose("solver_avx2", all || !avx512);
     choose("solver_avx512", all || avx512);

@@ -87,7 +87,6 @@ impl Kernels<2> for Dim<2> {
     }
 }
 
-/// Four lanes, or one: the matrices of a hexahedron in eight lanes do not fit into the cache.
 #[cfg(not(test))]
 impl Kernels<3> for Dim<3> {
     fn regions(
@@ -96,14 +95,17 @@ impl Kernels<3> for Dim<3> {
         stiffness: &dyn Fn(&[f64; 3]) -> f64,
         options: &Options,
     ) -> Result<Regions<3>, SolverError> {
-        #[cfg(space_4)]
-        if cfg!(not(space_1)) || (options.lanes >= 4 && available(4)) {
-            return Making::<3, 4> { space, stiffness, options }.in_space(physics);
+        let asked = if cfg!(space_1) { lanes(options) } else { best_lanes() };
+        match asked {
+            #[cfg(space_8)]
+            8 => Making::<3, 8> { space, stiffness, options }.in_space(physics),
+            #[cfg(space_4)]
+            4 => Making::<3, 4> { space, stiffness, options }.in_space(physics),
+            #[cfg(space_1)]
+            _ => Making::<3, 1> { space, stiffness, options }.in_space(physics),
+            #[cfg(not(space_1))]
+            _ => unreachable!("this build is for processors that have vectors"),
         }
-        #[cfg(space_1)]
-        return Making::<3, 1> { space, stiffness, options }.in_space(physics);
-        #[cfg(not(space_1))]
-        unreachable!("a build has one lane or four")
     }
 
     fn stabilizer(
