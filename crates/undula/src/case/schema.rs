@@ -208,7 +208,11 @@ impl PartialEq for OwnMesh {
 pub static GENERATORS: [Choice<MeshSource>; 13] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
-    choice("dfg-3d", MeshSource::Dfg3d, "channel 2.5 m long with cylinder, the section of the benchmark in space"),
+    choice(
+        "dfg-3d",
+        MeshSource::Dfg3d,
+        "channel 2.5 m long with cylinder, the section of the benchmark in space",
+    ),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
     choice("flap", MeshSource::Flap, "channel with an elastic flap"),
     choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),

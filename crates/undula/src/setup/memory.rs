@@ -96,8 +96,8 @@ impl Case {
             }
             MeshSource::FsiBox => {
                 let n = 1.0 + self.mesh.grading as f64;
-                let [all, body] =
-                    [(7.0 + 4.0 * n, 4.0 + 2.0 * n), (2.0 * n, 2.0 + n)].map(|(x, y)| x * y * y);
+                let all = (5.0 + 4.0 * n) * (3.0 + 3.0 * n) * (3.0 + 2.0 * n);
+                let body = 2.0 * n * (2.0 + 2.0 * n) * (2.0 + n);
                 let kept = [(self.fluids.is_empty(), all - body), (self.solids.is_empty(), body)];
                 (all, kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { *cells }).sum())
             }

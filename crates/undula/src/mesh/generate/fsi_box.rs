@@ -1,37 +1,35 @@
 //! The elastic box in a channel of space (Richter, 2012).
 
-use super::blocks::{Blocks, Path, Point, even, growing};
+use super::blocks::{Blocks, Path, Point, even, growing, parts};
 use crate::mesh::{INTERFACE, Mesh, MeshError};
 
 /// Lines of the blocks \[m\]: the body is in the second column, the first row and the first layer.
 const X: [f64; 4] = [0.0, 0.4, 0.5, 1.5];
 const Y: [f64; 3] = [0.0, 0.2, 0.4];
-/// Growth of the cells away from the edges of the body: before and behind it, and across the flow.
-const ALONG: f64 = 1.5;
-const ACROSS: f64 = 1.3;
+const Z: [f64; 3] = [0.0, 0.2, 0.4];
 
 /// Mesh of the half z > 0 of the channel `(0, 1.5) × (0, 0.4) × (−0.4, 0.4)` \[m\] with the elastic box
 /// `(0.4, 0.5) × (0, 0.2) × (−0.2, 0.2)` on its bottom.
 ///
 /// Regions `fluid`, `solid`; boundaries `inflow` (x = 0), `outflow` (x = 1.5), `walls`, `symmetry` (z = 0), `clamp` (foot
-/// of the box), `interface`. Level 0 has 396 cells, 18 in the box, which are smallest at its edges; each further level
-/// has eight times as many. The layers of cells at the sides of the box are halved `grading` times towards them before
+/// of the box), `interface`. Level 0 has 270 cells, 24 in the box, which are smallest at its sides and at its foot; each
+/// further level has eight times as many. The layers of cells there are halved `grading` times towards them before
 /// refinement.
 ///
 /// # Errors
 /// [`MeshError::Parameter`] for more nodes than 32 bits can number.
 pub fn fsi_box(refine: usize, grading: usize) -> Result<Mesh<3>, MeshError> {
-    let reversed = |breaks: &[f64]| breaks.iter().rev().map(|s| 1.0 - s).collect::<Vec<f64>>();
-    let closer = |breaks: Vec<f64>| halved(breaks, grading);
-    let [before, behind, away] = [growing(4, ALONG), growing(5, ALONG), growing(3, ACROSS)].map(closer);
-    let within = reversed(&halved(reversed(&halved(even(2), grading)), grading));
-    let columns = [reversed(&before), within, behind];
-    let rows = [reversed(&away), away];
-    let mut mesh = section(&columns, &rows).along(&levels(&rows))?;
-    let n_layers = 2 * (rows[0].len() - 1);
-    // In the section the body is as high as it is deep: its cells are those of the region in the first half of the layers.
+    let graded = |breaks: Vec<f64>| halved(breaks, grading);
+    let at_both = |breaks: Vec<f64>| reversed(graded(reversed(graded(breaks))));
+    let [before, behind, away, inwards] =
+        [growing(3, 1.8), growing(4, 1.8), growing(2, 1.6), growing(3, 1.3)].map(graded);
+    let columns = [reversed(before), at_both(even(2)), behind];
+    let rows = [at_both(parts(&[1.0, 1.5, 1.5, 1.0])), away];
+    let layers = [reversed(inwards), rows[1].clone()];
+    let mut mesh = section(&columns, &rows).along(&levels(&layers))?;
+    let [within, beside] = layers.map(|breaks| breaks.len() - 1);
     for (cell, region) in mesh.cell_region.iter_mut().enumerate() {
-        *region *= u16::from(cell % n_layers < n_layers / 2);
+        *region *= u16::from(cell % (within + beside) < within);
     }
     let number = |mesh: &mut Mesh<3>, name| mesh.boundary_number(name);
     let [walls, clamp, symmetry] = ["walls", "clamp", "symmetry"].map(|name| number(&mut mesh, name));
@@ -50,6 +48,11 @@ pub fn fsi_box(refine: usize, grading: usize) -> Result<Mesh<3>, MeshError> {
     Ok(mesh.refined(refine, &[]))
 }
 
+/// The breaks seen from the other end.
+fn reversed(breaks: Vec<f64>) -> Vec<f64> {
+    breaks.iter().rev().map(|s| 1.0 - s).collect()
+}
+
 /// The breaks with the first part halved `times` times towards 0.
 fn halved(breaks: Vec<f64>, times: usize) -> Vec<f64> {
     let mut all = vec![0.0];
@@ -58,9 +61,9 @@ fn halved(breaks: Vec<f64>, times: usize) -> Vec<f64> {
     all
 }
 
-/// z of the sides of the layers \[m\], as y of those of the rows.
-fn levels(rows: &[Vec<f64>; 2]) -> Vec<f64> {
-    let of = |row: usize| rows[row].iter().map(move |s| Y[row] + s * (Y[row + 1] - Y[row]));
+/// z of the sides of the layers beside the body and beyond it \[m\].
+fn levels(layers: &[Vec<f64>; 2]) -> Vec<f64> {
+    let of = |i: usize| layers[i].iter().map(move |s| Z[i] + s * (Z[i + 1] - Z[i]));
     of(0).chain(of(1).skip(1)).collect()
 }
 
