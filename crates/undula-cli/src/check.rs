@@ -170,6 +170,10 @@ fn source(case: &Case) -> String {
 fn plane(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
+        MeshSource::Tube { length, radii: [inner, outer], cells: [along, round, through] } => format!(
+            "tube of length {length} m, radii {inner} and {outer} m, {along} cells along, {round} round, {through} through \
+             the wall"
+        ),
         MeshSource::File(path) => path.display().to_string(),
         MeshSource::Own(_) => "given by a program".into(),
         generator => row_of(&GENERATORS, generator)

@@ -12,6 +12,7 @@ mod modes;
 mod outputs;
 mod pictures;
 mod pictures_space;
+mod space_cases;
 mod study;
 mod tables;
 

@@ -5,7 +5,7 @@ use super::schema::GENERATORS;
 use crate::space::COORDINATES;
 
 /// The keys of `[mesh]`.
-pub(super) static MESH: [Key; 14] = [
+pub(super) static MESH: [Key; 15] = [
     word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
     text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
     number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
@@ -16,12 +16,18 @@ pub(super) static MESH: [Key; 14] = [
     number("mesh.extrude.layers", "", "required with depth", "layers of cells along z"),
     number("mesh.lower", "m", "box: required", "least corner of the box, as [0, 0], in space as [0, 0, 0]"),
     number("mesh.upper", "m", "box: required", "opposite corner of the box, as [2, 1]"),
-    number("mesh.radii", "m", "annulus: required", "radii of the inner and the outer circle, as [1, 2]"),
+    number("mesh.length", "m", "tube: required", "length of the tube"),
+    number(
+        "mesh.radii",
+        "m",
+        "annulus, tube: required",
+        "radii of the inner and the outer circle, as [1, 2]",
+    ),
     number(
         "mesh.cells",
         "",
-        "box, annulus: required",
-        "cells before refinement: x, y (and z) or round, across",
+        "box, annulus, tube: required",
+        "cells before refinement: x, y (and z); round, across; along, round, through the wall",
     ),
     text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
     text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),

@@ -145,6 +145,8 @@ pub enum MeshSource {
     TurekHron,
     /// Channel 2.2 × 0.41 with cylinder (Schäfer and Turek 1996).
     SchaeferTurek,
+    /// Its section in space: channel 2.5 × 0.41, cylinder at (0.5, 0.2).
+    Dfg3d,
     /// Square (−1, 1)² with a free bar in its middle (Richter 2017, section 5.3.5).
     Rotor,
     /// Channel (−3, 3) × (0, 4) with an elastic flap on its bottom (preCICE).
@@ -155,6 +157,19 @@ pub enum MeshSource {
     Tube2d,
     /// Channel (−2, 6) × (−1, 1) cm with two elastic leaflets.
     Valve,
+    /// Cook's membrane, 48 × 60 mm.
+    Cook,
+    /// Half of a channel of space with an elastic box (Richter 2012).
+    FsiBox,
+    /// A tube of space about the z axis.
+    Tube {
+        /// Length \[m\].
+        length: f64,
+        /// Inner and outer radius \[m\].
+        radii: [f64; 2],
+        /// Cells along, round (a multiple of 4) and through the wall before refinement.
+        cells: [usize; 3],
+    },
     /// The ring between two circles about the origin, boundaries `inner`, `outer`.
     Annulus {
         /// Radii of the circles \[m\].
@@ -190,14 +205,26 @@ impl PartialEq for OwnMesh {
 }
 
 /// Generators by their names in a case.
-pub static GENERATORS: [Choice<MeshSource>; 9] = [
+pub static GENERATORS: [Choice<MeshSource>; 13] = [
     choice("turek-hron", MeshSource::TurekHron, "channel with cylinder and beam"),
     choice("schaefer-turek", MeshSource::SchaeferTurek, "channel with cylinder"),
+    choice(
+        "dfg-3d",
+        MeshSource::Dfg3d,
+        "channel 2.5 m long with cylinder, the section of the benchmark in space",
+    ),
     choice("rotor", MeshSource::Rotor, "square with a free bar"),
     choice("flap", MeshSource::Flap, "channel with an elastic flap"),
     choice("cavity", MeshSource::Cavity, "square over a flexible bottom"),
     choice("tube-2d", MeshSource::Tube2d, "half of a section through an elastic tube, in (r, z)"),
     choice("valve", MeshSource::Valve, "channel with two elastic leaflets"),
+    choice("cook", MeshSource::Cook, "Cook's membrane"),
+    choice("fsi-box", MeshSource::FsiBox, "half of a channel of space with an elastic box"),
+    choice(
+        "tube",
+        MeshSource::Tube { length: 1.0, radii: [1.0, 2.0], cells: [1, 4, 1] },
+        "tube of space with an elastic wall between the radii `radii`",
+    ),
     choice(
         "annulus",
         MeshSource::Annulus { radii: [1.0, 2.0], cells: [4, 1] },

@@ -178,6 +178,11 @@ impl Case {
             out.key("radii", numbers(radii));
             out.key("cells", format!("{cells:?}"));
         }
+        if let MeshSource::Tube { length, radii, cells } = &self.mesh.source {
+            out.key("length", number(*length));
+            out.key("radii", numbers(radii));
+            out.key("cells", format!("{cells:?}"));
+        }
         if let Some(Extrude { depth, layers }) = self.mesh.extrude {
             out.key("extrude.depth", number(depth));
             out.key("extrude.layers", layers.to_string());

@@ -44,6 +44,18 @@ impl Mesh<2> {
         Ok(self.drawn_along(&levels, &Columns { layers, halvings: 0 }))
     }
 
+    /// The same with layers between the `sides` \[m\], which rise.
+    pub(super) fn along(&self, sides: &[f64]) -> Result<Mesh<3>, MeshError> {
+        let layers = sides.len() - 1;
+        self.check_extrusion(layers)?;
+        let level = |k: usize| {
+            let (layer, part) = (k / self.degree, (k % self.degree) as f64 / self.degree as f64);
+            sides[layer] + if part > 0.0 { part * (sides[layer + 1] - sides[layer]) } else { 0.0 }
+        };
+        let levels: Vec<f64> = (0..=self.degree * layers).map(level).collect();
+        Ok(self.drawn_along(&levels, &Columns { layers, halvings: 0 }))
+    }
+
     /// Whether it can be drawn out.
     fn check_extrusion(&self, layers: usize) -> Result<(), MeshError> {
         if self.shape != Shape::Quadrilateral {

@@ -2,7 +2,7 @@
 //!
 //! Lanes are taken apart in functions of their own: nothing here is compiled for wide vectors.
 
-use crate::math::{Scalar, Tensor, Vector};
+use crate::math::{Dual, Scalar, Tensor, Vector};
 
 /// A law as the kernels call it: energy and stress with their derivatives, by number; `fibre` is the direction of the
 /// fibres, 0 for that of the law.
@@ -11,6 +11,25 @@ pub(super) trait Law: Send + Sync {
     fn energy_at(&self, fibre: &[f64], grad_u: &[[f64; 2]]) -> [f64; 2];
     /// The same for P, into `stress`.
     fn stress_at(&self, fibre: &[f64], grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]);
+}
+
+/// ∇u in space: plane strain if it is one of the plane.
+pub(super) fn in_space(grad_u: &[[f64; 2]]) -> Tensor<Dual<f64>, 3> {
+    let d = grad_u.len().isqrt();
+    let mut at = Tensor::zero();
+    for (n, &[re, eps]) in grad_u.iter().enumerate() {
+        at.0[n / d][n % d] = Dual { re, eps };
+    }
+    at
+}
+
+/// The components of P that a list as long as that of ∇u has.
+pub(super) fn write(P: &Tensor<Dual<f64>, 3>, stress: &mut [[f64; 2]]) {
+    let d = stress.len().isqrt();
+    for (n, component) in stress.iter_mut().enumerate() {
+        let Dual { re, eps } = P.0[n / d][n % d];
+        *component = [re, eps];
+    }
 }
 
 /// Lane `lane` of a direction.

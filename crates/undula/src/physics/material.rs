@@ -5,6 +5,7 @@
 //! that I₁ = tr C + 1, I₂ = ½ (I₁² − C:C − 1) and J are those of the extended one.
 
 use super::fibres::{Artery, Muscle};
+use super::isochoric::IsochoricNeoHookean;
 use super::kinematics::{Kinematics, volume_change};
 use super::law;
 use super::ogden::Ogden;
@@ -36,6 +37,8 @@ pub enum Material {
         /// First Lamé parameter \[Pa\].
         lambda: f64,
     },
+    /// W = ½ μ (J^(−2/3) I₁ − 3) + ¼ κ (J² − 1 − 2 ln J), κ = λ + ⅔ μ.
+    Isochoric(IsochoricNeoHookean),
     /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂) (J − 1)²; μ = 2 (c₁ + c₂).
     /// Polyconvex for c₁, c₂ ≥ 0 and λ ≥ 4 c₂.
     MooneyRivlin {
@@ -173,6 +176,7 @@ impl Material {
         let (c1, c2, lambda) = match *self {
             Material::Linear { .. }
             | Material::StVenantKirchhoff { .. }
+            | Material::Isochoric(_)
             | Material::Ogden(_)
             | Material::Artery(_)
             | Material::Muscle(_)
@@ -242,6 +246,7 @@ impl Material {
     ) -> Tensor<T, D> {
         match self {
             Material::Own(law) => law.stress(fibre, grad_u),
+            Material::Isochoric(law) => law::stress(law, fibre, grad_u),
             Material::Ogden(law) => law::stress(law, fibre, grad_u),
             Material::Artery(law) => law::stress(law, fibre, grad_u),
             Material::Muscle(law) => law::stress(law, fibre, grad_u),
@@ -259,6 +264,7 @@ impl Material {
     ) -> Tensor<T, D> {
         match self {
             Material::Own(law) => law.derivative(fibre, grad_u, grad_w),
+            Material::Isochoric(law) => law::derivative(law, fibre, grad_u, grad_w),
             Material::Ogden(law) => law::derivative(law, fibre, grad_u, grad_w),
             Material::Artery(law) => law::derivative(law, fibre, grad_u, grad_w),
             Material::Muscle(law) => law::derivative(law, fibre, grad_u, grad_w),
@@ -339,6 +345,7 @@ impl Material {
                 let bulk = if compliance > 0.0 { 1.0 / compliance } else { 0.0 };
                 compressible(c1, c2, bulk + 4.0 * c2)
             }
+            Material::Isochoric(law) => law::energy(&law, fibre, grad_u),
             Material::Ogden(law) => law::energy(&law, fibre, grad_u),
             Material::Artery(law) => law::energy(&law, fibre, grad_u) + bulk(law.compliance),
             Material::Muscle(law) => law::energy(&law, fibre, grad_u) + bulk(Some(law.compliance)),

@@ -1,7 +1,7 @@
 //! The law of Ogden (1972), in principal stretches.
 
 use super::kinematics::{cofactor, volume_change};
-use super::law::Law;
+use super::law::{Law, in_space, write};
 use crate::math::{Dual, Tensor};
 
 /// W = Σ_p [μ_p/α_p (λ₁^α_p + λ₂^α_p + λ₃^α_p − 3) − μ_p ln J] + ½ λ (J − 1)², μ = ½ Σ μ_p α_p at rest.
@@ -91,16 +91,6 @@ impl Ogden {
     }
 }
 
-/// ∇u in space: plane strain if it is one of the plane.
-fn in_space(grad_u: &[[f64; 2]]) -> Tensor<Dual<f64>, 3> {
-    let d = grad_u.len().isqrt();
-    let mut at = Tensor::zero();
-    for (n, &[re, eps]) in grad_u.iter().enumerate() {
-        at.0[n / d][n % d] = Dual { re, eps };
-    }
-    at
-}
-
 impl Law for Ogden {
     fn energy_at(&self, _: &[f64], grad_u: &[[f64; 2]]) -> [f64; 2] {
         let at = in_space(grad_u);
@@ -113,11 +103,7 @@ impl Law for Ogden {
     }
 
     fn stress_at(&self, _: &[f64], grad_u: &[[f64; 2]], stress: &mut [[f64; 2]]) {
-        let (d, P) = (grad_u.len().isqrt(), self.piola(&in_space(grad_u)));
-        for (n, component) in stress.iter_mut().enumerate() {
-            let Dual { re, eps } = P.0[n / d][n % d];
-            *component = [re, eps];
-        }
+        write(&self.piola(&in_space(grad_u)), stress);
     }
 }
 

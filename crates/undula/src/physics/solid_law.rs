@@ -2,6 +2,7 @@
 
 use super::Material;
 use super::fibres::{Artery, Muscle};
+use super::isochoric::IsochoricNeoHookean;
 use crate::choice::{Choice, choice, name_of};
 
 /// Constitutive law of the solid without its constants.
@@ -13,6 +14,8 @@ pub enum SolidLaw {
     Linear,
     /// W = ½ μ (I₁ − 3) − μ ln J + ½ λ (J − 1)².
     NeoHookean,
+    /// W = ½ μ (J^(−2/3) I₁ − 3) + ¼ κ (J² − 1 − 2 ln J).
+    IsochoricNeoHookean,
     /// W = c₁ (I₁ − 3) + c₂ (I₂ − 3) − 2 (c₁ + 2 c₂) ln J + ½ (λ − 4 c₂)(J − 1)².
     MooneyRivlin,
     /// Neo-Hookean with J = 1.
@@ -32,7 +35,7 @@ pub enum SolidLaw {
 }
 
 /// Their names in a case.
-pub static LAWS: [Choice<SolidLaw>; 11] = [
+pub static LAWS: [Choice<SolidLaw>; 12] = [
     choice(
         "st-venant-kirchhoff",
         SolidLaw::StVenantKirchhoff,
@@ -40,6 +43,11 @@ pub static LAWS: [Choice<SolidLaw>; 11] = [
     ),
     choice("linear", SolidLaw::Linear, "Hooke's law: small strains and rotations"),
     choice("neo-hookean", SolidLaw::NeoHookean, "W = μ/2 (I₁ − 3) − μ ln J + λ/2 (J − 1)²: large strains"),
+    choice(
+        "isochoric-neo-hookean",
+        SolidLaw::IsochoricNeoHookean,
+        "W = μ/2 (J^(-2/3) I₁ − 3) + κ/4 (J² − 1 − 2 ln J): change of shape and of volume apart",
+    ),
     choice("mooney-rivlin", SolidLaw::MooneyRivlin, "neo-Hookean with a term c2 (I₂ − 3), mu = 2 (c1 + c2)"),
     choice(
         "incompressible-neo-hookean",
@@ -120,6 +128,9 @@ impl SolidLaw {
             SolidLaw::StVenantKirchhoff => Material::StVenantKirchhoff { mu, lambda },
             SolidLaw::Linear => Material::Linear { mu, lambda },
             SolidLaw::NeoHookean => Material::NeoHookean { mu, lambda },
+            SolidLaw::IsochoricNeoHookean => {
+                Material::Isochoric(IsochoricNeoHookean { mu, bulk: lambda + 2.0 / 3.0 * mu })
+            }
             SolidLaw::MooneyRivlin => Material::MooneyRivlin { c1, c2, lambda },
             SolidLaw::IncompressibleNeoHookean | SolidLaw::IncompressibleMooneyRivlin => {
                 Material::incompressible(c1, c2, lambda)

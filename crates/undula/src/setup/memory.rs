@@ -55,7 +55,9 @@ impl Case {
         let most = (0..refine).rev().find(|refine| self.bytes(coarse, *refine) <= at_hand);
         let key = match (&self.mesh.source, most) {
             (_, Some(_)) => "mesh.refine",
-            (MeshSource::Box { .. } | MeshSource::Annulus { .. }, None) => "mesh.cells",
+            (MeshSource::Box { .. } | MeshSource::Annulus { .. } | MeshSource::Tube { .. }, None) => {
+                "mesh.cells"
+            }
             (MeshSource::File(_), None) => "mesh.file",
             _ => "mesh",
         };
@@ -81,6 +83,8 @@ impl Case {
         let (all, kept) = match &self.mesh.source {
             MeshSource::TurekHron => of_mesh(&generate::turek_hron(0, grading)),
             MeshSource::SchaeferTurek => of_mesh(&generate::schaefer_turek(0)),
+            MeshSource::Dfg3d => of_mesh(&generate::dfg_3d(0)),
+            MeshSource::Cook => of_mesh(&generate::cook(0)),
             MeshSource::Rotor => of_mesh(&generate::rotor(0, grading)),
             MeshSource::Flap => of_mesh(&generate::flap(0, grading)),
             MeshSource::Cavity => of_mesh(&generate::cavity(0)),
@@ -89,6 +93,20 @@ impl Case {
             MeshSource::Annulus { cells, .. } => {
                 let all = cells[0] as f64 * cells[1] as f64;
                 (all, all)
+            }
+            MeshSource::FsiBox => {
+                let n = 1.0 + self.mesh.grading as f64;
+                let all = (5.0 + 4.0 * n) * (3.0 + 3.0 * n) * (3.0 + 2.0 * n);
+                let body = 2.0 * n * (2.0 + 2.0 * n) * (2.0 + n);
+                let kept = [(self.fluids.is_empty(), all - body), (self.solids.is_empty(), body)];
+                (all, kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { *cells }).sum())
+            }
+            MeshSource::Tube { cells: [along, round, through], .. } => {
+                let (n, along) = (*round as f64 / 4.0, *along as f64);
+                let [fluid, wall] = [n * n + 4.0 * n * (n / 2.0).ceil(), 4.0 * n * *through as f64];
+                let kept = [(self.fluids.is_empty(), fluid), (self.solids.is_empty(), wall)];
+                let kept = kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { along * cells });
+                (along * (fluid + wall), kept.sum())
             }
             MeshSource::Box { lower, upper, cells } => {
                 let all: f64 = cells.iter().map(|n| *n as f64).product();

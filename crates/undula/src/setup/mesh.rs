@@ -81,6 +81,8 @@ impl Case {
         let (mesh, curves): (Mesh<2>, Vec<Curve<2>>) = match &spec.source {
             MeshSource::TurekHron => (generate::turek_hron(0, grading), vec![generate::cylinder()]),
             MeshSource::SchaeferTurek => (generate::schaefer_turek(0), vec![generate::cylinder()]),
+            MeshSource::Dfg3d => (generate::dfg_3d(0), vec![generate::cylinder_of_dfg_3d()]),
+            MeshSource::Cook => (generate::cook(0), vec![]),
             MeshSource::Rotor => (generate::rotor(0, grading), vec![]),
             MeshSource::Flap => (generate::flap(0, grading), vec![]),
             MeshSource::Cavity => (generate::cavity(0), vec![]),
@@ -92,6 +94,9 @@ impl Case {
             MeshSource::Box { lower, upper, cells } => {
                 let mesh = generate::rectangle(first(lower), first(upper), first(cells), 0)?;
                 (mesh, vec![])
+            }
+            MeshSource::FsiBox | MeshSource::Tube { .. } => {
+                return Err(self.refuse("mesh.generator", "there is no such mesh in the plane".into()));
             }
             MeshSource::File(path) => {
                 let mesh = gmsh::read(path).map_err(|e| self.blame("mesh.file", e))?;
@@ -133,9 +138,16 @@ impl Case {
             let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
             return Ok((mesh, hierarchy, vec![]));
         }
+        let mut curves = vec![];
         let mesh = match &self.mesh.source {
             MeshSource::Box { lower, upper, cells } => {
                 generate::hexahedra(first(lower), first(upper), first(cells), 0)?
+            }
+            MeshSource::FsiBox => generate::fsi_box(0, self.mesh.grading as usize)?,
+            MeshSource::Tube { length, radii: [inner, outer], cells } => {
+                let size = [*length, *inner, outer - inner];
+                curves = generate::cylinders(size);
+                generate::tube(size, *cells, 0)?
             }
             MeshSource::File(path) => match gmsh::read_any(path).map_err(|e| self.blame("mesh.file", e))? {
                 AnyMesh::Space(mesh) => self.scaled(mesh)?,
@@ -143,8 +155,8 @@ impl Case {
             },
             _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
         };
-        let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &[]);
-        Ok((mesh, hierarchy, vec![]))
+        let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
+        Ok((mesh, hierarchy, curves))
     }
 
     /// Refuses cells on which the velocity does not live.

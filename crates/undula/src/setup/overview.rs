@@ -168,7 +168,9 @@ impl Case {
         let (flow, name, [whole, length]) = found?;
         let mean = flow / whole;
         let scale = match self.mesh.source {
-            MeshSource::TurekHron | MeshSource::SchaeferTurek => (DIAMETER, "the diameter of the cylinder"),
+            MeshSource::TurekHron | MeshSource::SchaeferTurek | MeshSource::Dfg3d => {
+                (DIAMETER, "the diameter of the cylinder")
+            }
             _ if D == 3 => (length.sqrt(), "the root of the area of that boundary"),
             _ => (length, "the length of that boundary"),
         };

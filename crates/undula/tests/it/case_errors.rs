@@ -94,7 +94,7 @@ leading = "lft"
 "#;
     let expected = r#"own.toml:1:8: name = "a/b": expected letters, digits, `-`, `_` and `.` only (it names the output directory)
 own.toml:2:1: colour: unknown key; a case takes `name`, `title`, `reference`, `mesh`, `space`, `fluid`, `stabilization`, `solid`, `motion`, `boundary`, `time`, `initial`, `newton`, `linear`, `functional`, `output`
-own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `annulus`, `box`; did you mean `turek-hron`?
+own.toml:5:13: mesh.generator = "turek-horn": expected one of `turek-hron`, `schaefer-turek`, `dfg-3d`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `cook`, `fsi-box`, `tube`, `annulus`, `box`; did you mean `turek-hron`?
 own.toml:6:10: mesh.refine = 1.5: expected an integer from 0 to 10
 own.toml:7:11: mesh.grading = -1: expected an integer from 0 to 30
 own.toml:10:12: space.velocity = "Q5": expected one of `Q1`, `Q2`, `Q3`, `Q4`, `P1`, `P2`, `P3`, `P2-bubble`
@@ -216,7 +216,7 @@ fn mistakes_in_meshes() {
     for (mesh, expected) in [
         (
             "refine = 1",
-            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `annulus`, `box`) or `file`",
+            "own.toml:1:2: mesh.generator: missing: give `generator` (`turek-hron`, `schaefer-turek`, `dfg-3d`, `rotor`, `flap`, `cavity`, `tube-2d`, `valve`, `cook`, `fsi-box`, `tube`, `annulus`, `box`) or `file`",
         ),
         (
             "generator = \"box\"\nlower = [0, 0]\nupper = [1, 0]\ncells = [4, 0]",
@@ -229,7 +229,15 @@ fn mistakes_in_meshes() {
         ),
         (
             "generator = \"turek-hron\"\ncells = [4, 4]",
-            "own.toml:3:9: mesh.cells = [4, 4]: only for generator = \"box\" or \"annulus\"",
+            "own.toml:3:9: mesh.cells = [4, 4]: only for generator = \"box\", \"annulus\" or \"tube\"",
+        ),
+        (
+            "generator = \"tube\"\nradii = [2, 1]\ncells = [4, 6, 1]",
+            "own.toml:3:9: mesh.radii = [2, 1]: expected the radius of the inner circle, then the larger one of the outer \
+             circle\n\
+             own.toml:4:9: mesh.cells = [4, 6, 1]: expected a multiple of 4 round, as [20, 16, 1]\n\
+             own.toml:1:2: mesh.length: missing: a tube needs `length` and `radii` [m], as [1, 2], and `cells` along, round \
+             and through the wall, as [20, 16, 1]",
         ),
         (
             "generator = \"turek-hron\"\nfile = \"a.msh\"",
@@ -342,7 +350,8 @@ fn a_case_that_is_not_there() {
     assert_eq!(
         told("missing/own.toml").0,
         "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
-         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`, `flap`, `cavity`, `tube-2d`, `cylinder`, `pump`, `valve`"
+         `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`, `flap`, `cavity`, `tube-2d`, `cylinder`, `pump`, `valve`, \
+         `dfg-3d1z`, `dfg-3d3z`, `cook`, `fsi-box`, `tube`"
     );
     // A directory exists, but it cannot be read as a file.
     assert!(!told("src").1);

@@ -4,13 +4,13 @@ use crate::common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
 use undula::case::builtin::builtin_cases;
 use undula::case::expression::Expression;
 use undula::case::*;
-use undula::mesh::generate::{rectangle, schaefer_turek};
+use undula::mesh::generate::{cook, dfg_3d, fsi_box, rectangle, schaefer_turek, tube};
 use undula::setup::names::MeshNames;
 use undula::space::Walls;
 
 #[test]
 fn every_builtin_case_loads_and_survives_the_way_back() {
-    assert_eq!(builtin_cases().len(), 19);
+    assert_eq!(builtin_cases().len(), 24);
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
         assert_eq!(case.name, shipped.name);
@@ -30,7 +30,11 @@ fn builtin_cases_fit_their_mesh() {
             "rotor" | "flap" | "cavity" | "tube-2d" | "cylinder" | "pump" | "valve" => {
                 MeshNames::of(&case.build_mesh().unwrap())
             }
-            name if name.starts_with("dfg") => without_beam.clone(),
+            name if name.starts_with("dfg-2d") => without_beam.clone(),
+            name if name.starts_with("dfg-3d") => MeshNames::of(&dfg_3d(0).extruded(0.41, 1).unwrap()),
+            "cook" => MeshNames::of(&cook(0).extruded(1e-3, 1).unwrap()),
+            "fsi-box" => MeshNames::of(&fsi_box(0, 1).unwrap()),
+            "tube" => MeshNames::of(&tube([0.05, 0.005, 0.001], [20, 8, 1], 0).unwrap()),
             _ => turek_hron(),
         };
         assert_eq!(case.check_mesh(&names), Ok(()), "{}", shipped.name);

@@ -3,7 +3,7 @@
 
 use undula::math::{Dual, Scalar, Tensor, Vector};
 use undula::physics::kinematics::{cofactor, volume_change};
-use undula::physics::{Artery, Deformation, Material, Muscle, StoredEnergy};
+use undula::physics::{Artery, Deformation, IsochoricNeoHookean, Material, Muscle, StoredEnergy};
 
 /// Deterministic random numbers in (−½, ½) (xorshift).
 struct Random(u64);
@@ -31,6 +31,8 @@ const C2: f64 = 0.4;
 const LINEAR: Material = Material::Linear { mu: MU, lambda: LAMBDA };
 const VENANT: Material = Material::StVenantKirchhoff { mu: MU, lambda: LAMBDA };
 const NEO: Material = Material::NeoHookean { mu: MU, lambda: LAMBDA };
+const ISOCHORIC: Material =
+    Material::Isochoric(IsochoricNeoHookean { mu: MU, bulk: LAMBDA + 2.0 / 3.0 * MU });
 const MOONEY: Material = Material::MooneyRivlin { c1: C1, c2: C2, lambda: LAMBDA };
 
 fn nearly() -> Material {
@@ -55,7 +57,7 @@ fn ogdens() -> [Material; 3] {
 }
 
 fn all() -> Vec<Material> {
-    [&by_hand()[..], &ogdens(), &with_fibres()].concat()
+    [&by_hand()[..], &ogdens(), &with_fibres(), &[ISOCHORIC]].concat()
 }
 
 const ARTERY: Artery = Artery {
@@ -488,7 +490,7 @@ fn differences<const D: usize>(at: &Tensor<f64, D>, f: impl Fn(&Tensor<f64, D>) 
 fn laws_by_number_are_derivatives_of_their_energy() {
     fn run<const D: usize>() {
         let mut random = Random(71);
-        for material in ogdens().into_iter().chain(with_fibres()) {
+        for material in ogdens().into_iter().chain(with_fibres()).chain([ISOCHORIC]) {
             for _ in 0..50 {
                 let (grad_u, grad_w) = (random.tensor::<D>(0.5), random.tensor::<D>(1.0));
                 let P = piola(&material, &grad_u);
@@ -503,6 +505,25 @@ fn laws_by_number_are_derivatives_of_their_energy() {
     }
     run::<2>();
     run::<3>();
+}
+
+/// The pressure of the law with both apart is κ/2 (J − 1/J), whatever the shape, and its stress under a dilatation is no
+/// other.
+#[test]
+fn change_of_volume_and_of_shape_are_apart() {
+    let (mut random, bulk) = (Random(91), LAMBDA + 2.0 / 3.0 * MU);
+    for _ in 0..50 {
+        let grad_u = random.tensor::<3>(0.5);
+        let F = Tensor::identity() + grad_u;
+        let J = F.det();
+        let sigma = 1.0 / J * (ISOCHORIC.stress(&grad_u) * F.t());
+        let expected = 0.5 * bulk * (J - 1.0 / J);
+        assert!((sigma.trace() / 3.0 - expected).abs() < 1e-12 * (1.0 + expected.abs()), "{J}");
+        let dilatation = random.next() * Tensor::<f64, 3>::identity();
+        let J = (Tensor::identity() + dilatation).det();
+        let expected = 0.5 * bulk * (J * J - 1.0) / (1.0 + dilatation.0[0][0]) * Tensor::identity();
+        assert_near(ISOCHORIC.stress(&dilatation), expected, "dilatation");
+    }
 }
 
 /// Fibres that turn with the reference domain: P_φ(F) = P₀(F R) Rᵀ. Fibres that are pressed bear nothing, and with κ = ⅓

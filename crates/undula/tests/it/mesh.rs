@@ -4,7 +4,10 @@
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use undula::element::Shape;
-use undula::mesh::generate::{annulus, circles, cylinder, rectangle, schaefer_turek, turek_hron, valve};
+use undula::mesh::generate::{
+    annulus, circles, cook, cylinder, cylinder_of_dfg_3d, dfg_3d, rectangle, schaefer_turek, turek_hron,
+    valve,
+};
 use undula::mesh::{Curve, Facet, FacetDistance, Locator, Mesh, MeshError};
 
 const CYLINDER_AREA: f64 = PI * 0.05 * 0.05;
@@ -79,6 +82,39 @@ fn schaefer_turek_has_the_promised_counts_and_names() {
         assert_eq!(count(&mesh, "cylinder"), 22 << level);
         assert_eq!(euler(&mesh), 0);
         assert!(has_vertex(&mesh, [0.15, 0.2]) && has_vertex(&mesh, [0.25, 0.2]));
+    }
+}
+
+/// Level 0 has no mesh of its own: it is the other channel with two more columns, moved.
+#[test]
+fn the_section_of_dfg_3d_has_the_promised_counts_and_names() {
+    for level in 0..3 {
+        let mesh = dfg_3d(level);
+        mesh.check().unwrap();
+        mesh.check_curves(&[cylinder_of_dfg_3d()]).unwrap();
+        assert_eq!(mesh.n_cells(), 234 << (2 * level));
+        assert_eq!(mesh.boundaries, ["inflow", "outflow", "walls", "cylinder"]);
+        assert_eq!((count(&mesh, "inflow"), count(&mesh, "cylinder")), (6 << level, 22 << level));
+        assert_eq!(euler(&mesh), 0);
+        assert!(has_vertex(&mesh, [0.45, 0.2]) && has_vertex(&mesh, [0.55, 0.2]));
+        let ends = mesh.nodes.iter().fold([1.0, 0.0], |[a, b]: [f64; 2], [x, _]| [a.min(*x), b.max(*x)]);
+        assert!(ends[0] == 0.0 && (ends[1] - 2.5).abs() < 1e-15, "{ends:?}");
+        assert!(mesh.quality().min_scaled_jacobian() > 0.7);
+        let area = mesh.quality().total_volume() - (2.5 * 0.41 - CYLINDER_AREA);
+        assert!(area.abs() < 1e-6 / f64::from(1 << (4 * level)), "{area:e}");
+    }
+}
+
+#[test]
+fn cooks_membrane_is_a_panel_of_four_corners() {
+    for level in 0..3 {
+        let mesh = cook(level);
+        mesh.check().unwrap();
+        assert_eq!((mesh.n_cells(), &mesh.regions[..]), (1 << (2 * level), &["solid".to_string()][..]));
+        let counts = ["clamp", "load", "free"].map(|name| count(&mesh, name));
+        assert_eq!(counts, [1, 1, 2].map(|n| n << level));
+        assert!(has_vertex(&mesh, [0.048, 0.06]) && has_vertex(&mesh, [0.0, 0.0]));
+        assert!((mesh.quality().total_volume() - 0.048 * 0.03).abs() < 1e-17);
     }
 }
 

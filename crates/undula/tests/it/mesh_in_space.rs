@@ -1,7 +1,7 @@
 //! Meshes of hexahedra: what is drawn out of plane ones, cuboids and tubes; checks, location, distance and refinement.
 
 use std::collections::HashSet;
-use undula::mesh::generate::{annulus, circles, cylinders, hexahedra, rectangle, tube, turek_hron};
+use undula::mesh::generate::{annulus, circles, cylinders, fsi_box, hexahedra, rectangle, tube, turek_hron};
 use undula::mesh::{Curve, Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
 
 fn count(mesh: &Mesh<3>, boundary: &str) -> usize {
@@ -438,6 +438,57 @@ fn a_tube_has_the_promised_names_and_volumes() {
         ([1.0; 3], [1, 8, 0]),
     ] {
         assert!(tube(size, cells, 0).unwrap_err().to_string().starts_with("mesh generator `tube`: "));
+    }
+}
+
+/// Names, counts and places of the sides of the box and of the channel; halved layers stay at its sides.
+#[test]
+fn an_elastic_box_has_the_promised_names() {
+    for (level, grading) in [(0, 0), (1, 0), (0, 1), (0, 2)] {
+        let mesh = fsi_box(level, grading).unwrap();
+        mesh.check_matching("fluid", "solid", &[]).unwrap();
+        let n = 1 + grading;
+        let cells = (5 + 4 * n) * (3 + 3 * n) * (3 + 2 * n);
+        assert_eq!(mesh.n_cells(), cells << (3 * level));
+        let volumes = [volume(&mesh, "solid") / 0.004 - 1.0, volume(&mesh, "fluid") / 0.236 - 1.0];
+        assert!(volumes.iter().all(|error| error.abs() < 1e-13), "{volumes:?}");
+        assert_eq!(mesh.boundaries, ["inflow", "outflow", "walls", "symmetry", "clamp", "interface"]);
+        for f in &mesh.facets {
+            let nodes = mesh.facet_nodes(f.cell as usize, f.local as usize);
+            let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.nodes[node as usize]).collect();
+            let on = |d: usize, x: f64| points.iter().all(|p| (p[d] - x).abs() < 1e-15);
+            let at_body = points.iter().all(|p| {
+                p[0] > 0.4 - 1e-12 && p[0] < 0.5 + 1e-12 && p[1] < 0.2 + 1e-12 && p[2] < 0.2 + 1e-12
+            });
+            assert!(match f.boundary {
+                0 => on(0, 0.0),
+                1 => on(0, 1.5),
+                2 => (on(1, 0.0) && !at_body) || on(1, 0.4) || on(2, 0.4),
+                3 => on(2, 0.0),
+                4 => on(1, 0.0) && at_body,
+                _ =>
+                    at_body
+                        && (on(0, 0.4) || on(0, 0.5) || on(1, 0.2) || on(2, 0.2))
+                        && mesh.cell_region[f.cell as usize] == 0,
+            });
+        }
+        // All facets are rectangles along the axes.
+        let area_of = |f: &Facet| {
+            let nodes = mesh.facet_nodes(f.cell as usize, f.local as usize);
+            let points: Vec<[f64; 3]> = nodes.iter().map(|&node| mesh.nodes[node as usize]).collect();
+            let extent = |d: usize| points.iter().map(|p| (p[d] - points[0][d]).abs()).fold(0.0, f64::max);
+            let extents = [extent(0), extent(1), extent(2)];
+            extents.iter().filter(|x| **x > 1e-12).product::<f64>()
+        };
+        let area = |name: &str| -> f64 {
+            let boundary = mesh.boundary(name);
+            mesh.facets.iter().filter(|f| Some(f.boundary) == boundary).map(area_of).sum()
+        };
+        let areas =
+            [("walls", 1.5 * 0.4 * 3.0 - 0.02), ("symmetry", 0.6), ("clamp", 0.02), ("interface", 0.12)];
+        for (name, expected) in areas {
+            assert!((area(name) - expected).abs() < 1e-13, "{name}: {}", area(name));
+        }
     }
 }
 

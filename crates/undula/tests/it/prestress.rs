@@ -57,7 +57,8 @@ fn constants(case: CaseBuilder, law: SolidLaw) -> CaseBuilder {
     if law.is_incompressible() { case } else { case.set("solid.lambda", 4.0) }
 }
 
-const ALL: [SolidLaw; 11] = [
+const ALL: [SolidLaw; 12] = [
+    SolidLaw::IsochoricNeoHookean,
     SolidLaw::StVenantKirchhoff,
     SolidLaw::Linear,
     SolidLaw::NeoHookean,

@@ -22,6 +22,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
     let radii = s.pair("radii", POSITIVE);
+    let length = s.has("length").then(|| s.number("length", 1.0, POSITIVE));
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     let own = root.checker.mesh;
@@ -40,12 +41,20 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         s.wrong("scale", "only for `file`: the generators make meshes in metres");
     }
     if let Some(MeshSource::Annulus { .. }) = generator {
-        check_ring(&s, radii, corners.cells.as_deref());
+        check_ring(&s, radii, corners.cells.as_deref(), 0);
+    }
+    if let Some(MeshSource::Tube { .. }) = generator {
+        check_ring(&s, radii, corners.cells.as_deref(), 1);
     }
     let source = match (generator, file) {
         (Some(MeshSource::Annulus { .. }), _) => {
             MeshSource::Annulus { radii: radii?, cells: <[usize; 2]>::try_from(corners.cells?).ok()? }
         }
+        (Some(MeshSource::Tube { .. }), _) => MeshSource::Tube {
+            length: length?,
+            radii: radii?,
+            cells: <[usize; 3]>::try_from(corners.cells?).ok()?,
+        },
         (Some(MeshSource::Box { .. }), _) => {
             MeshSource::Box { lower: corners.lower?, upper: corners.upper?, cells: corners.cells? }
         }
@@ -86,7 +95,11 @@ fn sizes(
     file: Option<&str>,
 ) -> (Corners, Option<Extrude>) {
     let extrude = extrude(s.section("extrude"));
-    let in_space = matches!(generator, Some(MeshSource::Box { .. })) && s.length("lower") == Some(3);
+    let in_space = match generator {
+        Some(MeshSource::Box { .. }) => s.length("lower") == Some(3),
+        Some(MeshSource::FsiBox | MeshSource::Tube { .. }) => true,
+        _ => false,
+    };
     let generated = if in_space { Vectors::Space } else { Vectors::Plane };
     root.checker.vectors.set(generated);
     let corners = Corners { lower: s.point("lower"), upper: s.point("upper"), cells: s.counts("cells") };
@@ -133,49 +146,59 @@ fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
     Some(Extrude { depth, layers: layers as usize })
 }
 
+/// Which generators take a key.
+const SIZES: [(&str, &[&str]); 6] = [
+    ("lower", &["box"]),
+    ("upper", &["box"]),
+    ("length", &["tube"]),
+    ("radii", &["annulus", "tube"]),
+    ("cells", &["box", "annulus", "tube"]),
+    ("region", &["box", "annulus"]),
+];
+
 /// Refuses sizes of another generator, and misses those of this one.
 fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool) {
-    let is_box = matches!(generator, Some(MeshSource::Box { .. }));
-    let is_ring = matches!(generator, Some(MeshSource::Annulus { .. }));
-    for (key, of_box, of_ring) in [
-        ("lower", true, false),
-        ("upper", true, false),
-        ("radii", false, true),
-        ("cells", true, true),
-        ("region", true, true),
-    ] {
-        let is_used = (is_box && of_box) || (is_ring && of_ring);
+    let (this, needs) = match generator {
+        Some(MeshSource::Box { .. }) => {
+            ("box", "a box needs `lower` and `upper` corner [m] and `cells` per direction")
+        }
+        Some(MeshSource::Annulus { .. }) => {
+            ("annulus", "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]")
+        }
+        Some(MeshSource::Tube { .. }) => (
+            "tube",
+            "a tube needs `length` and `radii` [m], as [1, 2], and `cells` along, round and through the wall, as [20, 16, 1]",
+        ),
+        _ => ("", ""),
+    };
+    for (key, generators) in SIZES {
+        let is_used = generators.contains(&this);
         if s.has(key) && !is_used && (generator.is_some() || file) {
-            let generators = match (of_box, of_ring) {
-                (true, true) => "\"box\" or \"annulus\"",
-                (true, false) => "\"box\"",
-                _ => "\"annulus\"",
-            };
-            s.wrong(key, format!("only for generator = {generators}"));
-        } else if is_box && is_used && !s.has(key) && key != "region" {
-            s.missing(key, "a box needs `lower` and `upper` corner [m] and `cells` per direction");
-        } else if is_ring && is_used && !s.has(key) && key != "region" {
-            s.missing(
-                key,
-                "an annulus needs `radii` [m], as [1, 2], and `cells` round and across, as [16, 4]",
-            );
+            let names: Vec<String> = generators.iter().map(|name| format!("{name:?}")).collect();
+            let (last, before) = names.split_last().map_or(("", &[][..]), |(last, before)| (last, before));
+            let or = if before.is_empty() { "" } else { " or " };
+            s.wrong(key, format!("only for generator = {}{or}{last}", before.join(", ")));
+        } else if is_used && !s.has(key) && key != "region" {
+            s.missing(key, needs);
         }
     }
 }
 
-/// Refuses a ring that has no thickness, or that has no vertices on the axes.
-fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<&[usize]>) {
+/// Refuses a ring that has no thickness, or that has no vertices on the axes; `round` is which of the cells are those
+/// round it.
+fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<&[usize]>, round: usize) {
     if radii.is_some_and(|[inner, outer]| inner >= outer) {
         s.wrong("radii", "expected the radius of the inner circle, then the larger one of the outer circle");
     }
-    if cells.is_some_and(|cells| !cells[0].is_multiple_of(4)) {
-        s.wrong("cells", "expected a multiple of 4 round, as [16, 4]");
+    if cells.is_some_and(|cells| !cells[round].is_multiple_of(4)) {
+        let example = if round == 0 { "[16, 4]" } else { "[20, 16, 1]" };
+        s.wrong("cells", format!("expected a multiple of 4 round, as {example}"));
     }
 }
 
 /// Keys that say where the mesh comes from, if the program gives it.
 fn refuse_source(s: &Section<'_, '_>) {
-    for key in ["generator", "file", "grading", "lower", "upper", "radii", "cells", "region"] {
+    for key in ["generator", "file", "grading", "lower", "upper", "length", "radii", "cells", "region"] {
         if s.has(key) {
             s.wrong(key, "the program gives the mesh");
         }

@@ -54,35 +54,42 @@ impl Blocks {
     }
 
     /// The cells between the ring with corners `[se, ne, nw, sw]`, the inflow and the walls up to the
-    /// points `below` and `above`; `along` cells over and under the ring, `across` cells in front of it.
+    /// points `below` and `above`; `along` cells over and under the ring, `across` cells in front of it. The inflow is at
+    /// `x = start`, with cells divided as `before` up to the ring.
     pub(super) fn before_ring(
         &mut self,
         ring: [Point; 4],
         [below, above]: [Point; 2],
-        along: usize,
-        across: usize,
+        [along, across]: [usize; 2],
+        (start, before): (f64, &[f64]),
     ) {
         let [se, ne, nw, sw] = ring;
         let [front_low, front_high] = [self.x(sw)[0] - 0.02, self.x(nw)[0] - 0.02];
-        let bottom = [self.point(0.0, 0.0), self.point(front_low, 0.0)];
-        let top = [self.point(0.0, HEIGHT), self.point(front_high, HEIGHT)];
-        let inflow = [self.point(0.0, 0.07), self.point(0.0, HEIGHT - 0.074)];
-        for (a, b, n, name) in [
-            (bottom[0], bottom[1], 1, "walls"),
-            (top[0], top[1], 1, "walls"),
+        let bottom = [self.point(start, 0.0), self.point(front_low, 0.0)];
+        let top = [self.point(start, HEIGHT), self.point(front_high, HEIGHT)];
+        let inflow = [self.point(start, 0.07), self.point(start, HEIGHT - 0.074)];
+        let (along, across, one) = (&even(along)[..], &even(across)[..], &even(1)[..]);
+        for (a, b, breaks, name) in [
+            (bottom[0], bottom[1], before, "walls"),
+            (top[0], top[1], before, "walls"),
             (bottom[1], below, along, "walls"),
             (top[1], above, along, "walls"),
-            (bottom[0], inflow[0], 1, "inflow"),
+            (bottom[0], inflow[0], one, "inflow"),
             (inflow[0], inflow[1], across, "inflow"),
-            (inflow[1], top[0], 1, "inflow"),
+            (inflow[1], top[0], one, "inflow"),
         ] {
-            self.edge(a, b, Path::Line, &even(n));
+            self.edge(a, b, Path::Line, breaks);
             self.name(a, b, name);
         }
-        for (a, b) in
-            [(inflow[0], sw), (inflow[1], nw), (bottom[1], sw), (nw, top[1]), (below, se), (ne, above)]
-        {
-            self.edge(a, b, Path::Line, &even(1));
+        for (a, b, breaks) in [
+            (inflow[0], sw, before),
+            (inflow[1], nw, before),
+            (bottom[1], sw, one),
+            (nw, top[1], one),
+            (below, se, one),
+            (ne, above, one),
+        ] {
+            self.edge(a, b, Path::Line, breaks);
         }
         for corners in [
             [bottom[0], bottom[1], sw, inflow[0]],

@@ -65,7 +65,7 @@ fn ring(blocks: &mut Blocks) -> Vec<Point> {
     ];
     blocks.ring(&inner, &outer, &growing(3, 1.8), &sectors);
     let walls = [0.0, HEIGHT].map(|height| blocks.point(x + 0.13, height));
-    blocks.before_ring([outer[0], outer[5], outer[6], outer[7]], walls, 4, 4);
+    blocks.before_ring([outer[0], outer[5], outer[6], outer[7]], walls, [4, 4], (0.0, &even(1)));
     [&walls[..1], &outer[..6], &walls[1..]].concat()
 }
 

@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# The built-in cases of space on several meshes: the tables of validation/space.md, about an hour on two cores.
+#
+#   validation/space.sh            all of them
+#   validation/space.sh NAME…      the cases named
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+# case | settings
+runs='
+cook     | mesh.refine=2
+cook     | mesh.refine=3
+cook     | mesh.refine=4
+cook     | mesh.refine=5
+cook     | mesh.refine=4 mesh.extrude.layers=2
+dfg-3d1z | mesh.extrude.layers=2
+dfg-3d1z | mesh.extrude.layers=4
+dfg-3d1z | mesh.extrude.layers=8
+dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4
+dfg-3d1z | mesh.refine=1 mesh.extrude.layers=8
+fsi-box  | mesh.grading=0
+fsi-box  | mesh.grading=1
+fsi-box  | mesh.grading=2
+tube     | mesh.cells=[20,8,1] time.end=8e-3
+tube     | mesh.cells=[40,8,1] time.end=8e-3
+tube     | mesh.cells=[40,16,1] time.end=8e-3
+'
+
+undula=${UNDULA:-target/release/undula}
+[ -n "${UNDULA:-}" ] || cargo build --release
+wanted=" $* "
+
+while IFS='|' read -r case settings; do
+    case=${case// /}
+    [ -n "$case" ] || continue
+    [ "$wanted" = "  " ] || [[ "$wanted" == *" $case "* ]] || continue
+    dir=out/space/$case-$(echo "$settings" | tr -c 'A-Za-z0-9\n' '-')
+    sets=(); for s in $settings; do sets+=(--set "$s"); done
+    "$undula" run "$case" "${sets[@]}" -o "$dir" > /dev/null
+    python3 - "$dir" "$case" "$settings" << 'EOF'
+import csv, json, sys
+directory, case, settings = sys.argv[1:]
+s = json.load(open(directory + "/summary.json"))
+rows = list(csv.DictReader(line for line in open(directory + "/history.csv") if not line.startswith("#")))
+values = {name: f["last"] for name, f in s["functionals"].items()}
+if case == "tube":
+    largest = max(rows, key=lambda row: float(row["u_r"]))
+    least = min(rows, key=lambda row: float(row["u_z"]))
+    values = {"max u_r": float(largest["u_r"]), "at": float(largest["time"]), "min u_z": float(least["u_z"])}
+shown = ", ".join(f"{name} {value:.7g}" for name, value in values.items())
+print(f"{case} | {settings.strip()} | {s['cells']} | {s['unknowns']['total']} | {shown} | {s['newton_steps']} | "
+      f"{s['jacobians']} | {s['wall_seconds']:.1f} s | {(s['peak_memory_bytes'] or 0) / 1e6:.0f} MB", flush=True)
+EOF
+done <<< "$runs"
