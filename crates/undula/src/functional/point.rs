@@ -173,12 +173,23 @@ fn recovery_on<const D: usize>(
     Ok(terms)
 }
 
-/// The solution of `a y = e₀` for a small symmetric positive definite matrix, by elimination.
+/// Part of the square of a column that is left if those before determine it.
+const DEPENDENT: f64 = 1e-10;
+
+/// The solution of `a y = e₀` for a small symmetric matrix of scalar products, by elimination. What depends on those before
+/// is left out: the moments of z² on one layer of cells are those of a constant.
 fn solve_small(mut a: Vec<Vec<f64>>) -> Vec<f64> {
     let n = a.len();
     let mut y = vec![0.0; n];
     y[0] = 1.0;
+    let size: Vec<f64> = (0..n).map(|k| a[k][k]).collect();
     for k in 0..n {
+        if a[k][k] <= DEPENDENT * size[k] {
+            a.iter_mut().for_each(|row| row[k] = 0.0);
+            a[k] = vec![0.0; n];
+            (a[k][k], y[k]) = (1.0, 0.0);
+            continue;
+        }
         let pivot = a[k].clone();
         for i in k + 1..n {
             let factor = a[i][k] / pivot[k];

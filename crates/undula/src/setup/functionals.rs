@@ -57,7 +57,10 @@ impl FunctionalSpec {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
                 let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
                 let (factor, unit) = match coefficient {
-                    Some([speed, length]) => (2.0 / (density * speed * speed * length), ""),
+                    Some([speed, size]) => {
+                        let depth = case.mesh.extrude.map_or(1.0, |extrude| extrude.depth);
+                        (2.0 / (density * speed * speed * size * depth), "")
+                    }
                     None => (1.0, "N/m"),
                 };
                 // An interface that is not there, as in a flow without body, carries no force.
@@ -67,7 +70,9 @@ impl FunctionalSpec {
                     Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
-            FunctionalSpec::Moment { on, about } => Box::new(Moment::new(surfaces, on, point_of(about))),
+            FunctionalSpec::Moment { on, about, axis } => {
+                Box::new(Moment::new(surfaces, on, point_of(about), axis.unwrap_or(2)))
+            }
             FunctionalSpec::Displacement { point, component } => {
                 Box::new(Displacement::new(space, point_of(point), *component)?)
             }
@@ -75,7 +80,9 @@ impl FunctionalSpec {
                 Box::new(PressureDifference::new(space, point_of(a), point_of(b))?)
             }
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
-            FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
+            FunctionalSpec::Rotation { axis } => {
+                Box::new(Energy { integral: Integral::Rotation(axis.unwrap_or(2)), quadrature })
+            }
             FunctionalSpec::Flux { on } => {
                 Box::new(OnBoundary::new(surfaces, on, Quantity::NormalVelocity, Take::Integral))
             }
