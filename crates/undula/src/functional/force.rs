@@ -242,7 +242,9 @@ impl<const D: usize> ForceByResidual<D> {
             tractions: {
                 let tested = integrals.iter().map(|(&n, at)| surfaces.tested(n, at));
                 // Residuals contain nothing of the tractions at seams.
-                tested.chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| Tensor::identity()))).collect()
+                tested
+                    .chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| Tensor::identity())))
+                    .collect()
             },
             outflow: outflow.into_iter().map(|n| surfaces.boundary.facets[n].side).collect(),
             component,
@@ -301,7 +303,8 @@ impl<const D: usize> ForceBySurface<D> {
         unit: &'static str,
     ) -> Self {
         let on = surfaces.of(names);
-        let facets = (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| Tensor::identity())).collect();
+        let facets =
+            (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| Tensor::identity())).collect();
         ForceBySurface { facets, component, factor, unit }
     }
 }

@@ -110,9 +110,8 @@ impl StoredEnergy for Muscle {
         let (row, stretch) = (E * f, f.dot(E * f));
         let (in_row, in_all, square) = (row.dot(row), E.ddot(E), stretch * stretch);
         let [along, across, shear] = self.exponents;
-        let Q = square * along
-            + (in_all - in_row * 2.0 + square) * across
-            + (in_row - square) * (2.0 * shear);
+        let Q =
+            square * along + (in_all - in_row * 2.0 + square) * across + (in_row - square) * (2.0 * shear);
         (Q.exp() - T::one()) * (0.5 * self.stiffness)
     }
 }

@@ -6,7 +6,9 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use super::terms::has_correction;
 use crate::algebra::{self, LinearSolver};
-use crate::case::{Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
+use crate::case::{
+    Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
+};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;

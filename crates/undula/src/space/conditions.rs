@@ -89,7 +89,8 @@ impl<const D: usize> Constraints<D> {
         if space.walls == Walls::Sliding {
             c.slide(space, slips);
         }
-        for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(|facet| slips(facet))) {
+        for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(|facet| slips(facet)))
+        {
             c.mirrors.push((node, std::array::from_fn(|d| normals.iter().any(|n| n.0[d].abs() == 1.0))));
             c.hold(node as usize, normals, [true, true]);
         }
