@@ -46,7 +46,7 @@ pub(super) fn space(mut s: Section<'_, '_>, mesh: Option<&MeshSpec>) -> SpaceSpe
     let of_triangles = velocity.shape() == Shape::Triangle;
     if s.has("velocity") && of_triangles && s.checker.vectors.get().len() == 3 {
         let message =
-            "it is one of triangles, and cells of space are hexahedra; expected `Q2` or another one of those";
+            "it is one of triangles, and cells of space are hexahedra; expected `Q1`, `Q2`, `Q3` or `Q4`";
         s.wrong("velocity", message);
     }
     let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
