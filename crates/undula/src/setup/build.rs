@@ -241,6 +241,12 @@ impl Case {
         self.time.as_ref().map_or(Scheme::BackwardEuler, |t| t.scheme)
     }
 
+    /// Names of the boundaries along which nothing is exerted.
+    pub(crate) fn smooth(&self) -> Vec<&str> {
+        let smooth = self.boundary.iter().filter(|(_, c)| matches!(c, Condition::Slip | Condition::Symmetry));
+        smooth.map(|(name, _)| name.as_str()).collect()
+    }
+
     /// One condition per boundary of `mesh`.
     pub(crate) fn conditions<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<BoundaryCondition<D>> {
         let both = !self.fluids.is_empty() && !self.solids.is_empty();
