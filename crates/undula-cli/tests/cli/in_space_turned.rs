@@ -99,7 +99,7 @@ fn hexahedra(turn: &Matrix, size: [f64; 3], n: [usize; 3], is_solid: impl Fn([f6
 fn functionals(turn: &Matrix) -> String {
     let at = |x: [f64; 3]| format!("{:?}", turned(turn, x));
     let mut text = String::from("[functional]\n");
-    let (corner, inside, centre) = (at([0.6, 0.2, 0.3]), at([0.8, 0.13, 0.11]), at([0.4, 0.1, 0.2]));
+    let (corner, inside, centre) = (at([0.6, 0.2, 0.15]), at([0.8, 0.13, 0.11]), at([0.4, 0.1, 0.2]));
     for c in AXES {
         for (name, rest) in [
             ("F", "kind = \"force\", on = [\"interface\"]".to_string()),
@@ -145,7 +145,7 @@ fn channel(turn: &Matrix, profile: &str, [front, back]: [&str; 2]) -> String {
     let force = expressions(turn, ["0.2", "-1", "0.1 + X"]);
     format!(
         "mesh = {{ file = \"box.msh\" }}\nfluid = {{ density = 1000, kinematic-viscosity = 1e-3 }}\n\
-         motion = {{ offset = 0.02 }}\ntime = {{ step = 0.01, end = 0.02 }}\n\
+         motion = {{ offset = 0.02 }}\ntime = {{ step = 0.01, end = 0.01 }}\n\
          solid = {{ density = 1500, mu = 2e3, lambda = 4e3, body-force = {force} }}\n[boundary]\n\
          left = {{ condition = \"velocity\", velocity = {inflow} }}\nright = {{ condition = \"do-nothing\" }}\n\
          top = {{ condition = \"no-slip\" }}\nbottom = {{ condition = \"no-slip\" }}\n\
