@@ -53,6 +53,8 @@ impl FunctionalSpec {
         surfaces: &Surfaces<'_, D>,
     ) -> Result<Box<dyn Functional<D>>, MeshError> {
         let quadrature = case.space.quadrature;
+        // An extruded plane has the lengths of the plane.
+        let along = if case.mesh.extrude.is_some() { 2 } else { D };
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
                 let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
@@ -77,7 +79,7 @@ impl FunctionalSpec {
                 Box::new(Displacement::new(space, point_of(point), *component)?)
             }
             FunctionalSpec::PressureDifference { a, b } => {
-                Box::new(PressureDifference::new(space, point_of(a), point_of(b))?)
+                Box::new(PressureDifference::new(space, point_of(a), point_of(b), along)?)
             }
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
             FunctionalSpec::Rotation { axis } => {
@@ -88,7 +90,7 @@ impl FunctionalSpec {
             }
             FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
             FunctionalSpec::Pressure(Site::Point { point, region }) => {
-                Box::new(Pressure::new(space, point_of(point), place(case, space, region.as_deref()))?)
+                Box::new(Pressure::new(space, point_of(point), place(case, space, region.as_deref()), along)?)
             }
             FunctionalSpec::Pressure(at) => at.build(case, space, surfaces, Quantity::Pressure)?,
             FunctionalSpec::Velocity { component, at } => {
