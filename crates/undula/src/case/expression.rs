@@ -164,6 +164,11 @@ impl Expression {
         self.program.depends_on_space()
     }
 
+    /// Whether `z` occurs.
+    pub(crate) fn depends_on_depth(&self) -> bool {
+        self.program.depends_on_depth()
+    }
+
     /// The text it was made from, in SI units.
     pub fn source(&self) -> &str {
         &self.source

@@ -45,6 +45,8 @@ pub enum FunctionalSpec {
         on: Vec<String>,
         /// The point in space that it is about \[m\].
         about: Vec<f64>,
+        /// In space the direction of the axis, 2: z; `None` in the plane.
+        axis: Option<usize>,
     },
     /// Deformation of a material point \[m\].
     Displacement {
@@ -63,7 +65,10 @@ pub enum FunctionalSpec {
     /// An energy or power per unit depth.
     Energy(Integral),
     /// Average rotation (1/|S|) ∫_S x × u dx \[m²\].
-    Rotation,
+    Rotation {
+        /// In space the component; `None` in the plane.
+        axis: Option<usize>,
+    },
     /// ∫ v · n da out of the fluid \[m²/s\].
     Flux {
         /// Boundary names; `interface` is allowed.
@@ -122,7 +127,7 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 14] = [
     ),
     choice(
         "moment",
-        FunctionalSpec::Moment { on: Vec::new(), about: Vec::new() },
+        FunctionalSpec::Moment { on: Vec::new(), about: Vec::new(), axis: None },
         "moment of the force of the fluid on boundaries about `point` [N]",
     ),
     choice(
@@ -136,7 +141,7 @@ pub static FUNCTIONALS: [Choice<FunctionalSpec>; 14] = [
         "p(a) − p(b) [Pa]",
     ),
     choice("energy", FunctionalSpec::Energy(Integral::FluidKinetic), "energy or power per unit depth"),
-    choice("rotation", FunctionalSpec::Rotation, "average rotation of the solid [m²]"),
+    choice("rotation", FunctionalSpec::Rotation { axis: None }, "average rotation of the solid [m²]"),
     choice(
         "flux",
         FunctionalSpec::Flux { on: Vec::new() },
@@ -232,7 +237,7 @@ impl FunctionalSpec {
         match self {
             FunctionalSpec::PressureDifference { .. } => Some(pressure),
             FunctionalSpec::Energy(integral) => Some(integral.is_of_fluid()),
-            FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation => Some(false),
+            FunctionalSpec::Displacement { .. } | FunctionalSpec::Rotation { .. } => Some(false),
             FunctionalSpec::Pressure(Site::Point { region: None, .. }) => pressure.then_some(true),
             _ => (!self.on().is_empty()).then_some(true),
         }

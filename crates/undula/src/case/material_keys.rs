@@ -50,7 +50,7 @@ pub(super) static OF_SOLID: [Key; 18] = [
         "solid.fibre-direction",
         "rad",
         "0",
-        "laws with fibres: angle to the x axis of the fibres, or of the middle; or two expressions as [\"-y\", \"x\"]",
+        "laws with fibres: angle to the x axis of the fibres, or of the middle; or two expressions as [\"-y\", \"x\"], in space three",
     ),
     Key::data("solid.fibre-angle", "rad", "fibres: required", "angle of each of two families to the middle"),
     Key::data("solid.k1", "Pa", "fibres: required", "Holzapfel-Gasser-Ogden: stiffness of the fibres"),

@@ -31,14 +31,16 @@ pub(super) struct Checker<'d> {
     pub coordinates: Cell<Coordinates>,
     /// How many components vectors have, once the mesh is read.
     pub vectors: Cell<Vectors>,
+    /// Whether the mesh is known to be one of the plane, once it is read.
+    pub is_plane: Cell<bool>,
     /// Origin of each dotted key that was read.
     pub origins: RefCell<BTreeMap<String, Origin>>,
 }
 
 impl<'d> Checker<'d> {
     pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
-        let (errors, notes, origins, coordinates, vectors) = Default::default();
-        Self { document, mesh, reads_tables: true, errors, notes, coordinates, vectors, origins }
+        let (errors, notes, origins, coordinates, vectors, is_plane) = Default::default();
+        Self { document, mesh, reads_tables: true, errors, notes, coordinates, vectors, is_plane, origins }
     }
 
     /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes

@@ -19,8 +19,8 @@ pub enum Integral {
     Elastic,
     /// ∫_F 2 ρ ν J |sym(∇v F⁻¹)|² \[W/m\].
     Dissipation,
-    /// (1/|S|) ∫_S x × u dx \[m²\], (5.36).
-    Rotation,
+    /// The component of (1/|S|) ∫_S x × u dx \[m²\] around an axis, 2: z as in the plane, (5.36).
+    Rotation(usize),
 }
 
 /// Terms of the energy balance by their names in a case.
@@ -50,7 +50,7 @@ impl<const D: usize> Functional<D> for Energy {
     fn unit(&self) -> &'static str {
         match self.integral {
             Integral::Dissipation => "W/m",
-            Integral::Rotation => "m²",
+            Integral::Rotation(_) => "m²",
             _ => "J/m",
         }
     }
@@ -63,7 +63,8 @@ impl<const D: usize> Functional<D> for Energy {
                 volume += point.weight;
             }
         });
-        if self.integral == Integral::Rotation && volume > 0.0 { sum / volume } else { sum }
+        let is_mean = matches!(self.integral, Integral::Rotation(_)) && volume > 0.0;
+        if is_mean { sum / volume } else { sum }
     }
 }
 
@@ -71,9 +72,10 @@ impl Energy {
     /// Integrand at a point; `None` in the region that does not count.
     fn value<const D: usize>(&self, at: &Snapshot<'_, D>, point: &PointValues<'_, D>) -> Option<f64> {
         let physics = at.physics.of(at.space.material[point.cell]);
-        if self.integral == Integral::Rotation {
+        if let Integral::Rotation(axis) = self.integral {
             let (x, u) = (point.x, point.fields.u.0);
-            return (point.region == Region::Solid).then(|| x[0] * u[1] - x[1] * u[0]);
+            let [i, j] = [(axis + 1) % 3, (axis + 2) % 3];
+            return (point.region == Region::Solid).then(|| x[i] * u[j] - x[j] * u[i]);
         }
         match at.space.coordinates.radius(&point.x) {
             None => self.density(&physics, point.region, (&point.fabric, &point.fields)),

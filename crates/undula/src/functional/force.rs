@@ -7,6 +7,7 @@ use crate::mesh::{Facet, Side};
 use crate::physics::kinematics::cofactor;
 use crate::physics::{Fields, Fluid, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points, fields_at};
+use crate::space::normals::normals;
 use crate::space::{BoundaryCondition, FluidBoundary, FluidFacet, FsiSpace, State};
 use std::collections::BTreeMap;
 
@@ -16,9 +17,10 @@ pub struct Surfaces<'a, const D: usize> {
     boundary: FluidBoundary,
     /// By facet: whether the traction is given there, or the fluid goes on behind it, and the velocity is not given.
     natural: Vec<bool>,
-    /// By facet: the components along which nothing is exerted, for the condition is `slip` and they lie in the facet;
-    /// `None` of other conditions.
-    smooth: Vec<Option<[bool; D]>>,
+    /// By facet: whether nothing is exerted along it, for the condition is `slip`.
+    smooth: Vec<bool>,
+    /// Normals at the nodes of boundaries with `slip`, orthonormal.
+    normals: BTreeMap<u32, Vec<Vector<f64, D>>>,
     quadrature: usize,
 }
 
@@ -36,25 +38,37 @@ impl<'a, const D: usize> Surfaces<'a, D> {
             .map(|f| f.at_seam || !f.at_solid && f.boundary.is_some_and(outflow))
             .collect();
         let slip = |b: u16| matches!(conditions[b as usize], BoundaryCondition::Slip);
-        let smooth = |f: &FluidFacet| {
-            let points = || facet_points(space, &f.facet(), n).into_iter();
-            let lies_along = |i: usize| {
-                points().all(|point| {
-                    let normal = point.normal;
-                    normal.0[i].abs() <= STRAIGHT * normal.dot(normal).sqrt()
-                })
-            };
-            (!f.at_solid && f.boundary.is_some_and(slip)).then(|| std::array::from_fn(lies_along))
-        };
-        let smooth = boundary.facets.iter().map(smooth).collect();
-        Surfaces { space, boundary, natural, smooth, quadrature: n }
+        let is_smooth = |f: &FluidFacet| !f.at_solid && f.boundary.is_some_and(slip);
+        let smooth: Vec<bool> = boundary.facets.iter().map(is_smooth).collect();
+        let slips = space.mesh.facets.iter().filter(|f| slip(f.boundary));
+        let normals = normals(space, slips);
+        Surfaces { space, boundary, natural, smooth, normals, quadrature: n }
     }
 
-    /// Whether the facet of number `n` takes part in the residual of its nodes, as far as the `components` go: those of a
-    /// force, or without any the power.
-    fn carries(&self, n: usize, components: &[usize]) -> bool {
-        let is_smooth = |smooth: [bool; D]| components.iter().all(|&i| smooth[i]);
-        !self.natural[n] && !self.smooth[n].is_some_and(is_smooth)
+    /// Whether the facet of number `n`, one with `slip`, takes part in the residual along `direction`.
+    fn presses(&self, n: usize, direction: Vector<f64, D>) -> bool {
+        let points = facet_points(self.space, &self.boundary.facets[n].facet(), self.quadrature);
+        points.iter().any(|point| {
+            let normal = point.normal;
+            normal.dot(direction).abs() > STRAIGHT * normal.dot(normal).sqrt()
+        })
+    }
+
+    /// The facets of the list that take part in the residual of `node`, direction by direction: projections that sum up to
+    /// the identity.
+    fn by_direction(&self, node: u32, list: &[usize]) -> Vec<(Tensor<f64, D>, Vec<usize>)> {
+        let smooth = list.iter().any(|&n| self.smooth[n]);
+        let normals = self.normals.get(&node).filter(|_| smooth).map_or(&[][..], Vec::as_slice);
+        let mut along = Tensor::identity();
+        let mut found = vec![];
+        for &normal in normals {
+            let across = Tensor(normal.0.map(|n| normal.0.map(|m| n * m)));
+            along = along - across;
+            let takes_part = |&&n: &&usize| !self.smooth[n] || self.presses(n, normal);
+            found.push((across, list.iter().filter(takes_part).copied().collect()));
+        }
+        found.push((along, list.iter().filter(|&&n| !self.smooth[n]).copied().collect()));
+        found
     }
 
     /// Whether each facet belongs to one of the boundaries `names`.
@@ -75,7 +89,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
 
     /// The nodes of the boundaries `names` at which power may flow: where the velocity is given, ascending.
     pub(super) fn nodes_on(&self, names: &[String]) -> Vec<u32> {
-        self.carrying(&self.of(names), &[]).into_keys().collect()
+        self.carrying(&self.of(names), |n| !self.smooth[n]).into_keys().collect()
     }
 
     pub(super) fn nodes(&self, n: usize) -> Vec<u32> {
@@ -83,29 +97,31 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     }
 
     /// The facet of number `n` with the weights that `factor` gives to its points.
-    fn tractions(&self, n: usize, factor: impl Fn(&FacetPoint<D>) -> f64) -> Tractions<D> {
+    fn tractions(&self, n: usize, factor: impl Fn(&FacetPoint<D>) -> Tensor<f64, D>) -> Tractions<D> {
         let (space, facet) = (self.space, self.boundary.facets[n].facet());
         let cell = facet.cell as usize;
         let at = |point: FacetPoint<D>| {
             let pressure = space.pressure.basis(&space.mesh, cell, &point.xi, &point.x);
-            (point.weight * factor(&point), point, pressure)
+            (factor(&point) * point.weight, point, pressure)
         };
         Tractions { cell, points: facet_points(space, &facet, self.quadrature).into_iter().map(at).collect() }
     }
 
-    /// The same, tested with the basis functions of some of its nodes, times factors.
-    pub(super) fn tested(&self, n: usize, at: &[(u32, f64)]) -> Tractions<D> {
+    /// The same, tested with the basis functions of some of its nodes, and mapped by their factors.
+    pub(super) fn tested(&self, n: usize, at: &[(u32, Tensor<f64, D>)]) -> Tractions<D> {
         let nodes = self.space.nodes.cell(self.boundary.facets[n].side.cell as usize);
         // A cell between two sides of a seam has a node twice.
         let places = |node: u32| (0..nodes.len()).filter(move |&a| nodes[a] == node);
-        let terms: Vec<(usize, f64)> =
+        let terms: Vec<(usize, Tensor<f64, D>)> =
             at.iter().flat_map(|&(node, factor)| places(node).map(move |a| (a, factor))).collect();
-        self.tractions(n, |point| terms.iter().map(|&(a, factor)| factor * point.value[a]).sum())
+        self.tractions(n, |point| {
+            terms.iter().fold(Tensor::zero(), |sum, &(a, factor)| sum + factor * point.value[a])
+        })
     }
 
-    /// For each node of the facets `on` all facets there that take part in its residual.
-    fn carrying(&self, on: &[bool], components: &[usize]) -> BTreeMap<u32, Vec<usize>> {
-        let carries = |&n: &usize| self.carries(n, components);
+    /// For each node of the facets `on` all facets there that take part in its residual, of those that `counts` is true of.
+    fn carrying(&self, on: &[bool], counts: impl Fn(usize) -> bool) -> BTreeMap<u32, Vec<usize>> {
+        let carries = |&n: &usize| !self.natural[n] && counts(n);
         let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for n in (0..on.len()).filter(|&n| on[n]).filter(carries) {
             at_node.extend(self.nodes(n).into_iter().map(|node| (node, vec![])));
@@ -120,26 +136,34 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         at_node
     }
 
-    /// What the facets `on` take of the `components` of the residual of the fluid.
-    pub(super) fn shares(&self, names: &[String], components: &[usize]) -> Shares {
+    /// What the boundaries `names` take of the residual of the fluid.
+    pub(super) fn shares(&self, names: &[String]) -> Shares<D> {
         let on = self.of(names);
-        let at_node = self.carrying(&on, components);
+        let at_node = self.carrying(&on, |_| true);
         let (mut whole, mut shared) = (vec![], vec![]);
-        let mut integrals: BTreeMap<usize, Vec<(u32, f64)>> = BTreeMap::new();
+        let mut integrals: BTreeMap<usize, Vec<(u32, Tensor<f64, D>)>> = BTreeMap::new();
         for (&node, list) in &at_node {
             if list.iter().all(|&n| on[n]) {
                 whole.push(node);
                 continue;
             }
-            let size = |part: bool| -> f64 {
-                list.iter().filter(|&&n| on[n] == part).map(|&n| self.measure(n)).sum()
-            };
-            let (own, other) = (size(true), size(false));
-            let part = own / (own + other);
-            shared.push((node, part));
-            for &n in list {
-                integrals.entry(n).or_default().push((node, if on[n] { 1.0 - part } else { -part }));
+            let mut all = Tensor::zero();
+            for (projection, list) in self.by_direction(node, list) {
+                let size = |part: bool| -> f64 {
+                    list.iter().filter(|&&n| on[n] == part).map(|&n| self.measure(n)).sum()
+                };
+                let (own, other) = (size(true), size(false));
+                if own == 0.0 {
+                    continue;
+                }
+                let part = own / (own + other);
+                all += projection * part;
+                for &n in list.iter().filter(|_| other > 0.0) {
+                    let factor = if on[n] { 1.0 - part } else { -part };
+                    integrals.entry(n).or_default().push((node, projection * factor));
+                }
             }
+            shared.push((node, all));
         }
         let nodes = at_node.keys().copied().collect();
         let (seams, outflow) = (0..on.len())
@@ -158,15 +182,15 @@ impl<'a, const D: usize> Surfaces<'a, D> {
 }
 
 /// What boundaries take of the residual of the fluid, node by node.
-pub(super) struct Shares {
+pub(super) struct Shares<const D: usize> {
     /// All nodes whose residual is read.
     pub(super) nodes: Vec<u32>,
     /// Nodes that belong to the boundaries alone.
     pub(super) whole: Vec<u32>,
     /// Nodes that belong to them in part, and that part.
-    pub(super) shared: Vec<(u32, f64)>,
+    pub(super) shared: Vec<(u32, Tensor<f64, D>)>,
     /// By facet the nodes of the latter at which its integral counts, with the factor.
-    pub(super) integrals: BTreeMap<usize, Vec<(u32, f64)>>,
+    pub(super) integrals: BTreeMap<usize, Vec<(u32, Tensor<f64, D>)>>,
     /// Facets with an outflow condition.
     pub(super) outflow: Vec<usize>,
     /// Facets at seams.
@@ -181,7 +205,8 @@ pub(super) struct Shares {
 /// to that on the whole to rounding, they are exact where the discrete solution is, and elsewhere the last facet
 /// alone errs as the surface integral does. A facet with an outflow condition takes the traction that the
 /// condition gives it, of which R_a contains nothing. A facet of a periodic boundary takes its surface integral. Along
-/// a boundary with `slip` nothing is exerted, so that nodes at its rim belong wholly to its neighbours in these directions.
+/// a boundary with `slip` nothing is exerted, so that nodes at its rim belong wholly to its neighbours in these directions,
+/// whatever they are: parts of a node are maps of its residual.
 ///
 /// A residual over fluid and solid would contain the inertia of the body, which is force only when steady.
 pub struct ForceByResidual<const D: usize> {
@@ -190,7 +215,7 @@ pub struct ForceByResidual<const D: usize> {
     /// Nodes that belong to the boundaries alone.
     whole: Vec<u32>,
     /// Nodes that belong to them in part, and that part.
-    shared: Vec<(u32, f64)>,
+    shared: Vec<(u32, Tensor<f64, D>)>,
     /// Surface integrals at the latter.
     tractions: Vec<Tractions<D>>,
     /// Facets with an outflow condition.
@@ -209,7 +234,7 @@ impl<const D: usize> ForceByResidual<D> {
         factor: f64,
         unit: &'static str,
     ) -> Self {
-        let Shares { nodes, whole, shared, integrals, outflow, seams } = surfaces.shares(names, &[component]);
+        let Shares { nodes, whole, shared, integrals, outflow, seams } = surfaces.shares(names);
         ForceByResidual {
             nodes,
             whole,
@@ -217,7 +242,9 @@ impl<const D: usize> ForceByResidual<D> {
             tractions: {
                 let tested = integrals.iter().map(|(&n, at)| surfaces.tested(n, at));
                 // Residuals contain nothing of the tractions at seams.
-                tested.chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| 1.0))).collect()
+                tested
+                    .chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| Tensor::identity())))
+                    .collect()
             },
             outflow: outflow.into_iter().map(|n| surfaces.boundary.facets[n].side).collect(),
             component,
@@ -241,10 +268,11 @@ impl<const D: usize> Functional<D> for ForceByResidual<D> {
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
-        let residual = |n: u32| at.fluid_residual[n as usize * D + self.component];
-        let mut sum: f64 = self.whole.iter().map(|&n| residual(n)).sum();
-        for &(node, part) in &self.shared {
-            sum += part * residual(node);
+        let residual = |n: u32, i: usize| at.fluid_residual[n as usize * D + i];
+        let mut sum: f64 = self.whole.iter().map(|&n| residual(n, self.component)).sum();
+        for (node, part) in &self.shared {
+            let row = part.0[self.component];
+            sum += (0..D).map(|i| row[i] * residual(*node, i)).sum::<f64>();
         }
         for tractions in &self.tractions {
             sum += tractions.sum(at).0[self.component];
@@ -275,7 +303,8 @@ impl<const D: usize> ForceBySurface<D> {
         unit: &'static str,
     ) -> Self {
         let on = surfaces.of(names);
-        let facets = (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| 1.0)).collect();
+        let facets =
+            (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| Tensor::identity())).collect();
         ForceBySurface { facets, component, factor, unit }
     }
 }
@@ -298,12 +327,12 @@ impl<const D: usize> Functional<D> for ForceBySurface<D> {
 /// The traction of the fluid at the quadrature points of a facet.
 pub(super) struct Tractions<const D: usize> {
     cell: usize,
-    /// Weight, point, and the basis of the pressure there.
-    points: Vec<(f64, FacetPoint<D>, Vec<f64>)>,
+    /// Map with the weight, point, and the basis of the pressure there.
+    points: Vec<(Tensor<f64, D>, FacetPoint<D>, Vec<f64>)>,
 }
 
 impl<const D: usize> Tractions<D> {
-    /// Sum of weight times J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
+    /// Sum of the maps of J σ F⁻ᵀ n, n pointing out of the fluid, over the points and in the mean over the step.
     pub(super) fn sum(&self, at: &Snapshot<'_, D>) -> Vector<f64, D> {
         let (nodes, dofs) = (at.space.nodes.cell(self.cell), at.space.pressure.cell(self.cell));
         let fluid = at.physics.of(at.space.material[self.cell]).fluid;
@@ -320,7 +349,7 @@ impl<const D: usize> Tractions<D> {
                         axisymmetric::plane(&traction(fluid, &fields, p, axisymmetric::vector(&point.normal)))
                     }
                 };
-                sum += weight * part * traction;
+                sum += *weight * traction * part;
             };
             if at.rule.quadrature.is_empty() {
                 add(theta, &fields(at.new));

@@ -9,7 +9,7 @@ use crate::physics::kinematics::cofactor;
 use crate::physics::stress::{green_lagrange, in_space, principal, von_mises};
 use crate::physics::{Fabric, Fields, Kinematics, axisymmetric};
 use crate::sampling::{FacetPoint, facet_points_of, fields_at, for_each_point_of};
-use crate::space::{FluidBoundary, FsiSpace, Region, State};
+use crate::space::{FluidBoundary, FluidFacet, FsiSpace, Region, State};
 use crate::system::Physics;
 
 /// A field of the output.
@@ -166,7 +166,7 @@ pub fn in_body<const D: usize>(
 /// The wall shear stress at the nodes of the walls.
 ///
 /// Walls are the facets of the fluid at a solid, and those through which nothing flows: |v · n| is at most 1e-9 of the
-/// largest velocity at all of their nodes.
+/// largest velocity at all of their nodes. Boundaries with `slip` or `symmetry` are none.
 pub struct WallShear<const D: usize> {
     facets: Vec<Facet<D>>,
 }
@@ -182,10 +182,10 @@ struct Facet<const D: usize> {
 const NO_FLOW: f64 = 1e-9;
 
 impl<const D: usize> WallShear<D> {
-    /// On the boundary of the fluid of `space`.
-    pub fn new(space: &FsiSpace<D>) -> Self {
+    /// On the boundary of the fluid of `space`, but for the boundaries `smooth`, along which nothing is exerted.
+    pub fn new(space: &FsiSpace<D>, smooth: &[&str]) -> Self {
         let (shape, degree) = (space.mesh.shape, space.nodes.degree);
-        let of = |facet: &crate::space::FluidFacet| {
+        let of = |facet: &FluidFacet| {
             let on_cell = shape.facet_nodes(degree, facet.side.local as usize);
             let points: Vec<[f64; 3]> = on_cell.iter().map(|&a| lagrange::node(shape, degree, a)).collect();
             let rule = Quadrature { weights: vec![1.0; points.len()], points };
@@ -197,8 +197,11 @@ impl<const D: usize> WallShear<D> {
             }
         };
         let boundary = FluidBoundary::new(space);
-        let mut facets: Vec<Facet<D>> =
-            boundary.facets.iter().filter(|facet| !facet.at_seam).map(of).collect();
+        let name = |facet: &FluidFacet| Some(space.mesh.boundaries[usize::from(facet.boundary?)].as_str());
+        let is_smooth =
+            |facet: &FluidFacet| !facet.at_solid && name(facet).is_some_and(|n| smooth.contains(&n));
+        let may_be_wall = |facet: &&FluidFacet| !facet.at_seam && !is_smooth(facet);
+        let mut facets: Vec<Facet<D>> = boundary.facets.iter().filter(may_be_wall).map(of).collect();
         // The axis is no wall.
         facets.retain(|facet| {
             let near = 1e-9 * space.mesh.cell_diameter(facet.cell);

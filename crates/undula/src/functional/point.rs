@@ -50,21 +50,27 @@ impl<const D: usize> Functional<D> for Displacement {
 ///
 /// A pressure of degree m is of order m + 1 at a point, and where it is discontinuous it has several values
 /// there. So it is recovered: a polynomial of degree m + 1 is fitted, by least squares over the cells around
-/// the point, to the moments of the pressure against the monomials of degree m in each cell.
+/// the point, to the moments of the pressure against the monomials of degree m in each cell, with coordinates relative to
+/// the diameter of the cell. On an extruded plane that is the one in the plane, so that the value is the same.
 pub struct PressureDifference {
     /// (unknown, weight).
     terms: Vec<(u32, f64)>,
 }
 
 impl PressureDifference {
-    /// At reference positions \[m\].
+    /// At reference positions \[m\]; diameters of cells are those along the first `along` coordinates.
     ///
     /// # Errors
     /// If a point lies outside of the mesh, or where there is no pressure.
-    pub fn new<const D: usize>(space: &FsiSpace<D>, a: [f64; D], b: [f64; D]) -> Result<Self, MeshError> {
+    pub fn new<const D: usize>(
+        space: &FsiSpace<D>,
+        a: [f64; D],
+        b: [f64; D],
+        along: usize,
+    ) -> Result<Self, MeshError> {
         let mut terms = vec![];
         for (x, sign) in [(a, 1.0), (b, -1.0)] {
-            terms.extend(recovery(space, x)?.into_iter().map(|(dof, w)| (dof, sign * w)));
+            terms.extend(recovery(space, x, along)?.into_iter().map(|(dof, w)| (dof, sign * w)));
         }
         Ok(PressureDifference { terms })
     }
@@ -77,7 +83,8 @@ pub struct Pressure {
 }
 
 impl Pressure {
-    /// At the reference position `x` \[m\] in `place`; without it in the fluid, if it reaches there.
+    /// At the reference position `x` \[m\] in `place`; without it in the fluid, if it reaches there. Diameters of cells are
+    /// those along the first `along` coordinates.
     ///
     /// # Errors
     /// If `x` lies outside of the body or of the mesh, or where there is no pressure.
@@ -85,14 +92,15 @@ impl Pressure {
         space: &FsiSpace<D>,
         x: [f64; D],
         place: Option<Place>,
+        along: usize,
     ) -> Result<Self, MeshError> {
-        let Some(place) = place else { return Ok(Pressure { terms: recovery(space, x)? }) };
+        let Some(place) = place else { return Ok(Pressure { terms: recovery(space, x, along)? }) };
         let locator = Locator::new(&space.mesh);
         locator.find(x)?;
         let within = locator.find_where(x, INSIDE, |cell| place.has(space, cell));
         let cell = within.map_err(|_| MeshError::OtherRegion { point: x.to_vec() })?.cell;
         let patch = patch_in(space, place, cell, x);
-        Ok(Pressure { terms: recovery_on(space, x, &patch)? })
+        Ok(Pressure { terms: recovery_on(space, x, &patch, along)? })
     }
 }
 
@@ -118,8 +126,20 @@ fn sum<const D: usize>(terms: &[(u32, f64)], at: &Snapshot<'_, D>) -> f64 {
 }
 
 /// Weights of the pressure unknowns in the recovered value at `x`.
-fn recovery<const D: usize>(space: &FsiSpace<D>, x: [f64; D]) -> Result<Vec<(u32, f64)>, MeshError> {
-    recovery_on(space, x, &patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x))
+fn recovery<const D: usize>(
+    space: &FsiSpace<D>,
+    x: [f64; D],
+    along: usize,
+) -> Result<Vec<(u32, f64)>, MeshError> {
+    recovery_on(space, x, &patch_around(space, Locator::new(&space.mesh).find(x)?.cell, x), along)
+}
+
+/// The largest distance of two vertices of a cell along the first `along` coordinates \[m\].
+fn diameter<const D: usize>(space: &FsiSpace<D>, cell: usize, along: usize) -> f64 {
+    let at: Vec<[f64; D]> =
+        space.mesh.cell_vertices(cell).iter().map(|&v| space.mesh.nodes[v as usize]).collect();
+    let distance = |a: &[f64; D], b: &[f64; D]| (0..along).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt();
+    at.iter().flat_map(|a| at.iter().map(move |b| distance(a, b))).fold(0.0, f64::max)
 }
 
 /// The same on the cells of `patch`.
@@ -127,11 +147,12 @@ fn recovery_on<const D: usize>(
     space: &FsiSpace<D>,
     x: [f64; D],
     patch: &[usize],
+    along: usize,
 ) -> Result<Vec<(u32, f64)>, MeshError> {
     if patch.iter().all(|&c| space.pressure.cell(c).is_empty()) {
         return Err(MeshError::NoPressure { point: x.to_vec() });
     }
-    let size = patch.iter().map(|&c| space.mesh.cell_diameter(c)).fold(0.0, f64::max);
+    let size = patch.iter().map(|&c| diameter(space, c, along)).fold(0.0, f64::max);
     let degree = space.pressure.kind.degree();
     let rule = Quadrature::cell(space.mesh.shape, degree + 3);
     let [n, n_moments] = [degree + 1, degree].map(|m| monomials(m, &[0.0; D]).len());
@@ -141,7 +162,7 @@ fn recovery_on<const D: usize>(
     for &cell in patch {
         let (mut row, mut datum) = (vec![vec![0.0; n]; n_moments], vec![vec![]; n_moments]);
         let centre = space.mesh.centre(cell);
-        let (mut volume, h) = (0.0, space.mesh.cell_diameter(cell));
+        let (mut volume, h) = (0.0, diameter(space, cell, along));
         for (xi, w) in rule.points.iter().zip(&rule.weights) {
             let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
             let at = space.mesh.map(cell, xi);
@@ -173,12 +194,23 @@ fn recovery_on<const D: usize>(
     Ok(terms)
 }
 
-/// The solution of `a y = e₀` for a small symmetric positive definite matrix, by elimination.
+/// Part of the square of a column that is left if those before determine it.
+const DEPENDENT: f64 = 1e-10;
+
+/// The solution of `a y = e₀` for a small symmetric matrix of scalar products, by elimination. What depends on those before
+/// is left out: the moments of z² on one layer of cells are those of a constant.
 fn solve_small(mut a: Vec<Vec<f64>>) -> Vec<f64> {
     let n = a.len();
     let mut y = vec![0.0; n];
     y[0] = 1.0;
+    let size: Vec<f64> = (0..n).map(|k| a[k][k]).collect();
     for k in 0..n {
+        if a[k][k] <= DEPENDENT * size[k] {
+            a.iter_mut().for_each(|row| row[k] = 0.0);
+            a[k] = vec![0.0; n];
+            (a[k][k], y[k]) = (1.0, 0.0);
+            continue;
+        }
         let pivot = a[k].clone();
         for i in k + 1..n {
             let factor = a[i][k] / pivot[k];

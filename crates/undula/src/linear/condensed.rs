@@ -169,8 +169,8 @@ impl<const D: usize> Correction<D> for Condensed<D> {
         relation::impose(assembler, rule, new, old, |at, change| self.work[n_v + at] = change);
         let Some(extension) = &mut self.extension else { return };
         extension.solve(Some(&self.work), &self.work);
-        for (place, x) in extension.values() {
-            new.u[place - n_v] -= x;
-        }
+        extension.values().for_each(|(place, x)| self.work[place] = x);
+        assembler.project(&mut self.work);
+        extension.values().for_each(|(place, _)| new.u[place - n_v] -= self.work[place]);
     }
 }

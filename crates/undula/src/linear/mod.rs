@@ -237,7 +237,10 @@ impl<const D: usize> Linear<D> {
     ) -> Result<usize, SolverError> {
         let slot = self.slot();
         let made = self.made[slot].as_mut().ok_or(SolverError::NotFactored)?;
-        self.bordered.correct(&mut **made, assembler, view, settled, r, delta)
+        let applied = self.bordered.correct(&mut **made, assembler, view, settled, r, delta)?;
+        // Factors in single precision leave a rounding there, which no residual shows.
+        assembler.project(delta);
+        Ok(applied)
     }
 
     /// What a new Jacobian costs, in iterations, or with GMRES its factors in those.

@@ -162,6 +162,10 @@ pub fn of_case(case: &Case, count: usize, threads: usize) -> Result<(FsiSpace<2>
         return Err(case.refuse("solid", message.into()));
     }
     case.needs_plane("modes")?;
+    if case.mesh.dimension == 3 {
+        let message = "modes in space are not yet available: expected a mesh of the plane";
+        return Err(case.refuse("mesh", message.into()));
+    }
     let fluids = &case.fluids[..];
     if let [first, others @ ..] = fluids
         && let Some(other) = others.iter().find(|other| other.density != first.density)

@@ -88,8 +88,8 @@ impl StoredEnergy for Artery {
 }
 
 /// W = ½ C (exp Q − 1) with J = 1, Q = b_f E_ff² + b_t (E_tt² + E_nn² + 2 E_tn²) + 2 b_fs (E_ft² + E_fn²): f along the
-/// fibres in the plane, t across them in the plane, n out of it (Guccione, McCulloch and Waldman 1991). All directions
-/// across the fibres are equal: that of the sheets does not matter.
+/// fibres, t and n across them (Guccione, McCulloch and Waldman 1991). All directions across the fibres are equal: that of
+/// the sheets does not matter, so that |E f|² and E : E say all.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Muscle {
     /// C \[Pa\].
@@ -105,20 +105,13 @@ pub struct Muscle {
 impl StoredEnergy for Muscle {
     fn energy<T: Scalar, const D: usize>(&self, at: &Deformation<T, D>) -> T {
         let E = at.E();
-        let along = direction(&at.fibre, self.direction);
-        let (f, t) = (turned(&along, [1.0, 0.0]), turned(&along, [0.0, 1.0]));
-        let mut n = Vector::zero();
-        if D == 3 {
-            n.0[D - 1] = T::one();
-        }
-        let square = |a: Vector<T, D>, b: Vector<T, D>| {
-            let x = component(a, &E, b);
-            x * x
-        };
+        let f = Vector(direction(&at.fibre, self.direction).map(T::constant));
+        // Sums over all directions: E_ff² + E_ft² + E_fn², and those of all components.
+        let (row, stretch) = (E * f, f.dot(E * f));
+        let (in_row, in_all, square) = (row.dot(row), E.ddot(E), stretch * stretch);
         let [along, across, shear] = self.exponents;
-        let Q = square(f, f) * along
-            + (square(t, t) + square(n, n) + square(t, n) * 2.0) * across
-            + (square(f, t) + square(f, n)) * (2.0 * shear);
+        let Q =
+            square * along + (in_all - in_row * 2.0 + square) * across + (in_row - square) * (2.0 * shear);
         (Q.exp() - T::one()) * (0.5 * self.stiffness)
     }
 }

@@ -11,13 +11,14 @@ use crate::system::Physics;
 
 /// The fields that `output` names, on the mesh that it wants.
 ///
-/// A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
+/// Boundaries `smooth` are no walls. A derived field has an array for each body, `fluid-stress` and `solid-stress`, with NaN at the nodes of the other
 /// one.
 pub fn fields<const D: usize>(
     space: &FsiSpace<D>,
     physics: &Physics,
     state: &State,
     output: &OutputSpec,
+    smooth: &[&str],
 ) -> FieldSnapshot {
     let mut snapshot = snapshot(space, state, output.deformed);
     let [velocity, displacement, pressure] =
@@ -39,7 +40,7 @@ pub fn fields<const D: usize>(
             }
         }
         if field == NodalField::WallShearStress && physics.fluid.is_some() {
-            let values = space.at_places(&WallShear::new(space).at_nodes(space, physics, state), D);
+            let values = space.at_places(&WallShear::new(space, smooth).at_nodes(space, physics, state), D);
             snapshot.point_data.push(Field::new(name, field.components(D), values));
         }
     }

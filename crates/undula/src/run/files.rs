@@ -166,7 +166,8 @@ impl<const D: usize> Run<D> {
         let stepper = &self.simulation.stepper;
         let output = &self.simulation.case.output;
         let assembler = &stepper.assembler;
-        let snapshot = fields(&assembler.space, &assembler.physics, &stepper.new, output);
+        let smooth = self.simulation.case.smooth();
+        let snapshot = fields(&assembler.space, &assembler.physics, &stepper.new, output, &smooth);
         let snapshot = if output.curved { snapshot } else { snapshot.linear() };
         write_vtu(self.directory.path().join(&name), &snapshot, stepper.time, Precision::Auto)?;
         self.collection.add(stepper.time, name)?;

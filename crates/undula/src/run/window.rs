@@ -43,7 +43,7 @@ impl<const D: usize> Window<D> {
     pub fn new(simulation: &Simulation<D>) -> Option<Window<D>> {
         let times = simulation.case.output.window.filter(|_| simulation.case.time.is_some())?;
         let space = &simulation.stepper.assembler.space;
-        let shear = WallShear::new(space);
+        let shear = WallShear::new(space, &simulation.case.smooth());
         let last = sample(simulation, &shear);
         Some(Window { times, averages: Averages::new(Self::ALL * space.nodes.n_lagrange), shear, last })
     }

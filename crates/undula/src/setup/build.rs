@@ -6,7 +6,9 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use super::terms::has_correction;
 use crate::algebra::{self, LinearSolver};
-use crate::case::{Case, Condition, FluidSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement};
+use crate::case::{
+    Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
+};
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
@@ -94,7 +96,8 @@ impl Case {
         space.deforms |= space.mesh.facets_on(&displaced).iter().any(in_fluid);
         let message =
             "no node of the boundary of the fluid lies on one smooth boundary, so that nothing can slide";
-        if space.walls == Walls::Sliding && space.deforms && !self.fluids.is_empty() && !space.slides() {
+        let slides = |space: &FsiSpace<D>| space.slides(&self.conditions(&space.mesh));
+        if space.walls == Walls::Sliding && space.deforms && !self.fluids.is_empty() && !slides(&space) {
             return Err(self.refuse("motion.walls", message.into()));
         }
         Dim::<D>::check_axis(self, &space.mesh)?;
@@ -238,6 +241,12 @@ impl Case {
         self.time.as_ref().map_or(Scheme::BackwardEuler, |t| t.scheme)
     }
 
+    /// Names of the boundaries along which nothing is exerted.
+    pub(crate) fn smooth(&self) -> Vec<&str> {
+        let smooth = self.boundary.iter().filter(|(_, c)| matches!(c, Condition::Slip | Condition::Symmetry));
+        smooth.map(|(name, _)| name.as_str()).collect()
+    }
+
     /// One condition per boundary of `mesh`.
     pub(crate) fn conditions<const D: usize>(&self, mesh: &Mesh<D>) -> Vec<BoundaryCondition<D>> {
         let both = !self.fluids.is_empty() && !self.solids.is_empty();
@@ -304,6 +313,7 @@ impl Case {
             let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
             let functional = spec.build(self, space, &surfaces).map_err(blame)?;
             let spatial = D == 3 || space.coordinates.is_axisymmetric();
+            let spatial = spatial && !matches!(spec, FunctionalSpec::Rotation { .. });
             let functional = if spatial { Box::new(Spatial(functional)) } else { functional };
             list.push((name.clone(), functional));
         }

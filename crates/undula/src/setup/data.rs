@@ -92,18 +92,26 @@ impl Case {
         let mut points = (0..space.mesh.n_cells()).filter(here).flat_map(|cell| {
             rule.points.iter().map(move |xi| space.mesh.map(cell, std::array::from_fn(|d| xi[d])))
         });
-        let at = points.find(|x| !has_direction(&values(data, x, t)))?;
+        let spreads = solid.fibres.as_ref().is_some_and(|fibres| fibres.angle.sin() != 0.0);
+        let leaves = |value: &[f64]| spreads && value.get(2).is_some_and(|z| *z != 0.0);
+        let is_wrong = |value: &[f64]| !has_direction(value) || leaves(value);
+        let at = points.find(|x| is_wrong(&values(data, x, t)))?;
         let key = format!("{}.fibre-direction", solid.table());
         let value = values(data, &at, t);
         let found = Found { at: at.to_vec(), time: t, value: value.clone() };
         if !is_finite(&value) {
             return Some(self.not_finite(space, &key, data, found));
         }
-        let message = format!(
-            "expected a direction everywhere; it is ({}) at {}",
-            ["0"; D].join(", "),
-            space.mesh.shown(&at)
-        );
+        let shown = space.mesh.shown(&at);
+        let message = if leaves(&value) {
+            format!(
+                "the families of fibres are turned by `fibre-angle` around the z axis: expected a direction in the plane \
+                 (x, y), or fibre-angle = 0; its z is {} at {shown}",
+                shortest(rounded(value[2], value[2], 4))
+            )
+        } else {
+            format!("expected a direction everywhere; it is ({}) at {shown}", ["0"; D].join(", "))
+        };
         Some(CaseError { message, ..self.not_finite(space, &key, data, found) })
     }
 

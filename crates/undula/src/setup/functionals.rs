@@ -53,11 +53,16 @@ impl FunctionalSpec {
         surfaces: &Surfaces<'_, D>,
     ) -> Result<Box<dyn Functional<D>>, MeshError> {
         let quadrature = case.space.quadrature;
+        // An extruded plane has the lengths of the plane.
+        let along = if case.mesh.extrude.is_some() { 2 } else { D };
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
                 let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
                 let (factor, unit) = match coefficient {
-                    Some([speed, length]) => (2.0 / (density * speed * speed * length), ""),
+                    Some([speed, size]) => {
+                        let depth = case.mesh.extrude.map_or(1.0, |extrude| extrude.depth);
+                        (2.0 / (density * speed * speed * size * depth), "")
+                    }
                     None => (1.0, "N/m"),
                 };
                 // An interface that is not there, as in a flow without body, carries no force.
@@ -67,21 +72,25 @@ impl FunctionalSpec {
                     Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
                 }
             }
-            FunctionalSpec::Moment { on, about } => Box::new(Moment::new(surfaces, on, point_of(about))),
+            FunctionalSpec::Moment { on, about, axis } => {
+                Box::new(Moment::new(surfaces, on, point_of(about), axis.unwrap_or(2)))
+            }
             FunctionalSpec::Displacement { point, component } => {
                 Box::new(Displacement::new(space, point_of(point), *component)?)
             }
             FunctionalSpec::PressureDifference { a, b } => {
-                Box::new(PressureDifference::new(space, point_of(a), point_of(b))?)
+                Box::new(PressureDifference::new(space, point_of(a), point_of(b), along)?)
             }
             FunctionalSpec::Energy(integral) => Box::new(Energy { integral: *integral, quadrature }),
-            FunctionalSpec::Rotation => Box::new(Energy { integral: Integral::Rotation, quadrature }),
+            FunctionalSpec::Rotation { axis } => {
+                Box::new(Energy { integral: Integral::Rotation(axis.unwrap_or(2)), quadrature })
+            }
             FunctionalSpec::Flux { on } => {
                 Box::new(OnBoundary::new(surfaces, on, Quantity::NormalVelocity, Take::Integral))
             }
             FunctionalSpec::Power { on } => Box::new(Power::new(surfaces, on)),
             FunctionalSpec::Pressure(Site::Point { point, region }) => {
-                Box::new(Pressure::new(space, point_of(point), place(case, space, region.as_deref()))?)
+                Box::new(Pressure::new(space, point_of(point), place(case, space, region.as_deref()), along)?)
             }
             FunctionalSpec::Pressure(at) => at.build(case, space, surfaces, Quantity::Pressure)?,
             FunctionalSpec::Velocity { component, at } => {

@@ -85,11 +85,12 @@ impl<const D: usize> Constraints<D> {
         }
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
+        let slips = |facet: &Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
         if space.walls == Walls::Sliding {
-            c.slide(space);
+            c.slide(space, slips);
         }
-        let slips = |facet: &&Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
-        for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(slips)) {
+        for (node, normals) in normals::normals(space, space.mesh.facets.iter().filter(|facet| slips(facet)))
+        {
             c.mirrors.push((node, std::array::from_fn(|d| normals.iter().any(|n| n.0[d].abs() == 1.0))));
             c.hold(node as usize, normals, [true, true]);
         }
@@ -106,8 +107,8 @@ impl<const D: usize> Constraints<D> {
     }
 
     /// n·u = 0 in place of u = 0 where the mesh may slide.
-    fn slide(&mut self, space: &FsiSpace<D>) {
-        for (node, normal) in super::sliding::sliding(space).into_iter().enumerate() {
+    fn slide(&mut self, space: &FsiSpace<D>, slips: impl Fn(&Facet) -> bool) {
+        for (node, normal) in super::sliding::sliding(space, slips).into_iter().enumerate() {
             if let Some(normal) = normal.filter(|_| self.u[node] == [true; D]) {
                 self.u[node] = [false; D];
                 self.hold(node, vec![normal], [false, true]);

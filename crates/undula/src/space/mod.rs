@@ -213,9 +213,10 @@ impl<const D: usize> FsiSpace<D> {
         local.iter().map(|&a| cell[a]).collect()
     }
 
-    /// Whether there is a node that may slide, see [`Walls::Sliding`].
-    pub fn slides(&self) -> bool {
-        sliding::sliding(self).iter().any(Option::is_some)
+    /// Whether there is a node that may slide, see [`Walls::Sliding`], with one condition per boundary of the mesh.
+    pub fn slides(&self, conditions: &[BoundaryCondition<D>]) -> bool {
+        let slips = |facet: &Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
+        sliding::sliding(self, slips).iter().any(Option::is_some)
     }
 
     /// All facets of the boundary or part of the interface called `name`.

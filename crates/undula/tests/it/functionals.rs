@@ -571,7 +571,8 @@ fn pressure_at_the_interface_is_that_of_the_region() {
         space.pressure.cell(cell).iter().for_each(|&dof| state.p[dof as usize] = value);
     }
     let at = |region: Option<Region>, x| {
-        let pressure = undula::functional::point::Pressure::new(&space, x, region.map(Into::into)).unwrap();
+        let pressure =
+            undula::functional::point::Pressure::new(&space, x, region.map(Into::into), 2).unwrap();
         value(&pressure, &space, &physics, &state)
     };
     for x in [[0.25, 0.5], [0.25, 0.56], [0.25, 0.25]] {

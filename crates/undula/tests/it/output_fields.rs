@@ -111,7 +111,7 @@ fn derived_fields_of_a_homogeneous_strain_are_those_of_each_body() {
     let output = spec(&[Stress, VonMises, PrincipalStress, Strain, Jacobian, Vorticity]);
     for pair in [quadrilaterals(2, Continuous(1)), triangles(2, Continuous(1)), BUBBLE] {
         let (space, state) = homogeneous(pair, &physics, F, A);
-        let all = fields(&space, &physics, &state, &output);
+        let all = fields(&space, &physics, &state, &output, &[]);
         let mut is_of = [0, 1].map(|_| vec![false; space.nodes.n_lagrange]);
         for cell in 0..space.mesh.n_cells() {
             let nodes =
@@ -159,9 +159,13 @@ fn fields_by_default_are_velocity_displacement_and_pressure() {
     let (space, state) =
         homogeneous(quadrilaterals(2, Continuous(1)), &physics, [[1.1, 0.0], [0.0, 1.0]], [[0.5; 2]; 2]);
     let output = channel("1", &[]).output;
-    assert_eq!(fields(&space, &physics, &state, &output), snapshot(&space, &state, true));
+    assert_eq!(fields(&space, &physics, &state, &output, &[]), snapshot(&space, &state, true));
     let names = |list: &[NodalField]| -> Vec<String> {
-        fields(&space, &physics, &state, &spec(list)).point_data.into_iter().map(|field| field.name).collect()
+        fields(&space, &physics, &state, &spec(list), &[])
+            .point_data
+            .into_iter()
+            .map(|field| field.name)
+            .collect()
     };
     assert_eq!(names(&[NodalField::Pressure]), ["pressure"]);
     assert_eq!(

@@ -46,7 +46,7 @@ pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
             let message = "is per length, and a body of revolution has an area; expected the force alone";
             root.section("functional").section(name).wrong("coefficient", message.to_string());
         }
-        if matches!(functional, FunctionalSpec::Rotation | FunctionalSpec::Moment { .. }) {
+        if matches!(functional, FunctionalSpec::Rotation { .. } | FunctionalSpec::Moment { .. }) {
             root.section("functional")
                 .section(name)
                 .wrong("kind", "nothing turns around the axis".to_string());

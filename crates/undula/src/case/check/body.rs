@@ -43,6 +43,12 @@ pub(super) fn space(mut s: Section<'_, '_>, mesh: Option<&MeshSpec>) -> SpaceSpe
     let velocity = s.choice("velocity", &VELOCITIES, &[]);
     let pressure = s.choice("pressure", &PRESSURES, &[]);
     let velocity = velocity.unwrap_or_else(|| default_velocity(mesh, pressure));
+    let of_triangles = velocity.shape() == Shape::Triangle;
+    if s.has("velocity") && of_triangles && s.checker.vectors.get().len() == 3 {
+        let message =
+            "it is one of triangles, and cells of space are hexahedra; expected `Q1`, `Q2`, `Q3` or `Q4`";
+        s.wrong("velocity", message);
+    }
     let quadrature = s.integer("quadrature", velocity.quadrature(), 2..=8);
     s.finish();
     SpaceSpec { velocity, pressure: pressure.unwrap_or(velocity.pressure()), quadrature }

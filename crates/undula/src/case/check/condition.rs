@@ -48,9 +48,13 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
     }
     if matches!(all.checker.vectors.get(), Vectors::Extruded { .. }) {
-        // The plane goes on behind them.
-        for side in ["front", "back"] {
-            boundary.entry(side.into()).or_insert(Condition::Symmetry);
+        // The plane goes on behind them, unless one is the partner of the other.
+        for [side, other] in [["front", "back"], ["back", "front"]] {
+            let is_partner =
+                matches!(boundary.get(other), Some(Condition::Periodic(with)) if with.as_str() == side);
+            if !is_partner {
+                boundary.entry(side.into()).or_insert(Condition::Symmetry);
+            }
         }
     }
     partners(&mut boundary, &mut all);

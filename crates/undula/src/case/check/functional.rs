@@ -3,7 +3,7 @@
 use crate::case::choices::METHODS;
 use crate::case::error::quoted;
 use crate::case::functionals::{FunctionalSpec, Site};
-use crate::case::read::{POSITIVE, Section};
+use crate::case::read::{POSITIVE, Section, Vectors};
 use crate::choice::{self, Choice};
 use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
@@ -14,9 +14,11 @@ impl FunctionalSpec {
     pub(super) fn read(self, s: &mut Section<'_, '_>) -> FunctionalSpec {
         match self {
             FunctionalSpec::Force { .. } => force(s),
-            FunctionalSpec::Moment { .. } => {
-                FunctionalSpec::Moment { on: boundaries(s), about: required_point(s, "point") }
-            }
+            FunctionalSpec::Moment { .. } => FunctionalSpec::Moment {
+                on: boundaries(s),
+                about: required_point(s, "point"),
+                axis: turning(s),
+            },
             FunctionalSpec::Displacement { .. } => {
                 FunctionalSpec::Displacement { point: required_point(s, "point"), component: axis(s) }
             }
@@ -28,7 +30,7 @@ impl FunctionalSpec {
                 s.require_choice("term", &ENERGIES);
                 FunctionalSpec::Energy(term.unwrap_or(default))
             }
-            FunctionalSpec::Rotation => FunctionalSpec::Rotation,
+            FunctionalSpec::Rotation { .. } => FunctionalSpec::Rotation { axis: turning(s) },
             FunctionalSpec::Flux { .. } => FunctionalSpec::Flux { on: boundaries(s) },
             FunctionalSpec::Power { .. } => FunctionalSpec::Power { on: boundaries(s) },
             FunctionalSpec::Pressure(_) => FunctionalSpec::Pressure(site(s, true)),
@@ -129,6 +131,15 @@ fn axis(s: &mut Section<'_, '_>) -> usize {
     match component(s, Component::of_vector(dim(s))) {
         Component::Along(axis) => axis,
         _ => 0,
+    }
+}
+
+/// In space the axis of a rotation, on an extruded plane z unless it is given; `None` in the plane.
+fn turning(s: &mut Section<'_, '_>) -> Option<usize> {
+    match s.checker.vectors.get() {
+        Vectors::Plane => None,
+        Vectors::Extruded { .. } if !s.has("component") => Some(2),
+        _ => Some(axis(s)),
     }
 }
 

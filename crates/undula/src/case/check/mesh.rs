@@ -21,6 +21,13 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
+    if coordinates.is_axisymmetric() && root.checker.vectors.get().len() == 3 {
+        let of_mesh = if extrude.is_some() { "an extruded mesh" } else { "a mesh of space" };
+        s.wrong(
+            "coordinates",
+            format!("expected `cartesian`: {of_mesh} is no section through a body of revolution"),
+        );
+    }
     let radii = s.pair("radii", POSITIVE);
     let length = s.has("length").then(|| s.number("length", 1.0, POSITIVE));
     let region = regions(s.section("region"));
@@ -95,8 +102,10 @@ fn sizes(
     file: Option<&str>,
 ) -> (Corners, Option<Extrude>) {
     let extrude = extrude(s.section("extrude"));
+    // One that has another number of components than the others is told.
+    let given = ["lower", "upper", "cells"].into_iter().filter(|key| s.length(key) == Some(3)).count();
     let in_space = match generator {
-        Some(MeshSource::Box { .. }) => s.length("lower") == Some(3),
+        Some(MeshSource::Box { .. }) => given > 1,
         Some(MeshSource::FsiBox | MeshSource::Tube { .. }) => true,
         _ => false,
     };
@@ -111,21 +120,24 @@ fn sizes(
         s.wrong("upper", format!("expected a corner {place} `lower` = [{}]", shown.join(", ")));
     }
     let on_file = file.map(|file| of_file(&resolve(s, "file", file)));
-    if extrude.is_some() && (in_space || on_file == Some(Vectors::Space)) {
+    if extrude.is_some() && (in_space || on_file == Some(Some(Vectors::Space))) {
         s.wrong("extrude", "only for meshes of the plane: this one is of space");
     }
+    let on_mesh = on_file.map_or(Some(generated), |on_file| on_file);
+    root.checker.is_plane.set(extrude.is_none() && on_mesh == Some(Vectors::Plane));
     root.checker.vectors.set(match extrude {
         Some(extrude) => Vectors::Extruded { middle: 0.5 * extrude.depth },
-        None => on_file.unwrap_or(generated),
+        None => on_mesh.unwrap_or_default(),
     });
     (corners, extrude)
 }
 
-/// How many components vectors have on the mesh in a file; as in the plane if it cannot be read, which is told later.
-fn of_file(path: &Path) -> Vectors {
+/// How many components vectors have on the mesh in a file; `None` if it cannot be read, which is told later.
+fn of_file(path: &Path) -> Option<Vectors> {
     match gmsh::dimension(path) {
-        Ok(3) => Vectors::Space,
-        _ => Vectors::Plane,
+        Ok(3) => Some(Vectors::Space),
+        Ok(_) => Some(Vectors::Plane),
+        Err(_) => None,
     }
 }
 

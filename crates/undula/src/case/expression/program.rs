@@ -95,6 +95,10 @@ impl Program {
         [Variable::X, Variable::Y, Variable::Z].iter().any(|v| self.code.contains(&Instruction::Load(*v)))
     }
 
+    pub(super) fn depends_on_depth(&self) -> bool {
+        self.code.contains(&Instruction::Load(Variable::Z))
+    }
+
     /// The value at the point `x` and time `t`.
     #[inline]
     pub(super) fn run(&self, x: &[f64; 3], t: f64) -> f64 {

@@ -7,6 +7,7 @@ use crate::case::fibres::FibreDirection;
 use crate::case::raw::{Item, Origin, Value};
 use crate::case::{keys, unit};
 use crate::choice::{self, Choice};
+use crate::space::Coordinates;
 
 impl Section<'_, '_> {
     pub fn optional_number(&mut self, key: &str, range: Range) -> Option<f64> {
@@ -177,6 +178,16 @@ impl Section<'_, '_> {
         };
         if expression.constant_value().is_some_and(|x| !x.is_finite()) {
             self.wrong_item(key, item, "expected a finite value".into());
+            return None;
+        }
+        if self.checker.is_plane.get() && expression.depends_on_depth() {
+            let names = match self.checker.coordinates.get() {
+                Coordinates::Cartesian => "x and y",
+                Coordinates::Axisymmetric => "x, the radius, and y, the place along the axis",
+            };
+            let message =
+                format!("the mesh is one of the plane and has no `z`: expected an expression of {names}");
+            self.wrong_item(key, item, message);
             return None;
         }
         Some(expression)

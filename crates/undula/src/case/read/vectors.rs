@@ -43,7 +43,16 @@ impl Section<'_, '_> {
     ) -> Option<Vec<T>> {
         let item = self.item(key)?;
         let vectors = self.checker.vectors.get();
-        let expected = format!("{} {expected}", if vectors == Vectors::Space { "three" } else { "two" });
+        let (number, third) = match vectors {
+            Vectors::Plane => ("two", ""),
+            Vectors::Extruded { .. } => ("two or three", ""),
+            Vectors::Space => ("three", ", \"z component\"]"),
+        };
+        let expected = format!("{number} {expected}");
+        let expected = match expected.strip_suffix(']').filter(|_| !third.is_empty()) {
+            Some(start) => format!("{start}{third}"),
+            None => expected,
+        };
         let Value::Array(items) = &item.value else {
             self.wrong_type(key, item, &expected);
             return None;

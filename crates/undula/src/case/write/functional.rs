@@ -28,6 +28,13 @@ impl Site {
     }
 }
 
+/// The component around an axis, in space.
+fn write_axis(out: &mut Lines, axis: Option<usize>) {
+    if let Some(axis) = axis {
+        out.choice("component", &COMPONENTS, &quantity::Component::Along(axis));
+    }
+}
+
 impl FunctionalSpec {
     /// The lines of its table.
     pub(super) fn write(&self, out: &mut Lines) {
@@ -41,9 +48,10 @@ impl FunctionalSpec {
                     out.key("coefficient", numbers(scales));
                 }
             }
-            FunctionalSpec::Moment { on, about } => {
+            FunctionalSpec::Moment { on, about, axis } => {
                 out.key("on", names(on));
                 out.key("point", numbers(about));
+                write_axis(out, *axis);
             }
             FunctionalSpec::Displacement { point, component } => {
                 out.key("point", numbers(point));
@@ -54,7 +62,7 @@ impl FunctionalSpec {
                 out.key("b", numbers(b));
             }
             FunctionalSpec::Energy(integral) => out.choice("term", &ENERGIES, integral),
-            FunctionalSpec::Rotation => {}
+            FunctionalSpec::Rotation { axis } => write_axis(out, *axis),
             FunctionalSpec::Flux { on } | FunctionalSpec::Power { on } => out.key("on", names(on)),
             FunctionalSpec::Pressure(at) => at.write(out),
             FunctionalSpec::Velocity { component, at } | FunctionalSpec::Stress { component, at } => {

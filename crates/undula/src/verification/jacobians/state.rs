@@ -43,7 +43,8 @@ impl Setting {
     /// Perturbations of all unknowns, relative by `h`.
     pub(super) fn steps(&self, h: f64) -> Vec<f64> {
         let sizes = Sizes::of([&self.new.v, &self.new.u, &self.new.p]);
-        let of_nodes = self.spacing.iter().flat_map(|&s| [h * s; 2]).take(self.new.u.len());
+        let components = self.new.u.len() / self.spacing.len().max(1);
+        let of_nodes = self.spacing.iter().flat_map(|&s| std::iter::repeat_n(h * s, components));
         let mut steps = vec![h * sizes.v; self.new.v.len()];
         steps.extend(of_nodes);
         steps.resize(steps.len() + self.new.p.len(), h * sizes.p);
