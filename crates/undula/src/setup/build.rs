@@ -194,16 +194,7 @@ impl Case {
         assembler.close(closed.map(|part| part.pressure(&space)).collect());
         // What is left of data on the solid is rounding, see `check_ends`.
         assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
-        let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
-        let (kind, precision) = (self.linear.solver, self.linear.precision);
-        let make: MakeSolver = Box::new(move |purpose| -> Box<dyn LinearSolver> {
-            let (precision, definite, options) = match purpose {
-                Purpose::Exact => (Precision::Double, false, linear),
-                Purpose::Correction => (precision, false, algebra::Options::unprobed()),
-                Purpose::Definite => (precision, true, algebra::Options::unprobed()),
-            };
-            kind.make(precision, definite, options)
-        });
+        let make = self.make_solver();
         let scales = self.scales(&space, largest);
         let krylov = |gmres| KrylovSettings { gmres, scales };
         let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
@@ -230,6 +221,20 @@ impl Case {
             Some(MaterialForce { body, material, force: body_force(load.force)? })
         });
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, forces.collect()))
+    }
+
+    /// How linear solvers are made.
+    fn make_solver(&self) -> MakeSolver {
+        let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
+        let (kind, precision) = (self.linear.solver, self.linear.precision);
+        Box::new(move |purpose| -> Box<dyn LinearSolver> {
+            let (precision, definite, options) = match purpose {
+                Purpose::Exact => (Precision::Double, false, linear),
+                Purpose::Correction => (precision, false, algebra::Options::unprobed()),
+                Purpose::Definite => (precision, true, algebra::Options::unprobed()),
+            };
+            kind.make(precision, definite, options)
+        })
     }
 
     /// Newton's method for `assembler`, with nothing kept.

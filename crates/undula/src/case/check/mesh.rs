@@ -21,28 +21,12 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
-    if coordinates.is_axisymmetric() && root.checker.vectors.get().len() == 3 {
-        let of_mesh = if extrude.is_some() { "an extruded mesh" } else { "a mesh of space" };
-        s.wrong(
-            "coordinates",
-            format!("expected `cartesian`: {of_mesh} is no section through a body of revolution"),
-        );
-    }
     let radii = s.pair("radii", POSITIVE);
     let length = s.has("length").then(|| s.number("length", 1.0, POSITIVE));
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     let own = root.checker.mesh;
-    if own.is_some() {
-        refuse_source(&s);
-    } else if !s.is_present() {
-        root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
-    } else if s.has("generator") && s.has("file") {
-        s.wrong("file", "give either `generator` or `file`");
-    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
-        let generators = quoted(choice::names(&GENERATORS));
-        s.missing("generator", &format!("give `generator` ({generators}) or `file`"));
-    }
+    check_source(&s, root);
     sizes_belong(&s, generator.as_ref(), file.is_some());
     if s.has("scale") && file.is_none() {
         s.wrong("scale", "only for `file`: the generators make meshes in metres");
@@ -87,6 +71,20 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     })
 }
 
+/// Refuses two sources of the mesh, and misses one.
+fn check_source(s: &Section<'_, '_>, root: &Section<'_, '_>) {
+    if root.checker.mesh.is_some() {
+        refuse_source(s);
+    } else if !s.is_present() {
+        root.missing("mesh", "add [mesh] with generator = \"turek-hron\" or file = \"own.msh\"");
+    } else if s.has("generator") && s.has("file") {
+        s.wrong("file", "give either `generator` or `file`");
+    } else if !s.has("generator") && !s.has("file") && !s.means("file") {
+        let generators = quoted(choice::names(&GENERATORS));
+        s.missing("generator", &format!("give `generator` ({generators}) or `file`"));
+    }
+}
+
 /// Sizes of a box, or of a ring.
 struct Corners {
     lower: Option<Vec<f64>>,
@@ -129,6 +127,13 @@ fn sizes(
         Some(extrude) => Vectors::Extruded { middle: 0.5 * extrude.depth },
         None => on_mesh.unwrap_or_default(),
     });
+    if root.checker.coordinates.get().is_axisymmetric() && root.checker.vectors.get() != Vectors::Plane {
+        let of_mesh = if extrude.is_some() { "an extruded mesh" } else { "a mesh of space" };
+        s.wrong(
+            "coordinates",
+            format!("expected `cartesian`: {of_mesh} is no section through a body of revolution"),
+        );
+    }
     (corners, extrude)
 }
 
