@@ -29,6 +29,13 @@ impl Case {
         self.fluids.get(usize::from(material))
     }
 
+    /// 2/(ρ V² L) of a speed and a length, in space 2/(ρ V² A); the area of an extruded plane is L times its depth.
+    fn of_force<const D: usize>(&self, space: &FsiSpace<D>, on: &[String], [speed, size]: [f64; 2]) -> f64 {
+        let density = self.fluid_at(space, on).map_or(1.0, |f| f.density);
+        let depth = self.mesh.extrude.map_or(1.0, |extrude| extrude.depth);
+        2.0 / (density * speed * speed * size * depth)
+    }
+
     /// Whether the bodies are there that `functional` is about.
     pub(super) fn has_body_of(&self, functional: &FunctionalSpec) -> bool {
         functional.region().is_none_or(|region| self.body_in(region).is_some())
@@ -57,14 +64,7 @@ impl FunctionalSpec {
         let along = if case.mesh.extrude.is_some() { 2 } else { D };
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
-                let (factor, unit) = match coefficient {
-                    Some([speed, size]) => {
-                        let depth = case.mesh.extrude.map_or(1.0, |extrude| extrude.depth);
-                        (2.0 / (density * speed * speed * size * depth), "")
-                    }
-                    None => (1.0, "N/m"),
-                };
+                let (factor, unit) = coefficient.map_or((1.0, "N/m"), |c| (case.of_force(space, on, c), ""));
                 // An interface that is not there, as in a flow without body, carries no force.
                 if *surface_integral {
                     Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))

@@ -21,13 +21,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
-    if coordinates.is_axisymmetric() && root.checker.vectors.get().len() == 3 {
-        let of_mesh = if extrude.is_some() { "an extruded mesh" } else { "a mesh of space" };
-        s.wrong(
-            "coordinates",
-            format!("expected `cartesian`: {of_mesh} is no section through a body of revolution"),
-        );
-    }
+    refuse_section(&s, extrude.is_some());
     let radii = s.pair("radii", POSITIVE);
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
@@ -76,6 +70,15 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
         leave_out,
         absent: vec![],
     })
+}
+
+/// Refuses to take a mesh of space for a section through a body of revolution.
+fn refuse_section(s: &Section<'_, '_>, extruded: bool) {
+    if s.checker.coordinates.get().is_axisymmetric() && s.checker.vectors.get().len() == 3 {
+        let of_mesh = if extruded { "an extruded mesh" } else { "a mesh of space" };
+        let message = format!("expected `cartesian`: {of_mesh} is no section through a body of revolution");
+        s.wrong("coordinates", message);
+    }
 }
 
 /// Sizes of a box, or of a ring.
