@@ -285,15 +285,17 @@ fn extruded_solids_are_those_of_the_plane() {
 }
 
 #[test]
-fn pressure_at_a_point_is_known_on_one_layer() {
+fn pressure_at_points_is_that_of_the_plane_on_any_layers() {
     let here = Place::new("space-pressure");
     here.write("flap.toml", FLAP);
-    let point = ["functional.p={ kind = \"pressure\", point = [0.8, 0.17] }"];
-    let at = |own: &[&str]| here.rows("flap.toml", &[&point[..], own].concat()).last().unwrap()["p"];
-    let plane = at(&[]);
-    // Nothing tells z² from a constant there; the weights of the fit differ by the shape of a cell.
-    let space = at(&[EXTRUDE]);
-    assert!((space - plane).abs() < 2e-3 * plane.abs(), "{space} {plane}");
+    // On one layer nothing tells z² from a constant.
+    let sets = [
+        "functional.p={ kind = \"pressure\", point = [0.8, 0.17] }",
+        "functional.difference={ kind = \"pressure-difference\", a = [0.2, 0.2], b = [1, 0.2] }",
+    ];
+    for layers in [EXTRUDE, TWO_LAYERS] {
+        here.is_of_the_plane("flap.toml", (&sets, &[], &[layers]), &["per"]);
+    }
 }
 
 #[test]
