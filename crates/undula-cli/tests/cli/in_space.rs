@@ -3,17 +3,16 @@
 
 use super::Place;
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
 /// Iterations end at rounding, so that results do not depend on how they came there.
 pub const TIGHT: [&str; 2] = ["newton.rate-max=0", "newton.tolerance=1e-11"];
 
 const EXTRUDE: &str = "mesh.extrude={ depth = 0.1, layers = 1 }";
-const TWO_LAYERS: &str = "mesh.extrude={ depth = 0.1, layers = 2 }";
+pub const TWO_LAYERS: &str = "mesh.extrude={ depth = 0.1, layers = 2 }";
 const DEPTH: f64 = 0.1;
 
 /// A flap in a short channel, 12 cells.
-const FLAP: &str = r#"
+pub const FLAP: &str = r#"
 [mesh]
 generator = "box"
 lower = [0, 0]
@@ -286,15 +285,17 @@ fn extruded_solids_are_those_of_the_plane() {
 }
 
 #[test]
-fn pressure_at_a_point_is_known_on_one_layer() {
+fn pressure_at_points_is_that_of_the_plane_on_any_layers() {
     let here = Place::new("space-pressure");
     here.write("flap.toml", FLAP);
-    let point = ["functional.p={ kind = \"pressure\", point = [0.8, 0.17] }"];
-    let at = |own: &[&str]| here.rows("flap.toml", &[&point[..], own].concat()).last().unwrap()["p"];
-    let plane = at(&[]);
-    // Nothing tells z² from a constant there; the weights of the fit differ by the shape of a cell.
-    let space = at(&[EXTRUDE]);
-    assert!((space - plane).abs() < 2e-3 * plane.abs(), "{space} {plane}");
+    // On one layer nothing tells z² from a constant.
+    let sets = [
+        "functional.p={ kind = \"pressure\", point = [0.8, 0.17] }",
+        "functional.difference={ kind = \"pressure-difference\", a = [0.2, 0.2], b = [1, 0.2] }",
+    ];
+    for layers in [EXTRUDE, TWO_LAYERS] {
+        here.is_of_the_plane("flap.toml", (&sets, &[], &[layers]), &["per"]);
+    }
 }
 
 #[test]
@@ -315,6 +316,8 @@ fn runs_in_space_go_on_with_the_same_bits() {
             ["whole", "parts"].map(|directory| std::fs::read(here.file(directory).join(file)).unwrap());
         assert!(found[0] == found[1], "{file}");
     }
+    here.run("run flap.toml --quiet -o plane", &[]).expect(0, &[]);
+    here.run("compare whole plane", &[]).expect(0, &["different units: per-flux in m³/s and m²/s", "ux"]);
     here.run("run flap.toml -o other", &["initial.from=\"whole\"", "time.end=0.1"])
         .expect(2, &["the mesh is one of space, and this is for meshes of the plane"]);
 }
@@ -332,37 +335,5 @@ fn jacobians_agree_in_space() {
         for block in ["NS x u", "NS+ES x v", "ES x u", "div x v", "ALE x u", "uv x v"] {
             assert!(said.out.contains(block), "{block}: {}", said.out);
         }
-    }
-}
-
-/// v at the middle of a rectangle with the sides a and b by the mean of v, −Δw = 1 by Fourier series.
-fn duct([a, b]: [f64; 2]) -> f64 {
-    let (mut w, mut flow, mut sign) = (0.0, 0.0, 1.0);
-    for n in (1..200).step_by(2) {
-        let k = f64::from(n) * PI / a;
-        w += sign * 4.0 / (a * k.powi(3)) * (1.0 - 1.0 / (k * b / 2.0).cosh());
-        flow += 8.0 / (a * k.powi(4)) * (b - 2.0 / k * (k * b / 2.0).tanh());
-        sign = -sign;
-    }
-    w * a * b / flow
-}
-
-#[test]
-fn flow_through_a_rectangular_duct_has_the_profile_of_the_series() {
-    let here = Place::new("space-duct");
-    here.write(
-        "duct.toml",
-        "[mesh]\ngenerator = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 0.6]\ncells = [1, 4, 4]\n[fluid]\ndensity = 1\n\
-         kinematic-viscosity = 0.1\n[boundary]\nleft = { condition = \"flux\", flow-rate = -0.6, profile = \"parabolic\" }\n\
-         right = { condition = \"do-nothing\" }\ntop = { condition = \"no-slip\" }\nbottom = { condition = \"no-slip\" }\n\
-         front = { condition = \"no-slip\" }\nback = { condition = \"no-slip\" }\n[functional]\n\
-         v = { kind = \"velocity\", point = [0.5, 0.5, 0.3], component = \"x\" }\n\
-         flow = { kind = \"flux\", on = [\"right\"] }\n",
-    );
-    let exact = duct([1.0, 0.6]);
-    for (cells, bound) in [("mesh.cells=[1, 4, 4]", 6e-4), ("mesh.cells=[1, 8, 8]", 8e-5)] {
-        let rows = here.rows("duct.toml", &[cells]);
-        let (v, flow) = (rows[0]["v"], rows[0]["flow"]);
-        assert!((v / exact - 1.0).abs() < bound && (flow - 0.6).abs() < 1e-12, "{v} {exact} {flow}");
     }
 }

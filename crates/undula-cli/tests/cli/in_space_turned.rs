@@ -246,7 +246,7 @@ fn fibres_turn_with_the_body() {
         for side in ["right", "top", "bottom", "front", "back"] {
             writeln!(text, "[boundary.{side}]\ncondition = \"traction-free\"").unwrap();
         }
-        (hexahedra(turn, [1.0, 0.3, 0.2], [3, 2, 1], |_| true), text)
+        (hexahedra(turn, [1.0, 0.3, 0.2], [2, 1, 1], |_| true), text)
     };
     let muscle = "law = \"guccione\"\nguccione-c = 8e3\nb-f = 8\nb-t = 2\nb-fs = 4";
     let artery =

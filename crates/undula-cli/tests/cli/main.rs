@@ -5,6 +5,7 @@ mod commands;
 mod endings;
 mod faults;
 mod in_space;
+mod in_space_fields;
 mod in_space_input;
 mod in_space_turned;
 mod initial;

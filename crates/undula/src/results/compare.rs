@@ -55,6 +55,8 @@ pub struct Difference {
     pub rows: Vec<DifferenceRow>,
     /// Functionals that only one of them has.
     pub unmatched: Vec<String>,
+    /// Functionals with different units, as those of a plane and of a body in space.
+    pub other_units: Vec<String>,
 }
 
 /// A number of two runs.
@@ -158,9 +160,13 @@ pub fn difference(first: &Results, second: &Results) -> Option<Difference> {
         None => run.computed(),
     };
     let (first_found, second_found) = (found(first, second), found(second, first));
-    let mut rows = Vec::new();
+    let (mut rows, mut other_units) = (Vec::new(), Vec::new());
     for (functional, a) in &first_found {
         let Some(b) = second_found.get(functional) else { continue };
+        if a.unit != b.unit {
+            other_units.push(format!("{functional} in {} and {}", a.unit, b.unit));
+            continue;
+        }
         for ((quantity, x), (_, y)) in a.numbers.named().into_iter().zip(b.numbers.named()) {
             if let (Some(x), Some(y)) = (x, y) {
                 rows.push(DifferenceRow {
@@ -177,7 +183,13 @@ pub fn difference(first: &Results, second: &Results) -> Option<Difference> {
         a.keys().filter(|name| !b.contains_key(*name)).cloned().collect()
     };
     let unmatched = [only(&first_found, &second_found), only(&second_found, &first_found)].concat();
-    Some(Difference { names: [first.name.clone(), second.name.clone()], common, rows, unmatched })
+    Some(Difference {
+        names: [first.name.clone(), second.name.clone()],
+        common,
+        rows,
+        unmatched,
+        other_units,
+    })
 }
 
 /// Six significant digits.
@@ -294,6 +306,9 @@ impl fmt::Display for Difference {
         columns(f, &rows, &[3, 4, 5])?;
         if !self.unmatched.is_empty() {
             writeln!(f, "\nOnly in one of them: {}", self.unmatched.join(", "))?;
+        }
+        if !self.other_units.is_empty() {
+            writeln!(f, "\nNot compared, in different units: {}", self.other_units.join(", "))?;
         }
         Ok(())
     }
