@@ -77,7 +77,7 @@ impl Case {
     /// Cells before refinement: all, and those of regions that take part.
     fn coarse_cells<const D: usize>(&self, file: Option<&Mesh<D>>) -> (f64, f64) {
         let of_mesh = |mesh: &Mesh<2>| self.cells_of(mesh);
-        let layers = self.mesh.extrude.map_or(1.0, |extrude| extrude.layers as f64);
+        let layers = self.mesh.extrude.map_or(1.0, |extrude| extrude.all_layers() as f64);
         let triangles = self.space.velocity.shape() == Shape::Triangle;
         let grading = self.mesh.grading as usize;
         let (all, kept) = match &self.mesh.source {
