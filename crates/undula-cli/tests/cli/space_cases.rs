@@ -53,15 +53,18 @@ fn a_cylinder_between_four_walls() {
     // The case in time is not run: 800 steps.
     let here = Place::new("space-dfg-3d3z");
     let said = here.run("check dfg-3d3z", &[]);
-    said.expect(0, &["Re = 100 with that mean and 0.1 m", "in 8 layers", "800 steps", "output    c_D, c_L, dp"]);
+    said.expect(
+        0,
+        &["Re = 100 with that mean and 0.1 m", "in 8 layers", "800 steps", "output    c_D, c_L, dp"],
+    );
 }
 
-/// On 270 cells: 4 % from the published force and 3 % from the deflection. The values are those of this mesh.
+/// On 462 cells: 2.4 % from the published force and 0.5 % from the deflection. The values are those of this mesh.
 #[test]
 fn a_box_in_a_channel_of_space() {
     let [force, along, up] = last("fsi-box", &["mesh.grading=0"], ["F_x", "ux_A", "uy_A"]);
-    assert!((force / 1.327 - 1.0).abs() < 0.04 && (along / 5.93e-5 - 1.0).abs() < 0.03, "{force}, {along}");
-    let own = [force / 1.3713897, along / 6.0599475e-5, up / 8.9277547e-7];
+    assert!((force / 1.327 - 1.0).abs() < 0.024 && (along / 5.93e-5 - 1.0).abs() < 0.005, "{force}, {along}");
+    let own = [force / 1.3578629, along / 5.9563590e-5, up / 9.1541598e-7];
     assert!(own.iter().all(|ratio| (ratio - 1.0).abs() < 1e-6), "{force}, {along}, {up}");
 }
 

@@ -96,7 +96,7 @@ impl Case {
             }
             MeshSource::FsiBox => {
                 let n = 1.0 + self.mesh.grading as f64;
-                let all = (5.0 + 4.0 * n) * (3.0 + 3.0 * n) * (3.0 + 2.0 * n);
+                let all = (7.0 + 4.0 * n) * (4.0 + 3.0 * n) * (4.0 + 2.0 * n);
                 let body = 2.0 * n * (2.0 + 2.0 * n) * (2.0 + n);
                 let kept = [(self.fluids.is_empty(), all - body), (self.solids.is_empty(), body)];
                 (all, kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { *cells }).sum())

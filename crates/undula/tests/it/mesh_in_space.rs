@@ -462,7 +462,7 @@ fn an_elastic_box_has_the_promised_names() {
         let mesh = fsi_box(level, grading).unwrap();
         mesh.check_matching("fluid", "solid", &[]).unwrap();
         let n = 1 + grading;
-        let cells = (5 + 4 * n) * (3 + 3 * n) * (3 + 2 * n);
+        let cells = (7 + 4 * n) * (4 + 3 * n) * (4 + 2 * n);
         assert_eq!(mesh.n_cells(), cells << (3 * level));
         let volumes = [volume(&mesh, "solid") / 0.004 - 1.0, volume(&mesh, "fluid") / 0.236 - 1.0];
         assert!(volumes.iter().all(|error| error.abs() < 1e-13), "{volumes:?}");
