@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::ExitCode;
 use undula::case::error::LoadError;
 use undula::case::expression::Expression;
-use undula::case::schema::Extrude;
 use undula::case::{Case, Condition, FluidSpec, GENERATORS, Initial, MeshSource, SolidSpec};
 use undula::choice::row_of;
 use undula::error::Error;
@@ -159,7 +158,8 @@ fn vector(components: &[Expression]) -> String {
 
 fn source(case: &Case) -> String {
     let extruded = |source: String| match case.mesh.extrude {
-        Some(Extrude { depth, layers }) => {
+        Some(extrude) => {
+            let (depth, layers) = (extrude.depth, extrude.all_layers());
             format!("{source}, extruded by {depth} m in {layers} layer{}", if layers == 1 { "" } else { "s" })
         }
         None => source,

@@ -5,15 +5,13 @@ use super::schema::GENERATORS;
 use crate::space::COORDINATES;
 
 /// The keys of `[mesh]`.
-pub(super) static MESH: [Key; 15] = [
+pub(super) static MESH: [Key; 16] = [
     word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
     text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
     number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
     word("mesh.coordinates", &COORDINATES, "cartesian", "what the coordinates of the mesh mean"),
     number("mesh.refine", "", "0", "uniform refinements"),
     number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
-    number("mesh.extrude.depth", "m", "none", "a plane mesh becomes one of space, 0 < z < depth"),
-    number("mesh.extrude.layers", "", "required with depth", "layers of cells along z"),
     number("mesh.lower", "m", "box: required", "least corner of the box, as [0, 0], in space as [0, 0, 0]"),
     number("mesh.upper", "m", "box: required", "opposite corner of the box, as [2, 1]"),
     number("mesh.length", "m", "tube: required", "length of the tube"),
@@ -30,5 +28,13 @@ pub(super) static MESH: [Key; 15] = [
         "cells before refinement: x, y (and z); round, across; along, round, through the wall",
     ),
     text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
+    number("mesh.extrude.depth", "m", "none", "a plane mesh becomes one of space, 0 < z < depth"),
+    number("mesh.extrude.layers", "", "required with depth", "layers of cells along z"),
+    number(
+        "mesh.extrude.grading",
+        "",
+        "0",
+        "halvings of the first and the last layer towards front and back",
+    ),
     text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),
 ];

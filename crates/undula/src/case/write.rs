@@ -183,9 +183,10 @@ impl Case {
             out.key("radii", numbers(radii));
             out.key("cells", format!("{cells:?}"));
         }
-        if let Some(Extrude { depth, layers }) = self.mesh.extrude {
+        if let Some(Extrude { depth, layers, grading }) = self.mesh.extrude {
             out.key("extrude.depth", number(depth));
             out.key("extrude.layers", layers.to_string());
+            out.key("extrude.grading", grading.to_string());
         }
         out.choice("coordinates", &COORDINATES, &self.mesh.coordinates);
         out.key("refine", self.mesh.refine.to_string());

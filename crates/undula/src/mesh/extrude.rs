@@ -32,6 +32,28 @@ impl Mesh<2> {
         self.between(0.0, depth, layers)
     }
 
+    /// The same with the first and the last layer halved `grading` times towards `front` and `back`: `layers + 2 grading`
+    /// layers in all.
+    ///
+    /// # Errors
+    /// Those of [`Mesh::extruded`].
+    pub fn extruded_graded(&self, depth: f64, layers: usize, grading: usize) -> Result<Mesh<3>, MeshError> {
+        if grading == 0 || layers == 0 || !(depth > 0.0 && depth.is_finite()) {
+            return self.extruded(depth, layers);
+        }
+        if layers == 1 {
+            return reject("layers = 1: at least two are needed, one at each end, to be halved".into());
+        }
+        let layer = depth / layers as f64;
+        let near: Vec<f64> = (1..=grading).rev().map(|i| layer * 0.5_f64.powi(i as i32)).collect();
+        let mut sides = vec![0.0];
+        sides.extend(&near);
+        sides.extend((1..layers).map(|i| layer * i as f64));
+        sides.extend(near.iter().rev().map(|z| depth - z));
+        sides.push(depth);
+        self.along(&sides)
+    }
+
     /// The same between z = `lower` and z = `upper`, exactly.
     pub(super) fn between(&self, lower: f64, upper: f64, layers: usize) -> Result<Mesh<3>, MeshError> {
         self.check_extrusion(layers)?;

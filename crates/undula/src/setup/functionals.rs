@@ -63,7 +63,15 @@ impl FunctionalSpec {
         // An extruded plane has the lengths of the plane.
         let along = if case.mesh.extrude.is_some() { 2 } else { D };
         Ok(match self {
-            FunctionalSpec::Force { .. } => self.force(case, space, surfaces),
+            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
+                let (factor, unit) = coefficient.map_or((1.0, "N/m"), |c| (case.of_force(space, on, c), ""));
+                // An interface that is not there, as in a flow without body, carries no force.
+                if *surface_integral {
+                    Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))
+                } else {
+                    Box::new(ForceByResidual::new(surfaces, on, *component, factor, unit))
+                }
+            }
             FunctionalSpec::Moment { on, about, axis } => {
                 Box::new(Moment::new(surfaces, on, point_of(about), axis.unwrap_or(2)))
             }
@@ -103,36 +111,6 @@ impl FunctionalSpec {
                 at.build(case, space, surfaces, Quantity::One)?
             }
         })
-    }
-
-    /// A force on boundaries, or its coefficient.
-    fn force<const D: usize>(
-        &self,
-        case: &Case,
-        space: &FsiSpace<D>,
-        surfaces: &Surfaces<'_, D>,
-    ) -> Box<dyn Functional<D>> {
-        let (on, component, surface_integral, coefficient) = match self {
-            FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                (&on[..], *component, *surface_integral, coefficient)
-            }
-            _ => (&[][..], 0, false, &None),
-        };
-        let density = case.fluid_at(space, on).map_or(1.0, |f| f.density);
-        let (factor, unit) = match coefficient {
-            Some([speed, size]) => {
-                // An extruded plane has the lengths of the plane.
-                let depth = case.mesh.extrude.map_or(1.0, |extrude| extrude.depth);
-                (2.0 / (density * speed * speed * size * depth), "")
-            }
-            None => (1.0, "N/m"),
-        };
-        // An interface that is not there, as in a flow without body, carries no force.
-        if surface_integral {
-            Box::new(ForceBySurface::new(surfaces, on, component, factor, unit))
-        } else {
-            Box::new(ForceByResidual::new(surfaces, on, component, factor, unit))
-        }
     }
 
     /// The key that `error` is about.

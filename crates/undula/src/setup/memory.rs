@@ -77,7 +77,7 @@ impl Case {
     /// Cells before refinement: all, and those of regions that take part.
     fn coarse_cells<const D: usize>(&self, file: Option<&Mesh<D>>) -> (f64, f64) {
         let of_mesh = |mesh: &Mesh<2>| self.cells_of(mesh);
-        let layers = self.mesh.extrude.map_or(1.0, |extrude| extrude.layers as f64);
+        let layers = self.mesh.extrude.map_or(1.0, |extrude| extrude.all_layers() as f64);
         let triangles = self.space.velocity.shape() == Shape::Triangle;
         let grading = self.mesh.grading as usize;
         let (all, kept) = match &self.mesh.source {
@@ -96,7 +96,7 @@ impl Case {
             }
             MeshSource::FsiBox => {
                 let n = 1.0 + self.mesh.grading as f64;
-                let all = (5.0 + 4.0 * n) * (3.0 + 3.0 * n) * (3.0 + 2.0 * n);
+                let all = (7.0 + 4.0 * n) * (4.0 + 3.0 * n) * (4.0 + 2.0 * n);
                 let body = 2.0 * n * (2.0 + 2.0 * n) * (2.0 + n);
                 let kept = [(self.fluids.is_empty(), all - body), (self.solids.is_empty(), body)];
                 (all, kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { *cells }).sum())

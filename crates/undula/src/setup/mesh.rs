@@ -131,10 +131,14 @@ impl Case {
 
     /// The mesh of space, refined.
     pub(super) fn refined_space(&self) -> Result<Refined<3>, Error> {
-        if let Some(Extrude { depth, layers }) = self.mesh.extrude {
+        if let Some(Extrude { depth, layers, grading }) = self.mesh.extrude {
             let (plane, hierarchy, _) = self.refined_plane()?;
             self.check_shape(&plane)?;
-            let whole = hierarchy.extruded(&plane, depth, layers);
+            let whole = if grading == 0 {
+                hierarchy.extruded(&plane, depth, layers)
+            } else {
+                plane.extruded_graded(depth, layers, grading).map(|mesh| (mesh, Hierarchy::default()))
+            };
             let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
             return Ok((mesh, hierarchy, vec![]));
         }

@@ -441,6 +441,20 @@ fn a_tube_has_the_promised_names_and_volumes() {
     }
 }
 
+#[test]
+fn layers_at_both_ends_are_halved() {
+    let plane = rectangle([0.0, 0.0], [2.0, 1.0], [2, 1], 0).unwrap();
+    let mesh = plane.extruded_graded(1.0, 2, 2).unwrap();
+    neighbours_meet(&mesh);
+    let mut levels: Vec<f64> = mesh.nodes.iter().map(|x| x[2]).collect();
+    levels.sort_by(f64::total_cmp);
+    levels.dedup();
+    let vertices: Vec<f64> = levels.into_iter().step_by(2).collect();
+    assert_eq!(vertices, [0.0, 0.125, 0.25, 0.5, 0.75, 0.875, 1.0]);
+    assert!((volume(&mesh, "fluid") - 2.0).abs() < 1e-14);
+    assert!(plane.extruded_graded(1.0, 1, 1).is_err());
+}
+
 /// Names, counts and places of the sides of the box and of the channel; halved layers stay at its sides.
 #[test]
 fn an_elastic_box_has_the_promised_names() {
@@ -448,7 +462,7 @@ fn an_elastic_box_has_the_promised_names() {
         let mesh = fsi_box(level, grading).unwrap();
         mesh.check_matching("fluid", "solid", &[]).unwrap();
         let n = 1 + grading;
-        let cells = (5 + 4 * n) * (3 + 3 * n) * (3 + 2 * n);
+        let cells = (7 + 4 * n) * (4 + 3 * n) * (4 + 2 * n);
         assert_eq!(mesh.n_cells(), cells << (3 * level));
         let volumes = [volume(&mesh, "solid") / 0.004 - 1.0, volume(&mesh, "fluid") / 0.236 - 1.0];
         assert!(volumes.iter().all(|error| error.abs() < 1e-13), "{volumes:?}");

@@ -159,8 +159,12 @@ fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
         }
     }
     let (depth, layers) = (s.number("depth", 1.0, POSITIVE), s.integer("layers", 1, 1..=100_000));
+    let grading = s.integer("grading", 0, 0..=30);
+    if grading > 0 && layers == 1 && s.has("layers") {
+        s.wrong("grading", "only for two layers or more: those at both ends are halved");
+    }
     s.finish();
-    Some(Extrude { depth, layers: layers as usize })
+    Some(Extrude { depth, layers: layers as usize, grading: grading as usize })
 }
 
 /// Which generators take a key.

@@ -38,8 +38,17 @@ pub struct MeshSpec {
 pub struct Extrude {
     /// z of the side `back` \[m\]; that of the side `front` is 0.
     pub depth: f64,
-    /// Layers of cells.
+    /// Layers of cells, before those at the ends are halved.
     pub layers: usize,
+    /// How often the first and the last layer are halved towards the sides.
+    pub grading: usize,
+}
+
+impl Extrude {
+    /// All layers.
+    pub fn all_layers(&self) -> usize {
+        self.layers + 2 * self.grading
+    }
 }
 
 /// A built-in generator or a file.

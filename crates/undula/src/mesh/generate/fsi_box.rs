@@ -12,7 +12,7 @@ const Z: [f64; 3] = [0.0, 0.2, 0.4];
 /// `(0.4, 0.5) × (0, 0.2) × (−0.2, 0.2)` on its bottom.
 ///
 /// Regions `fluid`, `solid`; boundaries `inflow` (x = 0), `outflow` (x = 1.5), `walls`, `symmetry` (z = 0), `clamp` (foot
-/// of the box), `interface`. Level 0 has 270 cells, 24 in the box, which are smallest at its sides and at its foot; each
+/// of the box), `interface`. Level 0 has 462 cells, 24 in the box, which are smallest at its sides and at its foot; each
 /// further level has eight times as many. The layers of cells there are halved `grading` times towards them before
 /// refinement.
 ///
@@ -22,7 +22,7 @@ pub fn fsi_box(refine: usize, grading: usize) -> Result<Mesh<3>, MeshError> {
     let graded = |breaks: Vec<f64>| halved(breaks, grading);
     let at_both = |breaks: Vec<f64>| reversed(graded(reversed(graded(breaks))));
     let [before, behind, away, inwards] =
-        [growing(3, 1.8), growing(4, 1.8), growing(2, 1.6), growing(3, 1.3)].map(graded);
+        [growing(4, 1.5), growing(5, 1.5), growing(3, 1.3), growing(3, 1.3)].map(graded);
     let columns = [reversed(before), at_both(even(2)), behind];
     let rows = [at_both(parts(&[1.0, 1.5, 1.5, 1.0])), away];
     let layers = [reversed(inwards), rows[1].clone()];
