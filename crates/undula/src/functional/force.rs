@@ -63,7 +63,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         let mut found = vec![];
         for &normal in normals {
             let across = Tensor(normal.0.map(|n| normal.0.map(|m| n * m)));
-            along = along - across;
+            along -= across;
             let takes_part = |&&n: &&usize| !self.smooth[n] || self.presses(n, normal);
             found.push((across, list.iter().filter(takes_part).copied().collect()));
         }
