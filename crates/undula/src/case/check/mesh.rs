@@ -164,11 +164,7 @@ fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
         s.wrong("grading", "only for two layers or more: those at both ends are halved");
     }
     s.finish();
-<<<<<<< ours
-    Some(Extrude { depth, layers: layers as usize, grading: grading as usize })
-=======
-    Some(Extrude { depth, layers })
->>>>>>> theirs
+    Some(Extrude { depth, layers, grading })
 }
 
 /// Which generators take a key.
