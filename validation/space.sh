@@ -8,22 +8,26 @@ cd "$(dirname "$0")/.."
 
 # case | settings
 runs='
+cook     | mesh.refine=0
+cook     | mesh.refine=1
 cook     | mesh.refine=2
 cook     | mesh.refine=3
 cook     | mesh.refine=4
-cook     | mesh.refine=5
-cook     | mesh.refine=4 mesh.extrude.layers=2
-dfg-3d1z | mesh.extrude.layers=2
-dfg-3d1z | mesh.extrude.layers=4
-dfg-3d1z | mesh.extrude.layers=8
-dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4
-dfg-3d1z | mesh.refine=1 mesh.extrude.layers=8
+dfg-3d1z | mesh.extrude.layers=2 mesh.extrude.grading=0
+dfg-3d1z | mesh.extrude.layers=4 mesh.extrude.grading=0
+dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=0
+dfg-3d1z | mesh.extrude.layers=16 mesh.extrude.grading=0
+dfg-3d1z | mesh.refine=0
+dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4 mesh.extrude.grading=0
+dfg-3d1z | mesh.refine=1 mesh.extrude.layers=6 mesh.extrude.grading=0
+dfg-3d1z | mesh.refine=1
 fsi-box  | mesh.grading=0
 fsi-box  | mesh.grading=1
 fsi-box  | mesh.grading=2
-tube     | mesh.cells=[20,8,1] time.end=8e-3
-tube     | mesh.cells=[40,8,1] time.end=8e-3
-tube     | mesh.cells=[40,16,1] time.end=8e-3
+tube     | time.end=8e-3
+tube-2d  | mesh.refine=0 time.end=9e-3
+tube-2d  | mesh.refine=1 time.end=9e-3
+tube-2d  | mesh.refine=1 time.end=9e-3 time.step=2.5e-5
 '
 
 undula=${UNDULA:-target/release/undula}
@@ -43,7 +47,7 @@ directory, case, settings = sys.argv[1:]
 s = json.load(open(directory + "/summary.json"))
 rows = list(csv.DictReader(line for line in open(directory + "/history.csv") if not line.startswith("#")))
 values = {name: f["last"] for name, f in s["functionals"].items()}
-if case == "tube":
+if case.startswith("tube"):
     largest = max(rows, key=lambda row: float(row["u_r"]))
     least = min(rows, key=lambda row: float(row["u_z"]))
     values = {"max u_r": float(largest["u_r"]), "at": float(largest["time"]), "min u_z": float(least["u_z"])}

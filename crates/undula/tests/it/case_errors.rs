@@ -104,7 +104,7 @@ own.toml:15:23: fluid.kinematic-viscosity = "thin": expected a number above 0
 own.toml:16:1: fluid.densty: unknown key; did you mean `density`? [fluid] takes `region`, `density`, `law`, `kinematic-viscosity`, `viscosity-zero`, `viscosity-infinity`, `time-constant`, `power-index`, `yasuda-exponent`, `body-force`, `body-force-at`
 own.toml:18:2: solid.density: missing: the density [kg/m³]
 own.toml:18:2: solid.lambda: missing: `mu` and `lambda` [Pa] belong together
-own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`, `mooney-rivlin`, `incompressible-neo-hookean`, `incompressible-mooney-rivlin`, `ogden`, `incompressible-ogden`, `holzapfel-gasser-ogden`, `incompressible-holzapfel-gasser-ogden`, `guccione`
+own.toml:19:7: solid.law = "hooke": expected one of `st-venant-kirchhoff`, `linear`, `neo-hookean`, `isochoric-neo-hookean`, `mooney-rivlin`, `incompressible-neo-hookean`, `incompressible-mooney-rivlin`, `ogden`, `incompressible-ogden`, `holzapfel-gasser-ogden`, `incompressible-holzapfel-gasser-ogden`, `guccione`
 own.toml:21:9: solid.young = 1e6: give either `mu` and `lambda` or `young` and `poisson`
 own.toml:22:14: solid.body-force = [0]: expected two expressions, as ["x component", "y component"], not 1 values
 own.toml:25:9: motion.model = "bi-harmonic": expected one of `harmonic`, `stiffened-harmonic`, `pseudo-elastic`, `jacobian-stiffened`, `biharmonic`; did you mean `biharmonic`?
@@ -233,11 +233,11 @@ fn mistakes_in_meshes() {
         ),
         (
             "generator = \"tube\"\nradii = [2, 1]\ncells = [4, 6, 1]",
-            "own.toml:3:9: mesh.radii = [2, 1]: expected the radius of the inner circle, then the larger one of the outer \
+            "own.toml:1:2: mesh.length: missing: a tube needs `length` and `radii` [m], as [1, 2], and `cells` along, round \
+             and through the wall, as [20, 16, 1]\n\
+             own.toml:3:9: mesh.radii = [2, 1]: expected the radius of the inner circle, then the larger one of the outer \
              circle\n\
-             own.toml:4:9: mesh.cells = [4, 6, 1]: expected a multiple of 4 round, as [20, 16, 1]\n\
-             own.toml:1:2: mesh.length: missing: a tube needs `length` and `radii` [m], as [1, 2], and `cells` along, round \
-             and through the wall, as [20, 16, 1]",
+             own.toml:4:9: mesh.cells = [4, 6, 1]: expected a multiple of 4 round, as [20, 16, 1]",
         ),
         (
             "generator = \"turek-hron\"\nfile = \"a.msh\"",
