@@ -64,7 +64,8 @@ impl Scales {
         stiffness: f64,
     ) -> Scales {
         let size = space.node_distance();
-        Scales { mass: density * size.powi(D as i32), size, stiffness, viscosity, wave: modulus / density }
+        let mass = (0..D).fold(density, |mass, _| mass * size);
+        Scales { mass, size, stiffness, viscosity, wave: modulus / density }
     }
 
     /// k, or what stands for it in a stationary solution: ĥ²/ν, without a fluid ĥ/c.
