@@ -98,9 +98,9 @@ impl Progress {
         }
     }
 
-    /// Ends the display with a last line, such as `completed`.
-    pub fn finish(self, text: &str) {
-        let line = format!("{text} after {}", duration(self.begun.elapsed().as_secs_f64()));
+    /// Ends the display with a last line, such as `completed`, and what is to be told `behind` its time.
+    pub fn finish(self, text: &str, behind: &str) {
+        let line = format!("{text} after {}{behind}", duration(self.begun.elapsed().as_secs_f64()));
         match self.mode {
             Mode::Quiet => {}
             Mode::Bar(bar) => {
@@ -192,7 +192,7 @@ mod tests {
         let mut progress = Progress::new(Some(0.0), true);
         [0.0, 0.0, f64::NAN].into_iter().for_each(|time| progress.update(&info(1, time)));
         progress.message("halved");
-        progress.finish("interrupted");
+        progress.finish("interrupted", "");
         let stationary = StepInfo { leading: None, min_j: f64::NAN, newton_steps: 1, ..info(0, 0.0) };
         assert_eq!(describe(&stationary), "1 Newton step, 1 Jacobian");
     }

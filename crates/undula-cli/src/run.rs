@@ -43,7 +43,7 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     let progress = display.progress.take();
     match result {
-        Ok(summary) => finish(progress, &summary, &directory, args.quiet, end.is_some()),
+        Ok(summary) => finish(progress, &summary, &directory, args, end.is_some()),
         Err(error) => {
             if let Some(progress) = progress {
                 progress.clear();
@@ -146,16 +146,25 @@ fn iterations<const D: usize>(simulation: &Simulation<D>, row: &Row) -> String {
     format!("{of}: {jacobians}, residuals {}", parts.join(" | "))
 }
 
+/// What a step has cost, for each unknown.
+fn cost(summary: &Summary) -> Option<String> {
+    let pieces = summary.unknowns.total as f64 * summary.steps as f64;
+    let each = summary.cpu_seconds.filter(|_| pieces > 0.0)? / pieces;
+    Some(format!(", {:.3} µs of processor time per unknown and step", 1e6 * each))
+}
+
 /// The end of a run that has a summary.
 fn finish(
     progress: Option<Progress>,
     summary: &Summary,
     directory: &Path,
-    quiet: bool,
+    args: &RunArgs,
     resumable: bool,
 ) -> anyhow::Result<ExitCode> {
     if let Some(progress) = progress {
-        progress.finish(&summary.status.to_string());
+        // Seconds of a run that was resumed are those since then, its steps are not.
+        let cost = if args.resume { None } else { cost(summary) };
+        progress.finish(&summary.status.to_string(), cost.as_deref().unwrap_or_default());
     }
     if let Some(breakdown) = &summary.breakdown {
         say(format_args!("breakdown: {}", breakdown.reason));
@@ -176,7 +185,7 @@ fn finish(
     let code = match summary.status {
         Status::Breakdown => ExitCode::from(BREAKDOWN),
         Status::Interrupted => {
-            if !quiet {
+            if !args.quiet {
                 say(match resumable {
                     true => "go on with the same command and --resume",
                     // On the way to a stationary solution there is no state that would be worth keeping.
@@ -188,7 +197,7 @@ fn finish(
         Status::Completed => ExitCode::SUCCESS,
         _ => ExitCode::FAILURE,
     };
-    if !quiet {
+    if !args.quiet {
         show_results(summary, directory);
     }
     for file in [SUMMARY, HISTORY].map(|name| directory.join(name)) {

@@ -171,6 +171,8 @@ pub mod mesh;
 #[doc(hidden)]
 pub mod modes;
 #[doc(hidden)]
+pub mod multigrid;
+#[doc(hidden)]
 pub mod nonlinear;
 #[doc(hidden)]
 pub mod operators;

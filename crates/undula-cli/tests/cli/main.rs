@@ -13,6 +13,7 @@ mod input;
 mod jacobian;
 mod keys;
 mod modes;
+mod multigrid;
 mod outputs;
 mod pictures;
 mod pictures_space;

@@ -39,12 +39,15 @@ pub enum LinearSolverKind {
     Multifrontal,
     /// Sparse LU of the crate faer.
     Faer,
+    /// GMRES with a cycle of geometric multigrid; multifrontal LU on its coarsest level, and where there is none.
+    Multigrid,
 }
 
 /// Their names in a case, the usual one first.
-pub static SOLVERS: [Choice<LinearSolverKind>; 2] = [
+pub static SOLVERS: [Choice<LinearSolverKind>; 3] = [
     choice("multifrontal", LinearSolverKind::Multifrontal, "multifrontal LU of Undula"),
     choice("faer", LinearSolverKind::Faer, "sparse LU of the crate faer, for comparison"),
+    choice("multigrid", LinearSolverKind::Multigrid, "GMRES with geometric multigrid on the meshes of mesh.refine"),
 ];
 
 /// Precision of factors.
@@ -68,16 +71,16 @@ impl LinearSolverKind {
     pub fn make(self, precision: Precision, definite: bool, options: Options) -> Box<dyn LinearSolver> {
         match (self, precision, definite) {
             (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
-            (LinearSolverKind::Multifrontal, Precision::Single, false) => {
+            (_, Precision::Single, false) => {
                 Box::new(MultifrontalLu::single(options))
             }
-            (LinearSolverKind::Multifrontal, Precision::Single, true) => {
+            (_, Precision::Single, true) => {
                 Box::new(MultifrontalLu::single_definite(options))
             }
-            (LinearSolverKind::Multifrontal, Precision::Double, false) => {
+            (_, Precision::Double, false) => {
                 Box::new(MultifrontalLu::multifrontal(options))
             }
-            (LinearSolverKind::Multifrontal, Precision::Double, true) => {
+            (_, Precision::Double, true) => {
                 Box::new(MultifrontalLu::definite(options))
             }
         }

@@ -98,6 +98,11 @@ pub trait LinearSolver: Send {
     /// iterations that see their own residual. Without factors `x` becomes NaN.
     fn apply(&mut self, b: &[f64], x: &mut [f64]);
 
+    /// Whether [`LinearSolver::apply`] gives the solution but for rounding. Others precondition an iteration.
+    fn is_exact(&self) -> bool {
+        true
+    }
+
     /// What a factorisation will cost, as far as the pattern tells: without delayed pivots. `None` before
     /// the analysis and where the backend does not know.
     fn predicted(&self) -> Option<Cost> {

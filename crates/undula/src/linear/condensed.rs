@@ -6,7 +6,8 @@ use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
-use crate::algebra::SolverError;
+use crate::algebra::{LinearSolver, SolverError};
+use crate::multigrid::{self, Multigrid, System, tiers};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 use crate::system::{Assembler, CondensedSystem, StepView};
@@ -31,11 +32,18 @@ impl<const D: usize> Condensed<D> {
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         make: &MakeSolver,
-        krylov: Option<KrylovSettings>,
+        (krylov, multigrid): (Option<KrylovSettings>, Option<multigrid::Settings>),
     ) -> Result<Condensed<D>, SolverError> {
         let system = assembler.try_condensed()?;
-        let factored = Factored::new(&system.pattern, &system.unknowns, make(Purpose::Correction), krylov)?;
-        let extension = Extension::new(assembler, view, make)?;
+        let solver: Box<dyn LinearSolver> = match multigrid {
+            Some(settings) => {
+                let places = System::Flow { given: &assembler.is_given(), places: &system.places };
+                Box::new(Multigrid::new(settings, tiers(&assembler.space, places), make(Purpose::Correction)))
+            }
+            None => make(Purpose::Correction),
+        };
+        let factored = Factored::new(&system.pattern, &system.unknowns, solver, krylov)?;
+        let extension = Extension::new(assembler, view, make, multigrid)?;
         let relation = relation::places(assembler).map(|place| place as u32).collect();
         let n = system.places.len();
         Ok(Condensed {
@@ -168,6 +176,8 @@ impl<const D: usize> Correction<D> for Condensed<D> {
         moved.iter().for_each(|&(at, change)| self.work[n_v + at] = change);
         relation::impose(assembler, rule, new, old, |at, change| self.work[n_v + at] = change);
         let Some(extension) = &mut self.extension else { return };
+        // A run that goes on from a checkpoint has no others.
+        extension.forget();
         extension.solve(Some(&self.work), &self.work);
         extension.values().for_each(|(place, x)| self.work[place] = x);
         assembler.project(&mut self.work);

@@ -1,17 +1,23 @@
 //! The extension of an update of the solid into the fluid.
 
 use super::factors::{MakeSolver, Purpose};
-use crate::algebra::{Cost, LinearSolver, SolverError};
+use crate::algebra::{Cost, Gmres, GmresSettings, LinearSolver, SolverError};
+use crate::multigrid::{self, Multigrid, System, tiers};
 use crate::system::extension::ExtensionSystem;
 use crate::system::{Assembler, StepView};
 
 /// Difference of two entries of the extension, relative to their diagonals, that is rounding.
 const SYMMETRIC: f64 = 1e-10;
 
+/// Iterations with multigrid.
+const GMRES: GmresSettings = GmresSettings { tolerance: 1e-2, size: 20 };
+
 /// The system of the extension and its factors, which live as long as its operator.
 pub(super) struct Extension<const D: usize> {
     system: ExtensionSystem<D>,
     solver: Box<dyn LinearSolver>,
+    /// Where the solver is not exact: its iteration, with the weights of the rows.
+    gmres: Option<(Gmres, Vec<f64>)>,
     b: Vec<f64>,
     x: Vec<f64>,
 }
@@ -22,6 +28,7 @@ impl<const D: usize> Extension<D> {
         assembler: &mut Assembler<D>,
         view: &StepView<'_>,
         make: &MakeSolver,
+        multigrid: Option<multigrid::Settings>,
     ) -> Result<Option<Extension<D>>, SolverError> {
         let Some(system) = assembler.extension(view) else { return Ok(None) };
         let purpose = if assembler.is_biharmonic() {
@@ -34,8 +41,16 @@ impl<const D: usize> Extension<D> {
         };
         let all = assembler.unknowns();
         let unknowns: Vec<_> = system.places.iter().map(|&place| all[place as usize]).collect();
+        let biharmonic = assembler.is_biharmonic();
+        let multigrid = multigrid.filter(|_| !biharmonic);
         let factor = |purpose| {
-            let mut solver = make(purpose);
+            let mut solver: Box<dyn LinearSolver> = match multigrid {
+                Some(settings) => {
+                    let tiers = tiers(&assembler.space, System::Extension(&system.places));
+                    Box::new(Multigrid::new(settings, tiers, make(purpose)))
+                }
+                None => make(purpose),
+            };
             solver.analyse(&system.matrix.pattern, &unknowns)?;
             solver.factor(&system.matrix)?;
             Ok(solver)
@@ -46,7 +61,8 @@ impl<const D: usize> Extension<D> {
             result => result?,
         };
         let n = system.places.len();
-        Ok(Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] }))
+        let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES), vec![1.0; n]));
+        Ok(Some(Extension { system, solver, gmres, b: vec![0.0; n], x: vec![0.0; n] }))
     }
 
     /// What its factors cost.
@@ -58,14 +74,23 @@ impl<const D: usize> Extension<D> {
     pub(super) fn renew(&mut self, assembler: &Assembler<D>, view: &StepView<'_>) -> Result<(), SolverError> {
         if assembler.renew_extension(view, &mut self.system) {
             self.solver.factor(&self.system.matrix)?;
+            self.gmres.iter_mut().for_each(|(gmres, _)| gmres.clear());
         }
         Ok(())
+    }
+
+    /// Forget what solutions before have taught.
+    pub(super) fn forget(&mut self) {
+        self.gmres.iter_mut().for_each(|(gmres, _)| gmres.clear());
     }
 
     /// Extend the update `delta` of the interface; with `r`, the residual of the extension becomes zero, too.
     pub(super) fn solve(&mut self, r: Option<&[f64]>, delta: &[f64]) {
         self.system.right_hand_side(r, delta, &mut self.b);
-        self.solver.apply(&self.b, &mut self.x);
+        let Extension { system, solver, gmres, b, x } = self;
+        let Some((gmres, weights)) = gmres else { return solver.apply(b, x) };
+        // The best there is will do: the residual of the next iterate tells what it lacks.
+        let _ = gmres.solve(&system.matrix, weights, |r, z| solver.apply(r, z), b, x);
     }
 
     /// The solution: places in `[v, u, p]` and values.

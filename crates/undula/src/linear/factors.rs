@@ -49,9 +49,15 @@ impl Factored {
     /// Factorise the matrix, which is that of a step by `rule`.
     pub(super) fn factor(&mut self, rule: StepRule, sizes: Sizes) -> Result<(), SolverError> {
         self.rule = rule;
-        self.krylov.iter_mut().for_each(|krylov| krylov.active = false);
+        let exact = self.solver.is_exact();
+        self.krylov.iter_mut().for_each(|krylov| krylov.active = !exact);
         self.solver.set_sizes(sizes);
         self.solver.factor(&self.matrix).map(|_| ())
+    }
+
+    /// Whether the factors solve the system of their matrix.
+    pub(super) fn is_exact(&self) -> bool {
+        self.solver.is_exact()
     }
 
     /// The matrix is newer than the factors; `set` sets the weights of its rows.

@@ -44,7 +44,7 @@ impl<const D: usize> Lift<D> {
                     return;
                 }
             }
-            None => self.extension = Extension::new(assembler, &view, make).ok().flatten(),
+            None => self.extension = Extension::new(assembler, &view, make, None).ok().flatten(),
         }
         let Some(extension) = &mut self.extension else { return };
         let n_v = assembler.space.n_v();
@@ -101,7 +101,7 @@ impl<const D: usize> Lift<D> {
         assembler.residual(&view, &mut r);
         match &mut self.extension {
             Some(extension) => extension.renew(assembler, &view)?,
-            None => self.extension = Extension::new(assembler, &view, make)?,
+            None => self.extension = Extension::new(assembler, &view, make, None)?,
         }
         let Some(extension) = &mut self.extension else { return Ok(0.0) };
         self.work.clear();

@@ -20,6 +20,7 @@ pub use projection::Closed;
 pub use scales::{BlockNorms, Scales};
 
 use crate::algebra::{Sizes, SolverError};
+use crate::multigrid;
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
 use crate::space::State;
@@ -48,6 +49,8 @@ pub struct Linear<const D: usize> {
     pub sizes: Sizes,
     /// GMRES, if factors may be older than the matrix.
     krylov: Option<KrylovSettings>,
+    /// Multigrid for the condensed system.
+    multigrid: Option<multigrid::Settings>,
     /// With the whole matrix and with the condensed one.
     made: [Option<Box<dyn Correction<D>>>; 2],
     /// Far couplings and scalar unknowns of the one in use.
@@ -67,6 +70,7 @@ impl<const D: usize> Linear<D> {
             make,
             sizes,
             krylov: None,
+            multigrid: None,
             made,
             bordered: Bordered::default(),
             lift: Lift::new(),
@@ -77,6 +81,13 @@ impl<const D: usize> Linear<D> {
     #[must_use]
     pub fn with_krylov(mut self, settings: Option<KrylovSettings>) -> Linear<D> {
         self.krylov = settings;
+        self
+    }
+
+    /// With multigrid in place of the factors of the condensed system; GMRES is then asked for, too.
+    #[must_use]
+    pub fn with_multigrid(mut self, settings: Option<multigrid::Settings>) -> Linear<D> {
+        self.multigrid = settings;
         self
     }
 
@@ -104,6 +115,7 @@ impl<const D: usize> Linear<D> {
             make: _,
             sizes: _,
             krylov: _,
+            multigrid: _,
             made: _,
             bordered: _,
             lift: _,
@@ -150,7 +162,10 @@ impl<const D: usize> Linear<D> {
         view: &StepView<'_>,
     ) -> Result<Box<dyn Correction<D>>, SolverError> {
         Ok(match self.active {
-            Linearization::Condensed => Box::new(Condensed::new(assembler, view, &self.make, self.krylov)?),
+            Linearization::Condensed => {
+                let iterative = (self.krylov, self.multigrid);
+                Box::new(Condensed::new(assembler, view, &self.make, iterative)?)
+            },
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
                 Box::new(Full::new(assembler, (self.make)(Purpose::Exact), self.krylov)?)
             }
@@ -181,6 +196,9 @@ impl<const D: usize> Linear<D> {
         let factored = made.factored().factor(view.rule, sizes);
         seconds.factorization += assembled.elapsed().as_secs_f64();
         factored?;
+        if !made.factored().is_exact() {
+            made.precondition(&assembler.space, view.rule.per_k);
+        }
         self.take_borders(assembler, view, seconds)
     }
 

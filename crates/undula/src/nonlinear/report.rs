@@ -11,6 +11,8 @@ pub struct Counters {
     pub factorizations: usize,
     /// Iterations of the linear solver: residuals to which factors were applied.
     pub linear_iterations: usize,
+    /// Steps that were begun anew with the whole Jacobian and a direct solver.
+    pub fallbacks: usize,
 }
 
 /// How a solve went.

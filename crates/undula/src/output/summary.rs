@@ -35,11 +35,17 @@ pub struct Summary {
     pub jacobians: u64,
     /// Factorizations of the matrix.
     pub factorizations: u64,
+    /// Iterations of the linear solver: how often factors, or a cycle of multigrid, were applied.
+    pub linear_iterations: u64,
+    /// Steps that were begun anew with the whole Jacobian and a direct solver.
+    pub direct_fallbacks: u64,
     /// Threads used.
     pub threads: usize,
     /// Elapsed time \[s\].
     #[serde(with = "nullable")]
     pub wall_seconds: f64,
+    /// Processor time of this process \[s\], where the system tells: that since the run was resumed, if it was.
+    pub cpu_seconds: Option<f64>,
     /// Where it went.
     pub phases: Phases,
     /// Largest resident memory \[B\], where the system tells.
@@ -203,6 +209,17 @@ pub fn peak_memory() -> Option<u64> {
     Some(1024 * kibibytes)
 }
 
+/// Units in which Linux tells programs their processor time, in a second.
+const TICKS: f64 = 100.0;
+
+/// Processor time of this process \[s\]; known on Linux only.
+pub fn processor_seconds() -> Option<f64> {
+    let stat = fs::read_to_string("/proc/self/stat").ok()?;
+    let (_, fields) = stat.rsplit_once(')')?;
+    let ticks = |n: usize| fields.split_whitespace().nth(n)?.parse::<f64>().ok();
+    Some((ticks(11)? + ticks(12)?) / TICKS)
+}
+
 /// A number that is `null` in the file where it is not finite.
 mod nullable {
     use super::*;
@@ -278,7 +295,7 @@ mod tests {
         let value = serde_json::to_value(Summary::default()).unwrap();
         let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
         let mut contract = "status case cells unknowns steps newton_steps jacobians factorizations threads \
-            wall_seconds phases peak_memory_bytes mass_balance swept_volume functionals version commit date \
+            wall_seconds cpu_seconds linear_iterations direct_fallbacks phases peak_memory_bytes mass_balance swept_volume functionals version commit date \
             processor case_hash mesh_hash"
             .split_whitespace()
             .collect::<Vec<_>>();
@@ -299,5 +316,6 @@ mod tests {
     #[test]
     fn memory_is_known() {
         assert!(peak_memory().unwrap() > 100_000);
+        assert!(processor_seconds().unwrap() >= 0.0);
     }
 }

@@ -39,6 +39,8 @@ pub(super) struct Metadata {
     counters: [u64; 3],
     #[serde(default)]
     linear_iterations: u64,
+    #[serde(default)]
+    fallbacks: u64,
     pub(super) seconds: [f64; 4],
     pub(super) wall_seconds: f64,
     pub(super) case: String,
@@ -84,6 +86,7 @@ pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) ->
         balance,
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
+        fallbacks: counters.fallbacks as u64,
         seconds: [seconds.assembly, seconds.factorization, seconds.solve, run.output_seconds],
         wall_seconds: run.wall_seconds,
         case: identity(&simulation.case),
@@ -226,11 +229,11 @@ fn memory<const D: usize>(
         None => None,
     };
     let [newton_steps, jacobians, factorizations] = metadata.counters.map(|n| n as usize);
-    let linear_iterations = metadata.linear_iterations as usize;
+    let (linear_iterations, fallbacks) = (metadata.linear_iterations as usize, metadata.fallbacks as usize);
     let [assembly, factorization, solve, _] = metadata.seconds;
     let newton = nonlinear::Memory {
         worsening: f32::from_bits(metadata.worsening),
-        counters: Counters { newton_steps, jacobians, factorizations, linear_iterations },
+        counters: Counters { newton_steps, jacobians, factorizations, linear_iterations, fallbacks },
         seconds: Seconds { assembly, factorization, solve },
     };
     let clock = Clock { time, last_step, damping: Damping { interval, left } };

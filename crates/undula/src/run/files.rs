@@ -9,7 +9,7 @@ use crate::error::Error;
 use crate::functional::balance::Balance;
 use crate::output::{
     Breakdown, Checkpoint, Collection, HistoryWriter, OutputError, Phases, Precision, Provenance,
-    RunDirectory, Status, Summary, hash, peak_memory, text_of, write_vtu,
+    RunDirectory, Status, Summary, hash, peak_memory, processor_seconds, text_of, write_vtu,
 };
 use crate::simulation::{Row, Simulation};
 use std::time::{Duration, Instant};
@@ -229,6 +229,9 @@ impl<const D: usize> Run<D> {
                 solve: newton.seconds.solve,
                 output: self.output_seconds,
             },
+            linear_iterations: newton.counters.linear_iterations as u64,
+            direct_fallbacks: newton.counters.fallbacks as u64,
+            cpu_seconds: processor_seconds(),
             peak_memory_bytes: peak_memory(),
             mass_balance: simulation.balance.as_ref().and_then(Balance::mass),
             swept_volume: simulation.balance.as_ref().and_then(Balance::swept),

@@ -5,7 +5,7 @@ use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
 use super::overview::Overview;
 use super::terms::has_correction;
-use crate::algebra::{self, LinearSolver};
+use crate::algebra::{self, LinearSolver, LinearSolverKind};
 use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
 };
@@ -14,6 +14,7 @@ use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
+use crate::multigrid;
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
 use crate::physics::Projection;
@@ -52,6 +53,7 @@ impl Case {
     {
         let mut space = self.space_on(&marked.mesh)?;
         space.hierarchy = marked.hierarchy.restrict(&self.regions());
+        self.check_multigrid(&space)?;
         Ok(space)
     }
 
@@ -108,6 +110,21 @@ impl Case {
         self.check_drift(&space)?;
         self.check_profiles(&space)?;
         Ok(space)
+    }
+
+    /// Multigrid needs coarser meshes, and nodes that they have, too.
+    fn check_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
+        let chosen = self.linear.solver == LinearSolverKind::Multigrid;
+        if chosen && space.hierarchy.coarser().is_empty() {
+            let message = "the mesh was not made by refining a coarser one: give mesh.refine of at least 1, \
+                           or take `multifrontal`";
+            return Err(self.refuse("linear.solver", message.into()));
+        }
+        if chosen && space.nodes.n_lagrange < space.nodes.len() {
+            let message = "bubbles are on no coarser mesh: take `multifrontal`, or another space.velocity";
+            return Err(self.refuse("linear.solver", message.into()));
+        }
+        Ok(())
     }
 
     /// Projections on patches need a mesh that has them.
@@ -198,6 +215,8 @@ impl Case {
         let scales = self.scales(&space, largest);
         let krylov = |gmres| KrylovSettings { gmres, scales };
         let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
+        let multigrid = self.linear.solver == LinearSolverKind::Multigrid;
+        let linear = linear.with_multigrid(multigrid.then(multigrid::Settings::default));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),

@@ -1,6 +1,6 @@
 //! How much memory a case needs, before its mesh is made: a run that cannot fit is refused at once.
 
-use crate::case::{Case, Linearization, MeshSource, Precision, VelocityElement};
+use crate::case::{Case, LinearSolverKind, Linearization, MeshSource, Precision, VelocityElement};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::mesh::{Mesh, generate};
@@ -23,6 +23,9 @@ const PER_CELL: [(VelocityElement, f64); 8] = [
 /// The same in space, per hexahedron N of Q2 (cubes of 512 and 1 728 cells, flow and body): factors grow like N^(4/3), those
 /// of a thin layer more slowly.
 const IN_SPACE: [f64; 2] = [208.0e3, 37.4e3];
+
+/// The same with multigrid, whose need grows like N.
+const BY_MULTIGRID: f64 = 290.0e3;
 
 /// The whole Jacobian of a solid in space, measured for `fsi-box` with 462 to 2 470 cells.
 const WHOLE_IN_SPACE: f64 = 3.5;
@@ -181,6 +184,9 @@ impl Case {
     /// cells of degree 2 as they have nodes.
     fn in_space(&self, cells: f64) -> [f64; 2] {
         let alike = cells * (self.space.velocity.degree() as f64 / 2.0).powi(3);
+        if self.linear.solver == LinearSolverKind::Multigrid {
+            return [BY_MULTIGRID * alike, 0.0];
+        }
         [IN_SPACE[0] * alike, IN_SPACE[1] * alike.powf(4.0 / 3.0)]
     }
 

@@ -166,6 +166,7 @@ fn iterate<const D: usize>(
     let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);
     if solved.is_err() && !stopped && system.linear.fall_back() {
         newton.forget();
+        newton.counters.fallbacks += 1;
         let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
         solved = newton.solve(system, norm, reference);
     }

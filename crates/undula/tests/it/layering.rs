@@ -14,7 +14,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 28] = [
+const LAYERS: [(&str, &str); 29] = [
     ("choice", ""),
     ("math", ""),
     ("algebra", "choice"),
@@ -24,12 +24,13 @@ const LAYERS: [(&str, &str); 28] = [
     ("mesh", "math element"),
     ("nonlinear", "algebra"),
     ("space", "choice math element mesh algebra"),
+    ("multigrid", "algebra element mesh space"),
     ("sampling", "math physics element mesh space"),
     ("loops", "math physics element mesh space algebra"),
     ("operators", "math physics tangent element mesh space algebra sampling loops"),
     ("system", "math physics tangent mesh space algebra loops operators"),
     ("functional", "choice math physics element mesh space sampling system"),
-    ("linear", "physics tangent algebra nonlinear space system"),
+    ("linear", "physics tangent algebra nonlinear space multigrid system"),
     // The summary of a run has the statistics of its functionals.
     ("output", "functional"),
     ("time", "choice math physics tangent algebra nonlinear space system linear"),

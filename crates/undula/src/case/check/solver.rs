@@ -22,6 +22,9 @@ const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number 
 
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
+/// Iterations of GMRES with multigrid at most: after them the step takes the direct solver.
+const MULTIGRID_SIZE: usize = 60;
+
 /// Minutes of computation that a run may lose when it is killed.
 pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
 
@@ -281,7 +284,8 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
+/// `linearization`: the matrices that will be solved with.
+pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
         let message = format!(
             "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
@@ -294,16 +298,30 @@ pub(super) fn linear(mut s: Section<'_, '_>) -> LinearSpec {
     };
     let refinement = s.integer("refinement", 2, 0..=20);
     let precision = s.choice("precision", &PRECISIONS, &[]).unwrap_or(Precision::Single);
-    let krylov = krylov(&mut s);
+    let mut solver = solver.unwrap_or(LinearSolverKind::Multifrontal);
+    if solver == LinearSolverKind::Multigrid && linearization != Linearization::Condensed {
+        let note = "linear.solver has no effect: multigrid is for the condensed system, and \
+                    the whole Jacobian takes `multifrontal`";
+        s.checker.notes.borrow_mut().push(note.into());
+        solver = LinearSolverKind::Multifrontal;
+    }
+    let krylov = krylov(&mut s, solver == LinearSolverKind::Multigrid);
     s.finish();
-    LinearSpec { solver: solver.unwrap_or(LinearSolverKind::Multifrontal), refinement, precision, krylov }
+    LinearSpec { solver, refinement, precision, krylov }
 }
 
-/// GMRES on top of the factors: `krylov`, `krylov-tolerance`, `krylov-size`.
-fn krylov(s: &mut Section<'_, '_>) -> Option<GmresSettings> {
-    let chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
+/// GMRES: `krylov`, `krylov-tolerance`, `krylov-size`; on top of the factors, or with `multigrid`.
+fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
+    let mut chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
+    if multigrid {
+        if s.has("krylov") && chosen.is_none() {
+            let note = "linear.krylov has no effect: multigrid is a part of GMRES";
+            s.checker.notes.borrow_mut().push(note.into());
+        }
+        chosen = Some(GMRES);
+    }
     let tolerance = s.number("krylov-tolerance", GMRES.tolerance, REDUCTION);
-    let size = s.integer("krylov-size", GMRES.size, 1..=200);
+    let size = s.integer("krylov-size", if multigrid { MULTIGRID_SIZE } else { GMRES.size }, 1..=200);
     for key in ["krylov-tolerance", "krylov-size"] {
         if s.has(key) && chosen.is_none() {
             let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");

@@ -1,0 +1,144 @@
+//! `linear.solver = "multigrid"`: the same solution as by factors, in iterations that do not grow.
+
+use super::Place;
+use super::in_space::{FLAP, Row};
+
+const MULTIGRID: &str = "linear.solver=multigrid";
+const TIGHT: [&str; 2] = ["newton.tolerance=1e-10", "newton.floor=0"];
+const LAYER: &str = "mesh.extrude={ depth = 0.2, layers = 1 }";
+
+/// A lid-driven cavity of equal cells.
+const LID: &str = r#"
+[mesh]
+generator = "box"
+lower = [0, 0]
+upper = [1, 1]
+cells = [2, 2]
+[fluid]
+density = 1
+kinematic-viscosity = 0.01
+[boundary.top]
+condition = "velocity"
+velocity = ["16*(x*(1 - x))^2*ramp(t, 0.1)", 0]
+[boundary.bottom]
+condition = "no-slip"
+[boundary.left]
+condition = "no-slip"
+[boundary.right]
+condition = "do-nothing"
+[time]
+step = 0.05
+end = 0.1
+[functional.flux]
+kind = "flux"
+on = ["right"]
+[functional.lid]
+kind = "force"
+on = ["top"]
+component = "x"
+"#;
+
+/// Both solvers end at the same numbers. Returns iterations for each step of Newton's method.
+#[track_caller]
+fn agree(here: &Place, case: &str, sets: &[&str]) -> f64 {
+    let with = |solver: &str| here.rows(case, &[&TIGHT, sets, &[solver]].concat());
+    let by_factors = with("linear.solver=multifrontal");
+    let rows = with(MULTIGRID);
+    let summary = here.json("out/summary.json");
+    assert_eq!(summary["direct_fallbacks"], 0, "{sets:?}");
+    is_near(&by_factors, &rows, sets);
+    summary["linear_iterations"].as_f64().unwrap() / summary["newton_steps"].as_f64().unwrap()
+}
+
+#[track_caller]
+fn is_near(one: &[Row], other: &[Row], sets: &[&str]) {
+    assert_eq!(one.len(), other.len());
+    let counts = ["step", "jacobians", "newton_steps"];
+    for name in one[0].keys().filter(|name| !counts.contains(&name.as_str())) {
+        let largest = one.iter().map(|row| row[name].abs()).fold(1e-9, f64::max);
+        for (one, other) in one.iter().zip(other) {
+            let gap = (one[name] - other[name]).abs();
+            assert!(gap <= 1e-6 * largest, "{name}: {} and {}; {sets:?}", one[name], other[name]);
+        }
+    }
+}
+
+#[test]
+fn moving_bodies_are_those_of_a_direct_solver() {
+    let here = Place::new("multigrid-flap");
+    here.write("flap.toml", FLAP);
+    for (sets, most) in [
+        (&["mesh.refine=1"][..], 6.0),
+        (&["mesh.refine=2", "time.scheme=bdf2", "motion.model=harmonic"], 6.0),
+        (&["mesh.refine=1", "motion.model=biharmonic"], 6.0),
+        (&["mesh.refine=1", "solid.law=incompressible-neo-hookean", "solid.lambda=none"], 8.0),
+        (&["mesh.refine=1", "motion.model=jacobian-stiffened", LAYER], 6.0),
+    ] {
+        let iterations = agree(&here, "flap.toml", sets);
+        assert!(iterations < most, "{iterations}: {sets:?}");
+    }
+}
+
+#[test]
+fn flows_of_all_pairs_are_those_of_a_direct_solver() {
+    let here = Place::new("multigrid-pairs");
+    here.write("lid.toml", LID);
+    for (sets, most) in [
+        (&["mesh.refine=2"][..], 5.0),
+        (&["mesh.refine=2", "space.velocity=Q3", "space.pressure=P2dc"], 6.0),
+        (&["mesh.refine=2", "space.pressure=Q1"], 10.0),
+        (&["mesh.refine=2", "space.velocity=Q1", "stabilization.pressure=lps"], 12.0),
+        (&["mesh.refine=2", "mesh.shape=triangles", "space.velocity=P2", "space.pressure=P1"], 12.0),
+        (&["mesh.refine=1", LAYER, "space.pressure=Q1"], 10.0),
+    ] {
+        let iterations = agree(&here, "lid.toml", sets);
+        assert!(iterations < most, "{iterations}: {sets:?}");
+    }
+}
+
+#[test]
+fn iterations_do_not_grow_with_refinement() {
+    let here = Place::new("multigrid-growth");
+    here.write("lid.toml", LID);
+    let count = |refine: usize, sets: &[&str]| {
+        let refine = format!("mesh.refine={refine}");
+        here.rows("lid.toml", &[&[MULTIGRID, "linear.krylov-tolerance=1e-6", &refine], sets].concat());
+        let summary = here.json("out/summary.json");
+        summary["linear_iterations"].as_f64().unwrap() / summary["newton_steps"].as_f64().unwrap()
+    };
+    let plane: Vec<f64> = [2, 3, 4].map(|refine| count(refine, &[])).to_vec();
+    assert!(plane[2] < 1.2 * plane[0], "{plane:?}");
+    let space: Vec<f64> = [1, 2].map(|refine| count(refine, &["mesh.extrude={ depth = 1, layers = 2 }"])).to_vec();
+    assert!(space[1] < 1.3 * space[0], "{space:?}");
+}
+
+#[test]
+fn results_depend_on_neither_threads_nor_interruptions() {
+    let here = Place::new("multigrid-bits");
+    here.write("flap.toml", FLAP);
+    let sets = [MULTIGRID, "mesh.refine=2", "time.end=0.04"];
+    let history = |arguments: &str, sets: &[&str]| {
+        here.run(&format!("run flap.toml --quiet {arguments}"), sets).expect(0, &[]);
+        here.read("out/history.csv")
+    };
+    let one = history("--threads 1 --force -o out", &sets);
+    assert_eq!(one, history("--threads 3 --force -o out", &sets));
+    let half = [MULTIGRID, "mesh.refine=2", "time.end=0.02"];
+    history("--threads 1 --force -o out", &half);
+    assert_eq!(one, history("--threads 1 --resume -o out", &sets));
+}
+
+#[test]
+fn what_multigrid_cannot_do_is_said() {
+    let here = Place::new("multigrid-input");
+    here.write("flap.toml", FLAP);
+    here.run("run flap.toml", &[MULTIGRID]).expect(2, &["linear.solver", "mesh.refine of at least 1"]);
+    here.run("check flap.toml", &[MULTIGRID]).expect(2, &["linear.solver", "mesh.refine of at least 1"]);
+    let still = [MULTIGRID, "time=none", "boundary.left.velocity=[\"y*(0.4 - y)\", 0]"];
+    here.run("check flap.toml", &still).expect(0, &["linear.solver has no effect"]);
+    let bubbles =
+        [MULTIGRID, "mesh.refine=1", "mesh.shape=triangles", "space.velocity=P2-bubble", "space.pressure=P1dc"];
+    here.run("check flap.toml", &bubbles).expect(2, &["bubbles are on no coarser mesh"]);
+    here.run("check flap.toml", &[MULTIGRID, "mesh.refine=1", "linear.krylov=none"])
+        .expect(0, &["linear.krylov has no effect"]);
+}

@@ -1,0 +1,173 @@
+//! Factors of small sparse matrices within their envelopes, without pivoting.
+
+use crate::algebra::Csr;
+
+/// A pivot below this part of the largest entry of its row is none: the unknown is left out.
+const NO_PIVOT: f64 = 1e-13;
+
+/// Where the factors of one matrix have entries.
+#[derive(Clone, Debug)]
+pub struct Envelope {
+    /// First and last entry of each row.
+    pub spans: Vec<[u32; 2]>,
+    /// Number of entries.
+    pub size: usize,
+}
+
+/// Space for a factorisation.
+#[derive(Default)]
+pub struct Work {
+    local: Vec<u32>,
+    matrix: Vec<f64>,
+}
+
+impl Work {
+    /// For matrices of `n` rows.
+    pub fn new(n: usize) -> Work {
+        Work { local: vec![u32::MAX; n], matrix: vec![] }
+    }
+
+    /// Call `visit(row, column, entry)` for the entries of a pattern between the unknowns of `list`.
+    fn entries(
+        local: &mut [u32],
+        a: &crate::algebra::Pattern,
+        list: &[u32],
+        mut visit: impl FnMut(usize, usize, usize),
+    ) {
+        list.iter().zip(0..).for_each(|(&unknown, at)| local[unknown as usize] = at);
+        for (row, &unknown) in list.iter().enumerate() {
+            for at in a.row(unknown as usize) {
+                let column = local[a.col[at] as usize];
+                if column != u32::MAX {
+                    visit(row, column as usize, at);
+                }
+            }
+        }
+        list.iter().for_each(|&unknown| local[unknown as usize] = u32::MAX);
+    }
+}
+
+impl Envelope {
+    /// Of the matrices of `pattern` between the unknowns of `list`, in their order.
+    pub fn new(pattern: &crate::algebra::Pattern, list: &[u32], work: &mut Work) -> Envelope {
+        let n = list.len();
+        let mut first: Vec<u32> = (0..n as u32).collect();
+        Work::entries(&mut work.local, pattern, list, |row, column, _| {
+            let (low, high) = (row.min(column), row.max(column));
+            first[high] = first[high].min(low as u32);
+        });
+        let mut last: Vec<u32> = (0..n as u32).collect();
+        for (row, &first) in first.iter().enumerate() {
+            last[first as usize] = row as u32;
+        }
+        for row in 1..n {
+            last[row] = last[row].max(last[row - 1]).max(row as u32);
+        }
+        let spans: Vec<[u32; 2]> = first.into_iter().zip(last).map(|(first, last)| [first, last + 1]).collect();
+        let size = spans.iter().map(|[first, end]| (end - first) as usize).sum();
+        Envelope { spans, size }
+    }
+
+    /// The factors L and U of the matrix between the unknowns of `list`: row by row, L with diagonal 1 in front of the
+    /// inverse pivot, U behind it.
+    pub fn factor(&self, a: &Csr, list: &[u32], work: &mut Work, out: &mut [f32]) {
+        let n = list.len();
+        let Work { local, matrix } = work;
+        matrix.clear();
+        matrix.resize(n * n, 0.0);
+        Work::entries(local, &a.pattern, list, |row, column, at| matrix[row * n + column] = a.values[at]);
+        let sizes: Vec<f64> =
+            matrix.chunks_exact(n.max(1)).map(|row| row.iter().fold(0.0, |max: f64, x| max.max(x.abs()))).collect();
+        for k in 0..n {
+            let end = self.spans[k][1] as usize;
+            let (above, below) = matrix.split_at_mut((k + 1) * n);
+            let pivot = &mut above[k * n..][..end];
+            let is_one = pivot[k].abs() > NO_PIVOT * sizes[k];
+            let inverse = if is_one { 1.0 / pivot[k] } else { 0.0 };
+            pivot[k] = inverse;
+            for (row, [first, _]) in below.chunks_exact_mut(n).zip(&self.spans[k + 1..end]) {
+                if *first as usize > k || row[k] == 0.0 {
+                    continue;
+                }
+                let factor = row[k] * inverse;
+                row[k] = factor;
+                row[k + 1..end].iter_mut().zip(&pivot[k + 1..]).for_each(|(x, pivot)| *x -= factor * pivot);
+            }
+        }
+        let mut start = 0;
+        for (row, [first, end]) in matrix.chunks_exact(n.max(1)).zip(&self.spans) {
+            let part = &row[*first as usize..*end as usize];
+            out[start..start + part.len()].iter_mut().zip(part).for_each(|(out, x)| *out = *x as f32);
+            start += part.len();
+        }
+    }
+
+    /// `x ← A⁻¹ x` by the `factors`.
+    pub fn solve(spans: &[[u32; 2]], factors: &[f32], x: &mut [f32]) {
+        let mut start = 0;
+        for (row, &[first, end]) in spans.iter().enumerate() {
+            let first = first as usize;
+            let lower = &factors[start..start + row - first];
+            x[row] -= dot(lower, &x[first..row]);
+            start += end as usize - first;
+        }
+        for (row, &[first, end]) in spans.iter().enumerate().rev() {
+            start -= (end - first) as usize;
+            let at = start + row - first as usize;
+            let upper = &factors[at + 1..start + (end - first) as usize];
+            x[row] = (x[row] - dot(upper, &x[row + 1..end as usize])) * factors[at];
+        }
+    }
+}
+
+/// The sum of products, in eight parts.
+fn dot(one: &[f32], two: &[f32]) -> f32 {
+    let mut parts = [0.0_f32; 8];
+    let (ones, twos) = (one.chunks_exact(8), two.chunks_exact(8));
+    let rest: f32 = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in ones.zip(twos) {
+        for i in 0..8 {
+            parts[i] += a[i] * b[i];
+        }
+    }
+    parts.iter().sum::<f32>() + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::Pattern;
+    use std::sync::Arc;
+
+    /// A tridiagonal matrix with a far entry and a zero on its diagonal, behind the unknown that it depends on.
+    #[test]
+    fn factors_solve_their_system() {
+        let n = 9;
+        let rows: Vec<Vec<u32>> = (0..n as u32)
+            .map(|i| (i.saturating_sub(1)..(i + 2).min(n as u32)).chain((i == 7).then_some(2)).collect())
+            .collect();
+        let pattern = Arc::new(Pattern::from_rows(&rows));
+        let mut a = Csr::zeros(&pattern);
+        for i in 0..n {
+            for at in pattern.row(i) {
+                let j = pattern.col[at] as usize;
+                a.values[at] = if i == j { if i == 4 { 0.0 } else { 3.0 } } else { 1.0 / (1 + i + 2 * j) as f64 };
+            }
+        }
+        // Rows 1 to 8 in another order.
+        let list = [3, 1, 2, 5, 4, 6, 8, 7];
+        let mut work = Work::new(n);
+        let envelope = Envelope::new(&pattern, &list, &mut work);
+        let mut factors = vec![0.0; envelope.size];
+        envelope.factor(&a, &list, &mut work, &mut factors);
+        let solution: Vec<f64> = (0..n).map(|i| if i == 0 { 0.0 } else { (i as f64).sin() }).collect();
+        let mut product = vec![0.0; n];
+        a.mul(&solution, &mut product);
+        let mut x: Vec<f32> = list.iter().map(|&row| product[row as usize] as f32).collect();
+        Envelope::solve(&envelope.spans, &factors, &mut x);
+        for (x, &row) in x.iter().zip(&list) {
+            assert!((f64::from(*x) - solution[row as usize]).abs() < 1e-5, "{row}: {x}");
+        }
+        assert!(envelope.size < list.len() * list.len());
+    }
+}

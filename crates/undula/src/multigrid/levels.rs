@@ -1,0 +1,435 @@
+//! Unknowns of the levels, and how those of a finer one follow from those of a coarser one.
+//!
+//! A node of a coarser mesh is a node of the finer one: it keeps its number. Coarser unknowns are those at the nodes of
+//! the coarser cells that are not given, and all pressures of these cells; only on the finest level some are eliminated.
+
+use super::clusters::groups;
+use super::lists::Lists;
+use crate::algebra::{Kind, Unknown};
+use crate::element::{Shape, lagrange};
+use crate::mesh::{Hierarchy, Mesh};
+use crate::space::{FsiSpace, PressureKind, PressureSpace};
+
+/// A place without unknown.
+const NONE: u32 = u32::MAX;
+
+/// The weights of nodes that are not zero begin here.
+const ZERO: f64 = 1e-12;
+
+/// Groups of coarser cells that are joined to a block at most, by dimension less one.
+const JOINED: [usize; 3] = [16, 16, 4];
+
+/// A level above the coarsest one.
+#[derive(Clone, Debug)]
+pub struct Tier {
+    /// Its unknowns in each block of the smoother.
+    pub blocks: Lists<u32>,
+    /// Each of its unknowns from those of the coarser level.
+    pub rows: Lists<(u32, f32)>,
+    /// The unknowns of the coarser level.
+    pub unknowns: Vec<Unknown>,
+}
+
+/// A system whose unknowns are some of `[v, u, p]`.
+#[derive(Copy, Clone, Debug)]
+pub enum System<'a> {
+    /// Of v and p, where some unknowns are given, and others are eliminated.
+    Flow {
+        /// Those of `[v, u, p]` that are given.
+        given: &'a [bool],
+        /// The places of the unknowns of the system.
+        places: &'a [u32],
+    },
+    /// Of u, with unknowns at these places.
+    Extension(&'a [u32]),
+}
+
+/// Numbers of the unknowns of a level.
+struct Numbers {
+    /// Of the components of v at each node.
+    v: Vec<u32>,
+    /// Of each pressure.
+    p: Vec<u32>,
+    n: usize,
+}
+
+/// The nodes and pressures of the cells of a level.
+struct Cells {
+    nodes: Vec<Vec<u32>>,
+    pressures: Vec<Vec<u32>>,
+}
+
+/// From the finest level down.
+pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>) -> Vec<Tier> {
+    let (n_v, n_u) = (space.n_v(), space.n_u());
+    let (kind, places) = match system {
+        System::Flow { places, .. } => (Kind::Velocity, places),
+        System::Extension(places) => (Kind::Deformation, places),
+    };
+    let mut of_places = vec![NONE; space.n_field_unknowns()];
+    places.iter().zip(0..).for_each(|(&place, number)| of_places[place as usize] = number);
+    let (nodal, given): (_, Vec<bool>) = match system {
+        System::Flow { given, .. } => (&of_places[..n_v], given[..n_v].to_vec()),
+        System::Extension(_) => {
+            let of_u = &of_places[n_v..n_v + n_u];
+            (of_u, of_u.iter().map(|&number| number == NONE).collect())
+        }
+    };
+    let mut numbers = Numbers { v: nodal.to_vec(), p: of_places[n_v + n_u..].to_vec(), n: places.len() };
+    let n_cells = space.mesh.n_cells();
+    let mut cells = Cells {
+        nodes: (0..n_cells).map(|cell| space.nodes.cell(cell).to_vec()).collect(),
+        pressures: (0..n_cells).map(|cell| space.pressure.cell(cell).to_vec()).collect(),
+    };
+    let mut finer = (space.mesh.clone(), space.pressure.clone());
+    let mut list = vec![];
+    for mesh in space.hierarchy.coarser().iter().rev() {
+        let coarser = coarser_pressure(space, mesh, &finer.1, kind);
+        let (finer_level, coarser_level) = ((&finer.0, &finer.1), (mesh, &coarser));
+        let level = Coarsening { space, kind, given: &given, finer: finer_level, coarser: coarser_level };
+        let (tier, next_numbers, next_cells) = level.tier(&numbers, &cells);
+        list.push(tier);
+        (numbers, cells) = (next_numbers, next_cells);
+        finer = (mesh.clone(), coarser);
+    }
+    list
+}
+
+/// The pressures on the cells of `mesh` whose children have some.
+fn coarser_pressure<const D: usize>(
+    space: &FsiSpace<D>,
+    mesh: &Mesh<D>,
+    finer: &PressureSpace<D>,
+    kind: Kind,
+) -> PressureSpace<D> {
+    let of = |cell: usize| kind == Kind::Velocity && !finer.cell(Hierarchy::<D>::children(cell).start).is_empty();
+    PressureSpace::new(mesh, space.pressure.kind, of)
+}
+
+/// From one level to the next coarser one.
+struct Coarsening<'a, const D: usize> {
+    space: &'a FsiSpace<D>,
+    kind: Kind,
+    given: &'a [bool],
+    finer: (&'a Mesh<D>, &'a PressureSpace<D>),
+    coarser: (&'a Mesh<D>, &'a PressureSpace<D>),
+}
+
+impl<const D: usize> Coarsening<'_, D> {
+    fn tier(&self, numbers: &Numbers, cells: &Cells) -> (Tier, Numbers, Cells) {
+        let shape = self.space.mesh.shape;
+        let coarse_cells = self.cells(cells);
+        let (coarse, unknowns) = self.numbers(&coarse_cells);
+        let mut rows: Vec<Vec<(u32, f32)>> = vec![vec![]; numbers.n];
+        let degree = self.space.nodes.degree;
+        let tables: Vec<Vec<Vec<(usize, f64)>>> = (0..1 << D).map(|child| weights(shape, degree, child)).collect();
+        for (cell, nodes) in coarse_cells.nodes.iter().enumerate() {
+            for (child, fine) in Hierarchy::<D>::children(cell).enumerate() {
+                for (&node, weights) in cells.nodes[fine].iter().zip(&tables[child]) {
+                    for i in 0..D {
+                        let row = numbers.v[node as usize * D + i];
+                        if row == NONE || !rows[row as usize].is_empty() {
+                            continue;
+                        }
+                        let of = |&(a, weight): &(usize, f64)| (coarse.v[nodes[a] as usize * D + i], weight as f32);
+                        rows[row as usize].extend(weights.iter().map(of).filter(|(column, _)| *column != NONE));
+                    }
+                }
+                self.pressures(cell, fine, child, (numbers, &coarse), &mut rows);
+            }
+        }
+        let mut lists = Lists::default();
+        rows.into_iter().for_each(|row| lists.push(row));
+        let continuous = matches!(self.finer.1.kind, PressureKind::Continuous(_));
+        let groups: Vec<Vec<u32>> = match self.kind {
+            Kind::Deformation => groups(self.finer.0, JOINED[D - 1] << (D - 1)),
+            _ => {
+                let children = |group: Vec<u32>| {
+                    group.into_iter().flat_map(|parent| Hierarchy::<D>::children(parent as usize)).map(|c| c as u32)
+                };
+                groups(self.coarser.0, JOINED[D - 1]).into_iter().map(|group| children(group).collect()).collect()
+            }
+        };
+        let blocks = of_groups::<D>(&groups, numbers, cells, continuous);
+        let tier = Tier { blocks, rows: lists, unknowns };
+        (tier, coarse, coarse_cells)
+    }
+
+    /// Nodes of the coarser cells, and their pressures.
+    fn cells(&self, finer: &Cells) -> Cells {
+        let (mesh, pressure) = self.coarser;
+        let (shape, degree) = (mesh.shape, self.space.nodes.degree);
+        let found: Vec<(usize, usize)> = (0..shape.n_nodes(degree)).map(|a| in_child(shape, degree, a)).collect();
+        let nodes = |cell: usize| {
+            let children = Hierarchy::<D>::children(cell).start;
+            found.iter().map(|&(child, a)| finer.nodes[children + child][a]).collect()
+        };
+        Cells {
+            nodes: (0..mesh.n_cells()).map(nodes).collect(),
+            pressures: (0..mesh.n_cells()).map(|cell| pressure.cell(cell).to_vec()).collect(),
+        }
+    }
+
+    /// Numbers of the coarser unknowns, in the order in which cells meet them.
+    fn numbers(&self, cells: &Cells) -> (Numbers, Vec<Unknown>) {
+        let (_, pressure) = self.coarser;
+        let position = |x: &[f64; D]| std::array::from_fn(|d| if d < D { x[d] } else { 0.0 });
+        let mut v = vec![NONE; self.space.n_v()];
+        let mut p = vec![NONE; pressure.n];
+        let mut unknowns: Vec<Unknown> = vec![];
+        let behind = self.space.nodes.len() as u32;
+        for (nodes, pressures) in cells.nodes.iter().zip(&cells.pressures) {
+            for &node in nodes {
+                for i in 0..D {
+                    let place = node as usize * D + i;
+                    if v[place] == NONE && !self.given[place] {
+                        v[place] = unknowns.len() as u32;
+                        let at = position(&self.space.nodes.points[node as usize]);
+                        unknowns.push(Unknown { node, kind: self.kind, at });
+                    }
+                }
+            }
+            for &dof in pressures.iter().filter(|&&dof| p[dof as usize] == NONE).collect::<Vec<_>>() {
+                p[dof as usize] = unknowns.len() as u32;
+                let node = match pressure.kind {
+                    PressureKind::Pdc(_) => behind + dof / pressure.per_cell as u32,
+                    PressureKind::Continuous(_) => behind + dof,
+                };
+                unknowns.push(Unknown { node, kind: Kind::Pressure, at: position(&pressure.points[dof as usize]) });
+            }
+        }
+        (Numbers { v, p, n: unknowns.len() }, unknowns)
+    }
+
+    /// The rows of the pressures of cell `fine`, which is `child` of `cell`.
+    fn pressures(
+        &self,
+        cell: usize,
+        fine: usize,
+        child: usize,
+        (numbers, coarse): (&Numbers, &Numbers),
+        rows: &mut [Vec<(u32, f32)>],
+    ) {
+        let ((mesh, finer), (coarse_mesh, coarser)) = (self.finer, self.coarser);
+        let dofs = finer.cell(fine);
+        let needed = dofs.iter().any(|&dof| {
+            let row = numbers.p[dof as usize];
+            row != NONE && rows[row as usize].is_empty()
+        });
+        if !needed {
+            return;
+        }
+        let table = pressure_weights((mesh, finer, fine), (coarse_mesh, coarser, cell), child);
+        for (&dof, weights) in dofs.iter().zip(&table) {
+            let row = numbers.p[dof as usize];
+            if row == NONE || !rows[row as usize].is_empty() {
+                continue;
+            }
+            let entries = coarser.cell(cell).iter().zip(weights).filter(|(_, weight)| weight.abs() > ZERO);
+            let entries = entries.map(|(&dof, &weight)| (coarse.p[dof as usize], weight as f32));
+            rows[row as usize].extend(entries.filter(|(column, _)| *column != NONE));
+        }
+    }
+}
+
+/// The unknowns of groups of cells in the order of elimination: cell by cell, those that later cells have, too, behind the others, pressures behind the velocities that feel them.
+fn of_groups<const D: usize>(groups: &[Vec<u32>], numbers: &Numbers, cells: &Cells, continuous: bool) -> Lists<u32> {
+    let mut lists = Lists::default();
+    // Cells of the group that each unknown is still to be met in.
+    let mut ahead: Vec<u8> = vec![0; numbers.n];
+    let mut is_listed = vec![false; numbers.n];
+    for group in groups {
+        let velocities = |cell: usize| {
+            let of = |&node: &u32| &numbers.v[node as usize * D..(node as usize + 1) * D];
+            cells.nodes[cell].iter().flat_map(of).copied().filter(|number| *number != NONE)
+        };
+        let pressures = |cell: usize| {
+            let of = cells.pressures[cell].iter().map(|&dof| numbers.p[dof as usize]);
+            of.filter(|number| *number != NONE)
+        };
+        for cell in group.iter().map(|&cell| cell as usize) {
+            velocities(cell).chain(pressures(cell)).for_each(|number| ahead[number as usize] += 1);
+        }
+        let mut list: Vec<u32> = vec![];
+        for cell in group.iter().map(|&cell| cell as usize) {
+            velocities(cell).chain(pressures(cell)).for_each(|number| ahead[number as usize] -= 1);
+            for shared in [false, true] {
+                for number in velocities(cell) {
+                    let at = number as usize;
+                    if !is_listed[at] && (ahead[at] > 0) == shared {
+                        is_listed[at] = true;
+                        list.push(number);
+                    }
+                }
+            }
+            for number in pressures(cell) {
+                if !is_listed[number as usize] && !(continuous && ahead[number as usize] > 0) {
+                    is_listed[number as usize] = true;
+                    list.push(number);
+                }
+            }
+        }
+        list.iter().for_each(|&number| is_listed[number as usize] = false);
+        if !list.is_empty() {
+            lists.push(list);
+        }
+    }
+    lists
+}
+
+/// A child and its node at node `a` of a cell.
+fn in_child(shape: Shape, degree: usize, a: usize) -> (usize, usize) {
+    let at = shape.lattice(degree, a).map(|i| 2 * i);
+    let found = (0..1 << shape.dim()).find_map(|child| {
+        let is_at = |b: &usize| shape.in_parent(degree, child, shape.lattice(degree, *b)) == at;
+        (0..shape.n_nodes(degree)).find(is_at).map(|b| (child, b))
+    });
+    found.expect("nodes of a cell are nodes of its children")
+}
+
+/// The nodes of a child from those of its cell: (node of the cell, weight) for each.
+fn weights(shape: Shape, degree: usize, child: usize) -> Vec<Vec<(usize, f64)>> {
+    let of = |a: usize| {
+        let xi = lagrange::node(shape, degree, a);
+        let values = lagrange::basis(shape, degree, &shape.to_parent(child, xi)).0;
+        values.into_iter().enumerate().filter(|(_, weight)| weight.abs() > ZERO).collect()
+    };
+    (0..shape.n_nodes(degree)).map(of).collect()
+}
+
+/// The pressures of a cell from those of the coarser cell that it is `child` of: weights of these for each.
+fn pressure_weights<const D: usize>(
+    (mesh, finer, fine): (&Mesh<D>, &PressureSpace<D>, usize),
+    (coarse_mesh, coarser, cell): (&Mesh<D>, &PressureSpace<D>, usize),
+    child: usize,
+) -> Vec<Vec<f64>> {
+    let shape = mesh.shape;
+    let at_parent = |xi: [f64; 3]| {
+        let inside: [f64; D] = std::array::from_fn(|d| xi[d]);
+        shape.to_parent(child, inside)
+    };
+    if let PressureKind::Continuous(degree) = finer.kind {
+        let of = |a: usize| lagrange::basis(shape, degree, &at_parent(lagrange::node(shape, degree, a))).0;
+        return (0..finer.per_cell).map(of).collect();
+    }
+    // The functions of the coarser cell are polynomials in x, as those of its children: they agree in points enough.
+    let degree = finer.kind.degree();
+    let points: Vec<[f64; 3]> = match degree {
+        0 => vec![shape.centre()],
+        _ => (0..shape.n_nodes(degree)).map(|a| lagrange::node(shape, degree, a)).collect(),
+    };
+    let (mut left, mut right) = (vec![], vec![]);
+    for xi in points {
+        let at: [f64; D] = std::array::from_fn(|d| xi[d]);
+        let x = mesh.map(fine, at);
+        left.push(finer.basis(mesh, fine, &at, &x));
+        right.push(coarser.basis(coarse_mesh, cell, &at_parent(xi), &x));
+    }
+    least_squares(&left, &right)
+}
+
+/// X with the least ‖L X − R‖, by the normal equations.
+fn least_squares(left: &[Vec<f64>], right: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let (n, m) = (left[0].len(), right[0].len());
+    let product = |one: &[Vec<f64>], i: usize, two: &[Vec<f64>], j: usize| -> f64 {
+        one.iter().zip(two).map(|(one, two)| one[i] * two[j]).sum()
+    };
+    let mut a: Vec<Vec<f64>> = (0..n)
+        .map(|i| {
+            let matrix = (0..n).map(|j| product(left, i, left, j));
+            matrix.chain((0..m).map(|j| product(left, i, right, j))).collect()
+        })
+        .collect();
+    for k in 0..n {
+        for i in (0..n).filter(|&i| i != k) {
+            let factor = a[i][k] / a[k][k];
+            let pivot = a[k].clone();
+            a[i].iter_mut().zip(&pivot).for_each(|(entry, pivot)| *entry -= factor * pivot);
+        }
+    }
+    (0..n).map(|i| a[i][n..].iter().map(|entry| entry / a[i][i]).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Hierarchy, generate};
+    use crate::space::{FsiSpace, Region};
+
+    /// Fields of the finer space that the coarser one has, too, are prolonged to themselves.
+    fn are_kept<const D: usize>(coarse: Mesh<D>, degree: usize, kind: PressureKind) {
+        let (mesh, hierarchy) = Hierarchy::refine(coarse, 1, &[]);
+        let cells = mesh.n_cells();
+        let mut space = FsiSpace::new(mesh, vec![Region::Fluid; cells], degree, kind);
+        space.hierarchy = hierarchy;
+        let n = space.n_field_unknowns();
+        let places: Vec<u32> = (0..n as u32).collect();
+        let tiers = tiers(&space, System::Flow { given: &vec![false; n], places: &places });
+        let [Tier { blocks, rows, unknowns }] = &tiers[..] else { panic!("{} levels", tiers.len()) };
+        let power = |degree: usize, x: &[f64]| (0.3 + x[0] - 0.7 * x[D - 1] + 0.2 * x[1]).powi(degree as i32);
+        // Coefficients of a velocity, the same in all components, and of a pressure of the pair's degrees.
+        let pressure = &space.pressure;
+        let coarser = coarser_pressure(&space, &space.hierarchy.coarser()[0], pressure, Kind::Velocity);
+        let coarse_p = coefficients(&space.hierarchy.coarser()[0], &coarser, power);
+        let mut next = coarse_p.iter();
+        let coarse: Vec<f64> = unknowns
+            .iter()
+            .map(|unknown| match unknown.kind {
+                Kind::Pressure => *next.next().unwrap(),
+                _ => power(degree, &unknown.at),
+            })
+            .collect();
+        let fine_p = coefficients(&space.mesh, pressure, power);
+        for (row, entries) in rows.iter().enumerate() {
+            let found: f64 = entries.iter().map(|&(at, w)| f64::from(w) * coarse[at as usize]).sum();
+            let exact = match row.checked_sub(space.n_v()) {
+                None => power(degree, &space.nodes.points[row / D]),
+                Some(p) => fine_p[p],
+            };
+            assert!((found - exact).abs() < 3e-6, "{degree} {kind:?} {row}: {found} {exact}");
+        }
+        // All unknowns are in a block.
+        let mut all = blocks.items().to_vec();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), n);
+    }
+
+    /// Coefficients of the polynomial `power` of the degree of the space, cells in their order: continuous ones in the
+    /// order in which cells meet them.
+    fn coefficients<const D: usize>(
+        mesh: &Mesh<D>,
+        space: &PressureSpace<D>,
+        power: impl Fn(usize, &[f64]) -> f64,
+    ) -> Vec<f64> {
+        let degree = space.kind.degree();
+        if let PressureKind::Continuous(_) = space.kind {
+            return space.points.iter().map(|x| power(degree, x)).collect();
+        }
+        let mut list = vec![];
+        for cell in 0..mesh.n_cells() {
+            let (mut left, mut right) = (vec![], vec![]);
+            for a in 0..mesh.shape.n_nodes(degree.max(1)) {
+                let xi = lagrange::node(mesh.shape, degree.max(1), a);
+                let x = mesh.map(cell, std::array::from_fn(|d| xi[d]));
+                left.push(space.basis(mesh, cell, &xi, &x));
+                right.push(vec![power(degree, &x)]);
+            }
+            list.extend(least_squares(&left, &right).into_iter().flatten());
+        }
+        list
+    }
+
+    #[test]
+    fn polynomials_are_prolonged_to_themselves() {
+        for (degree, kind) in [
+            (1, PressureKind::Pdc(0)),
+            (2, PressureKind::Pdc(1)),
+            (3, PressureKind::Pdc(2)),
+            (2, PressureKind::Continuous(1)),
+        ] {
+            are_kept(generate::rectangle([0.0; 2], [1.0, 0.7], [3, 2], 0).unwrap(), degree, kind);
+            are_kept(generate::hexahedra([0.0; 3], [1.0, 0.7, 0.4], [2, 1, 2], 0).unwrap(), degree, kind);
+        }
+    }
+}

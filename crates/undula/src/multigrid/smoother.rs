@@ -1,0 +1,102 @@
+//! The smoother: the systems of groups of cells, solved one colour after the other (Vanka, J. Comput. Phys. 65, 1986).
+
+use super::clusters::colours;
+use super::envelope::{Envelope, Work};
+use super::lists::Lists;
+use super::matrix::Single;
+use crate::algebra::{Csr, Pattern};
+use rayon::prelude::*;
+
+/// Blocks of unknowns with the factors of their systems.
+#[derive(Clone, Debug)]
+pub struct Smoother {
+    /// Unknowns of each block, in the order of elimination.
+    unknowns: Lists<u32>,
+    /// Rows of each block in its factors.
+    spans: Vec<[u32; 2]>,
+    /// Where the factors of each block begin.
+    starts: Vec<usize>,
+    factors: Vec<f32>,
+    /// Blocks of each colour: they have no unknown in common.
+    colours: Vec<Vec<u32>>,
+    /// Corrections of all blocks.
+    work: Vec<f32>,
+}
+
+impl Smoother {
+    /// Blocks with these unknowns, for matrices of `pattern`.
+    pub fn new(unknowns: Lists<u32>, pattern: &Pattern) -> Smoother {
+        let envelopes: Vec<Envelope> = (0..unknowns.len())
+            .into_par_iter()
+            .map_init(|| Work::new(pattern.n), |work, block| Envelope::new(pattern, unknowns.get(block), work))
+            .collect();
+        let mut starts = vec![0];
+        let mut spans = Vec::with_capacity(unknowns.items().len());
+        for Envelope { spans: rows, size } in envelopes {
+            starts.push(starts[starts.len() - 1] + size);
+            spans.extend(rows);
+        }
+        let colours = colours(&unknowns, pattern.n);
+        let work = vec![0.0; unknowns.items().len()];
+        Smoother { factors: vec![0.0; starts[starts.len() - 1]], unknowns, spans, starts, colours, work }
+    }
+
+    /// Bytes of the factors.
+    pub fn bytes(&self) -> usize {
+        4 * self.factors.len()
+    }
+
+    /// Floating point operations of a factorisation, about.
+    pub fn flops(&self) -> f64 {
+        self.spans.iter().map(|[first, end]| f64::from(end - first).powi(2) / 2.0).sum()
+    }
+
+    /// Factorise the blocks of `a`.
+    pub fn factor(&mut self, a: &Csr) {
+        let Smoother { unknowns, spans, starts, factors, .. } = self;
+        let mut parts = vec![];
+        let mut rest = &mut factors[..];
+        for block in 0..unknowns.len() {
+            let (part, behind) = rest.split_at_mut(starts[block + 1] - starts[block]);
+            parts.push((block, part));
+            rest = behind;
+        }
+        parts.into_par_iter().for_each_init(
+            || Work::new(a.pattern.n),
+            |work, (block, out)| {
+                let (list, first) = (unknowns.get(block), unknowns.start(block));
+                let spans = spans[first..first + list.len()].to_vec();
+                Envelope { spans, size: out.len() }.factor(a, list, work, out);
+            },
+        );
+    }
+
+    /// Solve the blocks of `matrix` x = `b`, each with the others as they are; from the last to the first if `back`.
+    pub fn sweep(&mut self, matrix: &Single, b: &[f32], x: &mut [f32], back: bool) {
+        let Smoother { unknowns, spans, starts, factors, colours, work } = self;
+        for turn in 0..colours.len() {
+            let colour = &colours[if back { colours.len() - 1 - turn } else { turn }];
+            let mut parts = Vec::with_capacity(colour.len());
+            let (mut rest, mut behind) = (&mut work[..], 0);
+            for &block in colour {
+                let block = block as usize;
+                let (first, len) = (unknowns.start(block), unknowns.get(block).len());
+                let (part, others) = rest.split_at_mut(first - behind).1.split_at_mut(len);
+                parts.push((block, part));
+                (rest, behind) = (others, first + len);
+            }
+            let seen = &*x;
+            parts.par_iter_mut().with_min_len(4).for_each(|(block, correction)| {
+                let first = unknowns.start(*block);
+                for (to, &row) in correction.iter_mut().zip(unknowns.get(*block)) {
+                    *to = matrix.residual_of(row as usize, b, seen);
+                }
+                let spans = &spans[first..first + correction.len()];
+                Envelope::solve(spans, &factors[starts[*block]..starts[*block + 1]], correction);
+            });
+            for (block, correction) in parts {
+                unknowns.get(block).iter().zip(&*correction).for_each(|(&row, c)| x[row as usize] += c);
+            }
+        }
+    }
+}
