@@ -34,6 +34,14 @@ impl Case {
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        self.mesh_in()
+    }
+
+    /// The same in `D` dimensions.
+    pub(crate) fn mesh_in<const D: usize>(&self) -> Result<Mesh<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         Ok(self.marked_mesh()?.mesh)
     }
 

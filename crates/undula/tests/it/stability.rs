@@ -16,11 +16,17 @@ use undula::verification::stability::{condition, conditions, constants, inf_sup,
 const P1DC: PressureKind = PressureKind::Pdc(1);
 
 /// The unit square with a pair of elements, closed in or open on the right.
-fn flow(mesh: Mesh<2>, degree: usize, pressure: PressureKind, open: bool) -> (FsiSpace<2>, Constraints<2>) {
+fn flow<const D: usize>(
+    mesh: Mesh<D>,
+    degree: usize,
+    pressure: PressureKind,
+    open: bool,
+) -> (FsiSpace<D>, Constraints<D>) {
     let regions = vec![Region::Fluid; mesh.n_cells()];
     let space = FsiSpace::new(mesh, regions, degree, pressure);
     let condition = |name: &String| match name.as_str() {
         "right" if open => BoundaryCondition::Outflow { do_nothing: true, backflow: Against::None },
+        "front" | "back" => BoundaryCondition::Slip,
         _ => BoundaryCondition::Fixed,
     };
     let conditions: Vec<_> = space.mesh.boundaries.iter().map(condition).collect();
@@ -50,6 +56,27 @@ fn stable_pairs_keep_their_constants_under_refinement() {
         assert!(open.windows(2).all(|pair| (pair[1] / pair[0] - 1.0).abs() < 0.02), "{name}: {open:?}");
         let floor = (std::f64::consts::PI / 8.0).sin();
         assert!(closed[2] > floor && closed[2] > 0.95 * closed[1], "{name}: {closed:?}");
+    }
+}
+
+/// In a cube open at one side, with slip along z: modes of the plane are modes of space, so that no constant is larger.
+#[test]
+fn pairs_in_space_keep_their_constants() {
+    for (name, degree, pressure, levels) in [
+        ("Q2-P0", 2, PressureKind::Pdc(0), [2, 4]),
+        ("Q2-P1dc", 2, P1DC, [2, 4]),
+        ("Q2-Q1", 2, Continuous(1), [2, 4]),
+        ("Q3-P2dc", 3, PressureKind::Pdc(2), [2, 3]),
+        ("Q3-Q2", 3, Continuous(2), [2, 3]),
+    ] {
+        let found = levels.map(|n| {
+            let (space, constraints) = flow(square(n).extruded(1.0, n).unwrap(), degree, pressure, true);
+            inf_sup(&space, &constraints, &[], degree + 1).unwrap().constant
+        });
+        let plane = levels.map(|n| constant(n, degree, pressure, true));
+        println!("{name}: {found:.5?}, in the plane {plane:.5?}");
+        assert!((0..2).all(|i| found[i] < plane[i] * (1.0 + 1e-6)), "{name}: {found:?} {plane:?}");
+        assert!(found[1] > 0.9 * found[0], "{name}: {found:?}");
     }
 }
 
