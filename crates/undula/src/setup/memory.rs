@@ -110,7 +110,8 @@ impl Case {
             }
             MeshSource::Tube { cells: [along, round, through], .. } => {
                 let (n, along) = (*round as f64 / 4.0, *along as f64);
-                let [fluid, wall] = [n * n + 4.0 * n * (n / 2.0).ceil(), 4.0 * n * *through as f64];
+                let rings = (n / 2.0).ceil() + self.mesh.grading as f64;
+                let [fluid, wall] = [n * n + 4.0 * n * rings, 4.0 * n * *through as f64];
                 let kept = [(self.fluids.is_empty(), fluid), (self.solids.is_empty(), wall)];
                 let kept = kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { along * cells });
                 (along * (fluid + wall), kept.sum())

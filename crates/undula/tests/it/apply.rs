@@ -27,11 +27,7 @@ fn coupled(pair: Pair, fluid: Fluid) -> Manufactured {
     coupled_in(space, pair, physics)
 }
 
-fn coupled_in<const D: usize>(
-    space: Arc<FsiSpace<D>>,
-    pair: Pair,
-    physics: Physics,
-) -> Manufactured<D> {
+fn coupled_in<const D: usize>(space: Arc<FsiSpace<D>>, pair: Pair, physics: Physics) -> Manufactured<D> {
     let mut problem = problem_in(space, physics, nothing(), InTime::Difference, pair.quadrature());
     for condition in &mut problem.conditions {
         if let BoundaryCondition::Outflow { backflow, .. } = condition {
@@ -118,7 +114,9 @@ fn products_are_those_of_the_matrices() {
 /// The same in space, with a pressure that follows the boundary and a force at the current position.
 #[test]
 fn products_in_space_are_those_of_the_matrices() {
-    for (degree, pressure, n) in [(2, Pdc(1), 4), (2, Continuous(1), 4), (3, Pdc(2), 2), (1, Continuous(1), 4)] {
+    for (degree, pressure, n) in
+        [(2, Pdc(1), 4), (2, Continuous(1), 4), (3, Pdc(2), 2), (1, Continuous(1), 4)]
+    {
         let pair = quadrilaterals(degree, pressure);
         let body = if n == 4 { Body::Block } else { Body::Half };
         let space = pair.in_space(&cube(n, Cells::Curved, body), &FSI);

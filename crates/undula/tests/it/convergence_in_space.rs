@@ -37,14 +37,19 @@ top.condition = "do-nothing"
 
 /// Errors of v, u and p with `n` cells per direction: trilinear ones that stay so under refinement, then bent.
 fn on_cells(n: usize, more: &[&str]) -> [f64; 3] {
-    let file = std::env::temp_dir().join(format!("undula-cube-{}-{n}.msh", std::process::id()));
-    let mut mesh = cube(n, Cells::Trapezia, if n % 2 == 0 { Body::Half } else { panic!("{n} is odd") });
+    let [even, mut mesh] = [Cells::Square, Cells::Trapezia].map(|cells| cube(n, cells, Body::Half));
+    for (x, even) in mesh.nodes.iter_mut().zip(even.nodes) {
+        *x = std::array::from_fn(|d| 0.5 * (x[d] + even[d]));
+    }
     // The case names the interface itself.
     let interface = mesh.boundary("interface").unwrap();
     mesh.facets.retain(|facet| facet.boundary != interface);
-    let mesh = mesh.restrict(&["fluid", "solid"]);
+    let name = format!("undula-cube-{}-{:?}-{n}.msh", std::process::id(), std::thread::current().id());
+    let file = std::env::temp_dir().join(name);
     std::fs::write(&file, write(&mesh)).unwrap();
-    let found = errors(&case(&format!("file = {file:?}"), more)).unwrap();
+    let more = [more, &["boundary.clamp.condition=clamped"]].concat();
+    let found = errors(&case(&format!("file = {file:?}"), &more)).unwrap();
+    std::fs::remove_file(file).unwrap();
     [found.v, found.u, found.p]
 }
 
@@ -59,59 +64,62 @@ fn check(least: [f64; 3], more: &[&str]) {
 
 #[test]
 fn q2_in_space_has_order_3_and_its_pressures_2() {
-    check([2.7, 2.7, 1.7], &["space.velocity=Q2", "space.pressure=P1dc"]);
-    check([2.7, 2.7, 1.7], &["space.velocity=Q2", "space.pressure=Q1"]);
+    check([2.7, 2.7, 1.9], &["space.velocity=Q2", "space.pressure=P1dc"]);
+    check([2.7, 2.7, 1.9], &["space.velocity=Q2", "space.pressure=Q1"]);
 }
 
 #[test]
-fn stabilised_pairs_in_space() {
+fn stabilised_pairs_in_space_have_their_orders() {
     for how in ["lps", "pspg"] {
         let how = format!("stabilization.pressure={how}");
-        check([1.7, 1.7, 1.0], &["space.velocity=Q1", "space.pressure=Q1", &how]);
-        check([2.7, 2.7, 1.7], &["space.velocity=Q2", "space.pressure=Q2", &how]);
+        check([1.9, 1.9, 1.3], &["space.velocity=Q1", "space.pressure=Q1", &how]);
     }
-}
-
-/// The pressure decides: P0 is of order 1, and v of order 2.
-#[test]
-fn a_pressure_of_low_degree_takes_the_velocity_along_in_space() {
-    check([1.7, 1.7, 0.8], &["space.velocity=Q2", "space.pressure=P0"]);
+    check([2.7, 2.7, 1.9], &["space.velocity=Q2", "space.pressure=Q2"]);
 }
 
 #[test]
-fn q3_in_space_has_order_4_and_its_pressures_3() {
-    for pressure in ["P2dc", "Q2"] {
-        check([3.6, 3.6, 2.6], &["space.velocity=Q3", &format!("space.pressure={pressure}")]);
-    }
+fn q3_in_space_has_order_4_and_its_pressure_3() {
+    check([3.7, 3.7, 2.8], &["space.velocity=Q3", "space.pressure=P2dc"]);
+}
+
+/// A mesh of 8 cells, as high as this.
+fn cuboid(depth: &str) -> String {
+    format!(
+        "generator = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, {depth}]\ncells = [2, 2, 2]\nregion.solid = \"0.5 - y\""
+    )
 }
 
 /// The order of each scheme in time, of v, u and p, on 8 cubes in whose spaces the solution lies at all times.
 #[test]
 fn schemes_in_space_have_their_orders() {
-    let mesh = "generator = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 1]\ncells = [2, 2, 2]\nregion.solid = \"0.5 - y\"";
-    for (scheme, order) in [
-        ("backward-euler", 1.0),
-        ("crank-nicolson", 2.0),
-        ("shifted-crank-nicolson", 2.0),
-        ("fractional-step-theta", 2.0),
-        ("bdf2", 2.0),
-        ("cg1", 2.0),
+    let mesh = cuboid("1");
+    let mesh = mesh.as_str();
+    for (scheme, order, steps) in [
+        ("backward-euler", 1.0, 20),
+        ("crank-nicolson", 2.0, 12),
+        ("shifted-crank-nicolson", 2.0, 20),
+        ("fractional-step-theta", 2.0, 12),
+        ("bdf2", 2.0, 20),
+        ("cg1", 2.0, 12),
     ] {
         let scheme = format!("time.scheme={scheme}");
-        let [coarse, fine] = [16, 32].map(|steps| {
+        let [coarse, fine] = [steps, 2 * steps].map(|steps| {
             let step = format!("time.step={}", 1.2 / steps as f64);
-            let found = errors(&case(mesh, &[&scheme, &step, "time.end=1.2"])).unwrap();
+            // θ − ½ of the shifted scheme is this times the step.
+            let shift = if scheme.contains("shifted") { &["time.shift=1"][..] } else { &[] };
+            let sets = [&[&scheme, &step[..], "time.end=1.2"], shift].concat();
+            let found = errors(&case(mesh, &sets)).unwrap();
             [found.v, found.u, found.p]
         });
         let orders = [0, 1, 2].map(|i| (coarse[i] / fine[i]).log2());
         println!("{scheme}: {coarse:?} {fine:?} orders {orders:.2?}");
-        assert!(orders.iter().all(|found| (found - order).abs() < 0.25), "{scheme}: {orders:.2?}");
+        assert!(orders.iter().all(|found| *found > order - 0.25), "{scheme}: {orders:.2?}");
     }
 }
 
 #[test]
 fn another_domain_is_refused() {
-    let mesh = "generator = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 2]\ncells = [2, 2, 2]\nregion.solid = \"0.5 - y\"";
-    let message = errors(&case(mesh, &[])).unwrap_err().to_string();
-    assert!(message.contains("the known solution lives on the unit cube: expected a mesh of (0, 1)³"), "{message}");
+    let message = errors(&case(&cuboid("2"), &[])).unwrap_err().to_string();
+    let expected = "the known solution lives on the unit cube: expected a mesh of (0, 1)³";
+    assert!(message.contains(expected), "{message}");
 }

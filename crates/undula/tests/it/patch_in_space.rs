@@ -4,6 +4,7 @@
 use crate::manufactured::*;
 use undula::math::{Tensor, Vector};
 use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
+use undula::sampling::for_each_point;
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::space::{BoundaryCondition, PsiOwner, Region, State};
 use undula::system::{Options, Physics};
@@ -112,13 +113,14 @@ fn homogeneous_deformations_are_met_exactly() {
         let r = region(&mut assembler, Region::Solid, StepRule::STATIONARY, &at, &at);
         let inner = largest(inner_rows(&problem, &r, |_| true));
         assert!(inner < 2e-14, "{name}: {inner:e}");
-        // Rows of a side are its force but for what its edges share: tested with a function that is 1 at x = 1 and 0 at
-        // x = 0, the stress gives ∫ P e_x dx = ½ P e_x, the volume being ½.
+        // Tested with the function x e_i, whose gradient is constant, the stress gives the volume times P_ix.
+        let (zero, mut volume) = (State::zero(r.len(), r.len(), r.len()), 0.0);
+        for_each_point(&problem.space, &zero, EXACT, |point| volume += point.weight);
         for axis in 0..3 {
             let places = &problem.space.nodes.points;
             for i in 0..3 {
                 let work: f64 = (0..places.len()).map(|n| r[3 * n + i] * places[n][axis]).sum();
-                let expected = 0.5 * P.0[i][axis];
+                let expected = volume * P.0[i][axis];
                 assert!((work - expected).abs() < 1e-12, "{name} {i}{axis}: {work} and {expected}");
             }
         }
@@ -135,8 +137,11 @@ fn rotations_in_space_have_no_stress() {
         let mut at = state(&problem.space, 1, [0.0; 3], 0.0);
         at.u = nodal(&problem.space, |x| {
             let (a, x) = (axis.0, Vector(x));
-            let across =
-                Vector([a[1] * x.0[2] - a[2] * x.0[1], a[2] * x.0[0] - a[0] * x.0[2], a[0] * x.0[1] - a[1] * x.0[0]]);
+            let across = Vector([
+                a[1] * x.0[2] - a[2] * x.0[1],
+                a[2] * x.0[0] - a[0] * x.0[2],
+                a[0] * x.0[1] - a[1] * x.0[0],
+            ]);
             let along = axis * axis.dot(x);
             (along + (x - along) * angle.cos() + across * angle.sin() - x + axis * 0.3).0
         });
