@@ -308,7 +308,8 @@ mod tests {
             ("dfg-3d1z", &["mesh.extrude.layers=4", "mesh.extrude.grading=0"], 936, 306e6),
             ("fsi-box", &["mesh.grading=0"], 462, 702e6),
             ("fsi-box", &["mesh.grading=1"], 1200, 2.6e9),
-            ("tube", &[], 800, 417e6),
+            ("tube", &["mesh.cells=[40, 8, 1]", "mesh.grading=0"], 800, 417e6),
+            ("tube", &[], 1800, 870e6),
         ] {
             let case = Case::builtin(name, &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap();
             let share = case.expected_bytes(cells, cells) / peak;
