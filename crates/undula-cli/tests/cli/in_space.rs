@@ -350,7 +350,7 @@ density = 2.1
 mu = 3
 lambda = 4
 [boundary]
-left = { condition = "velocity", velocity = ["y - 0.5", "0.1*z", "x*t"] }
+left = { condition = "velocity", velocity = ["max(y - 0.5, 0)", "0.1*z*max(y - 0.5, 0)", "t*max(y - 0.5, 0)"] }
 right = { condition = "no-slip" }
 bottom = { condition = "spring", stiffness = "2 + x", damping = 0.3 }
 top = { condition = "do-nothing", backflow = "directional" }
@@ -375,9 +375,8 @@ fn jacobians_agree_on_curved_hexahedra() {
     here.write("cube.toml", CUBE);
     for sets in [
         &["motion.model=biharmonic", "solid.law=neo-hookean"][..],
-        &["space.pressure=Q1", "motion.model=jacobian-stiffened", "motion.jacobian=implicit"],
+        &["space.pressure=Q1", "motion.model=jacobian-stiffened", "solid.law=mooney-rivlin", "solid.c2=0.3"],
         &["space.velocity=Q1", "stabilization.pressure=pspg", "stabilization.transport=supg"],
-        &["space.velocity=Q3", "space.pressure=P2dc", "solid.law=mooney-rivlin", "solid.c2=0.3"],
     ] {
         let said = here.run("check cube.toml --jacobian", sets).expect(0, &["all Jacobians agree"]);
         assert!(said.out.contains("whole residual, central"), "{}", said.out);
