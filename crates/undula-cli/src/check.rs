@@ -170,9 +170,10 @@ fn source(case: &Case) -> String {
 fn plane(case: &Case) -> String {
     match &case.mesh.source {
         MeshSource::Box { lower, upper, cells } => format!("box {lower:?} to {upper:?} m of {cells:?} cells"),
-        MeshSource::Tube { length, radii: [inner, outer], cells: [along, round, through] } => format!(
+        MeshSource::Tube { length, radii: [inner, outer], cells: [along, round, through], axis } => format!(
             "tube of length {length} m, radii {inner} and {outer} m, {along} cells along, {round} round, {through} through \
-             the wall"
+             the wall{}",
+            if axis.is_empty() { String::new() } else { format!(", its axis {}", vector(axis)) }
         ),
         MeshSource::File(path) => path.display().to_string(),
         MeshSource::Own(_) => "given by a program".into(),

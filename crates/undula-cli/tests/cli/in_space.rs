@@ -337,3 +337,66 @@ fn jacobians_agree_in_space() {
         }
     }
 }
+
+/// The unit cube, bent inside, with the solid in its lower half.
+const CUBE: &str = r#"
+[mesh]
+file = "cube.msh"
+[fluid]
+density = 1.3
+kinematic-viscosity = 0.4
+[solid]
+density = 2.1
+mu = 3
+lambda = 4
+[boundary]
+left = { condition = "velocity", velocity = ["max(y - 0.5, 0)", "0.1*z*max(y - 0.5, 0)", "t*max(y - 0.5, 0)"] }
+right = { condition = "no-slip" }
+bottom = { condition = "spring", stiffness = "2 + x", damping = 0.3 }
+top = { condition = "do-nothing", backflow = "directional" }
+front = { condition = "no-slip" }
+back = { condition = "pressure", pressure = "1 + x*y" }
+[time]
+step = 0.01
+end = 0.02
+"#;
+
+/// Against differences of the assembled residual, on curved cells, with terms of every kind.
+#[test]
+fn jacobians_agree_on_curved_hexahedra() {
+    let here = Place::new("space-jacobian-curved");
+    let mut mesh = undula::mesh::generate::hexahedra([0.0; 3], [1.0; 3], [2, 2, 2], 0).unwrap();
+    mesh.assign_region("solid", |[_, y, _]| 0.5 - y).unwrap();
+    for node in &mut mesh.nodes {
+        let bump: f64 = node.iter().map(|x| (std::f64::consts::PI * x).sin()).product();
+        *node = std::array::from_fn(|d| node[d] + [0.08, -0.06, 0.05][d] * bump);
+    }
+    here.write("cube.msh", &undula::mesh::gmsh::write(&mesh));
+    here.write("cube.toml", CUBE);
+    for sets in [
+        &["motion.model=biharmonic", "solid.law=neo-hookean"][..],
+        &["space.pressure=Q1", "motion.model=jacobian-stiffened", "solid.law=mooney-rivlin", "solid.c2=0.3"],
+        &["space.velocity=Q1", "stabilization.pressure=pspg", "stabilization.transport=supg"],
+    ] {
+        let said = here.run("check cube.toml --jacobian", sets).expect(0, &["all Jacobians agree"]);
+        assert!(said.out.contains("whole residual, central"), "{}", said.out);
+    }
+}
+
+/// With periodic sides modes of the plane are modes of space, and no other is less stable: the same constants on any layers.
+#[test]
+fn inf_sup_constants_of_an_extruded_plane_are_those_of_the_plane() {
+    let here = Place::new("space-inf-sup");
+    here.write("flap.toml", FLAP);
+    let sides = "boundary.front={ condition = \"periodic\", with = \"back\" }";
+    for pressure in ["space.pressure=P1dc", "space.pressure=Q1"] {
+        let found = [&[][..], &[EXTRUDE, sides], &[TWO_LAYERS, sides]].map(|own| {
+            let sets = [&["solid=none", "functional=none", pressure], own].concat();
+            let said = here.run("check flap.toml --inf-sup", &sets).expect(0, &["(5.25)"]);
+            let line = said.out.lines().find(|line| line.contains("(5.25)")).unwrap().to_string();
+            line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
+        });
+        assert!(found[0] > 0.05, "{found:?}");
+        assert!(found.iter().all(|x| (x / found[0] - 1.0).abs() < 1e-4), "{found:?}");
+    }
+}

@@ -102,3 +102,25 @@ fn planes_are_extruded_if_they_can_be() {
     here.run("modes csm1", &["mesh.refine=0", LAYER]).expect(2, &["modes in space are not yet available"]);
     here.run("check tube-2d", &[LAYER, "mesh.coordinates=cartesian"]).expect(0, &[]);
 }
+
+/// A tube whose axis is an arc: the volume, and what is refused.
+#[test]
+fn tubes_follow_an_axis() {
+    let here = Place::new("space-bent-tube");
+    let arc = "mesh.axis=[\"0.02*(1 - cos(z/0.02))\", 0, \"0.02*sin(z/0.02)\"]";
+    let sets = [arc, "mesh.length=0.03", "mesh.cells=[6, 8, 1]", "mesh.grading=1", "functional=none"];
+    here.run("check tube", &sets).expect(0, &["168 cells"]);
+    let toml = here.run("check tube --toml", &sets).expect(0, &["axis = [", "grading = 1"]);
+    here.write("again.toml", &toml.out);
+    let again = here.run("check again.toml --toml", &[]).expect(0, &[]);
+    assert!(again.out == toml.out, "{}", again.out);
+    for (axis, message) in [
+        ("[\"x\", 0, \"z\"]", "mesh.axis"),
+        ("[\"t\", 0, \"z\"]", "expected expressions of z, the coordinate along the straight tube"),
+        ("[0, 0, \"-z\"]", "a curve that does not run against z"),
+        ("[0, \"z\"]", "expected three expressions"),
+    ] {
+        here.run("check tube", &[&format!("mesh.axis={axis}")]).expect(2, &[message]);
+    }
+    here.run("check fsi-box", &[arc]).expect(2, &["only for generator = \"tube\""]);
+}

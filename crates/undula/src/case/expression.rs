@@ -164,6 +164,11 @@ impl Expression {
         self.program.depends_on_space()
     }
 
+    /// Whether `x` or `y` occurs.
+    pub(crate) fn depends_across(&self) -> bool {
+        self.program.depends_across()
+    }
+
     /// Whether `z` occurs.
     pub(crate) fn depends_on_depth(&self) -> bool {
         self.program.depends_on_depth()

@@ -6,6 +6,7 @@ use super::expression::{Expression, Table};
 use super::fibres::{FibreDirection, FibreSpec};
 use super::initial::Initial;
 use super::key;
+use super::schema::MeshSource;
 
 impl Case {
     /// All expressions, with the keys that they stand under.
@@ -14,6 +15,7 @@ impl Case {
         for (name, expression) in &self.mesh.region {
             found.push((key::join("mesh.region", name), expression));
         }
+        found.extend(self.mesh.axis().iter().map(|expression| ("mesh.axis".to_string(), expression)));
         for load in self.loads() {
             found.extend(load.force.iter().map(|expression| (load.key.clone(), expression)));
         }
@@ -36,6 +38,9 @@ impl Case {
     /// The same to be changed, without keys.
     fn expressions_mut(&mut self) -> Vec<&mut Expression> {
         let mut found: Vec<&mut Expression> = self.mesh.region.values_mut().collect();
+        if let MeshSource::Tube { axis, .. } = &mut self.mesh.source {
+            found.extend(axis);
+        }
         found.extend(self.fluids.iter_mut().flat_map(|fluid| &mut fluid.body_force));
         for solid in &mut self.solids {
             if let Some(FibreSpec { direction: FibreDirection::Field(field), .. }) = &mut solid.fibres {

@@ -5,13 +5,18 @@ use super::schema::GENERATORS;
 use crate::space::COORDINATES;
 
 /// The keys of `[mesh]`.
-pub(super) static MESH: [Key; 16] = [
+pub(super) static MESH: [Key; 17] = [
     word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
     text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
     number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
     word("mesh.coordinates", &COORDINATES, "cartesian", "what the coordinates of the mesh mean"),
     number("mesh.refine", "", "0", "uniform refinements"),
-    number("mesh.grading", "", "0", "nested rings of half cell size at the singular corners"),
+    number(
+        "mesh.grading",
+        "",
+        "0",
+        "nested rings of half cell size at the singular corners, or at the wall of a tube",
+    ),
     number("mesh.lower", "m", "box: required", "least corner of the box, as [0, 0], in space as [0, 0, 0]"),
     number("mesh.upper", "m", "box: required", "opposite corner of the box, as [2, 1]"),
     number("mesh.length", "m", "tube: required", "length of the tube"),
@@ -26,6 +31,11 @@ pub(super) static MESH: [Key; 16] = [
         "",
         "box, annulus, tube: required",
         "cells before refinement: x, y (and z); round, across; along, round, through the wall",
+    ),
+    text(
+        "mesh.axis",
+        "straight",
+        "tube: expressions of z, the place of the axis at z of the straight tube, as [\"0\", \"0\", \"z\"]",
     ),
     text("mesh.leave-out", "[]", "regions of the mesh that are left out of the computation"),
     number("mesh.extrude.depth", "m", "none", "a plane mesh becomes one of space, 0 < z < depth"),

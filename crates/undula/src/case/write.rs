@@ -178,10 +178,13 @@ impl Case {
             out.key("radii", numbers(radii));
             out.key("cells", format!("{cells:?}"));
         }
-        if let MeshSource::Tube { length, radii, cells } = &self.mesh.source {
+        if let MeshSource::Tube { length, radii, cells, axis } = &self.mesh.source {
             out.key("length", number(*length));
             out.key("radii", numbers(radii));
             out.key("cells", format!("{cells:?}"));
+            if !axis.is_empty() {
+                out.key("axis", expressions(axis));
+            }
         }
         if let Some(Extrude { depth, layers, grading }) = self.mesh.extrude {
             out.key("extrude.depth", number(depth));

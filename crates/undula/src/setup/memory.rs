@@ -113,7 +113,8 @@ impl Case {
             }
             MeshSource::Tube { cells: [along, round, through], .. } => {
                 let (n, along) = (*round as f64 / 4.0, *along as f64);
-                let [fluid, wall] = [n * n + 4.0 * n * (n / 2.0).ceil(), 4.0 * n * *through as f64];
+                let rings = (n / 2.0).ceil() + self.mesh.grading as f64;
+                let [fluid, wall] = [n * n + 4.0 * n * rings, 4.0 * n * *through as f64];
                 let kept = [(self.fluids.is_empty(), fluid), (self.solids.is_empty(), wall)];
                 let kept = kept.iter().map(|(absent, cells)| if *absent { 0.0 } else { along * cells });
                 (along * (fluid + wall), kept.sum())
@@ -313,7 +314,8 @@ mod tests {
             ("dfg-3d1z", &["mesh.extrude.layers=4", "mesh.extrude.grading=0"], 936, 306e6),
             ("fsi-box", &["mesh.grading=0"], 462, 702e6),
             ("fsi-box", &["mesh.grading=1"], 1200, 2.6e9),
-            ("tube", &[], 800, 417e6),
+            ("tube", &["mesh.cells=[40, 8, 1]", "mesh.grading=0"], 800, 417e6),
+            ("tube", &[], 1800, 870e6),
         ] {
             let case = Case::builtin(name, &sets.iter().map(|s| s.to_string()).collect::<Vec<_>>()).unwrap();
             let share = case.expected_bytes(cells, cells) / peak;

@@ -4,6 +4,7 @@ use super::dimension::{Dimension, Refined};
 use super::names::MeshNames;
 use super::regions::mesh_key;
 use crate::case::error::{CaseError, CaseErrors};
+use crate::case::expression::Expression;
 use crate::case::schema::Extrude;
 use crate::case::{Case, MeshSource, OwnMesh};
 use crate::element::Shape;
@@ -34,6 +35,14 @@ impl Case {
     /// # Errors
     /// A mesh that cannot be made or read, that does not match, or that does not have the names in the case.
     pub fn build_mesh(&self) -> Result<Mesh<2>, Error> {
+        self.mesh_in()
+    }
+
+    /// The same in `D` dimensions.
+    pub(crate) fn mesh_in<const D: usize>(&self) -> Result<Mesh<D>, Error>
+    where
+        Dim<D>: Dimension<D>,
+    {
         Ok(self.marked_mesh()?.mesh)
     }
 
@@ -148,10 +157,10 @@ impl Case {
                 generate::hexahedra(first(lower), first(upper), first(cells), 0)?
             }
             MeshSource::FsiBox => generate::fsi_box(0, self.mesh.grading as usize)?,
-            MeshSource::Tube { length, radii: [inner, outer], cells } => {
+            MeshSource::Tube { length, radii: [inner, outer], cells, .. } => {
                 let size = [*length, *inner, outer - inner];
                 curves = generate::cylinders(size);
-                generate::tube(size, *cells, 0)?
+                generate::tube_graded(size, *cells, self.mesh.grading as usize, 0)?
             }
             MeshSource::File(path) => match gmsh::read_any(path).map_err(|e| self.blame("mesh.file", e))? {
                 AnyMesh::Space(mesh) => self.scaled(mesh)?,
@@ -160,7 +169,37 @@ impl Case {
             _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
         };
         let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
-        Ok((mesh, hierarchy, curves))
+        match self.mesh.axis() {
+            [] => Ok((mesh, hierarchy, curves)),
+            axis => self.bent(mesh, axis),
+        }
+    }
+
+    /// A straight tube along the curve that its axis follows.
+    fn bent(&self, mut mesh: Mesh<3>, axis: &[Expression]) -> Result<Refined<3>, Error> {
+        let mut lost = None;
+        generate::bend(&mut mesh, |z| {
+            let along = |e: &Expression| {
+                let (value, gradient) = e.eval_with_gradient(&[0.0, 0.0, z], 0.0);
+                [value, gradient[2]]
+            };
+            let [a, b, c] = std::array::from_fn(|d| along(&axis[d]));
+            let at = [[a[0], b[0], c[0]], [a[1], b[1], c[1]]];
+            let slope = at[1].iter().map(|t| t * t).sum::<f64>().sqrt();
+            let turns = at[1][2] > -0.999 * slope;
+            if !(at.iter().flatten().all(|x| x.is_finite()) && slope > 0.0 && turns) {
+                lost.get_or_insert(z);
+            }
+            at
+        });
+        match lost {
+            // Nodes are on other places than those of coarser meshes, and on no cylinders.
+            None => Ok((mesh, Hierarchy::default(), vec![])),
+            Some(z) => Err(self.refuse(
+                "mesh.axis",
+                format!("at z = {z}: expected finite numbers that change with z, and a curve that does not run against z"),
+            )),
+        }
     }
 
     /// Refuses cells on which the velocity does not live.

@@ -23,7 +23,7 @@ pub enum Compute {
     Run,
     /// The lowest eigenfrequencies of its solid, as `undula modes`.
     Modes,
-    /// The errors of a known solution on the unit square.
+    /// The errors of a known solution on the unit square or cube.
     Errors,
     /// The largest difference of Newmark's method from the Crank-Nicolson scheme.
     Newmark,

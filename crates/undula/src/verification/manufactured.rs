@@ -3,7 +3,7 @@
 //! The right-hand side is the weak form at the exact fields at quadrature points. It needs no second
 //! derivatives and contains the jump of the traction at the interface and the traction at the outflow.
 
-use crate::algebra::FaerLu;
+use crate::algebra::{FaerLu, MultifrontalLu};
 use crate::linear::{Linear, MakeSolver, Scales};
 use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::nonlinear::{Newton, NewtonSettings};
@@ -12,7 +12,7 @@ use crate::physics::{Dots, FacetForm, Fields, Fluid, Outflow, Place, StepRule, T
 use crate::sampling::for_each_point;
 use crate::sampling::{FacetPoint, facet_points};
 use crate::space::{BoundaryCondition, FsiSpace, PressureKind, PsiOwner, Region, State};
-use crate::system::{Assembler, Options, Physics};
+use crate::system::{Assembler, Dim, Kernels, Options, Physics};
 use crate::tangent::Tangent;
 use crate::time::stepper::Source;
 use crate::time::{DomainMotion, Linearization, Scheme, Stepper, StepperSettings};
@@ -23,17 +23,17 @@ pub type Number = Dual<f64>;
 
 /// Exact fields at one point and time.
 #[derive(Copy, Clone, Debug)]
-pub struct Values {
+pub struct Values<const D: usize = 2> {
     /// Velocity \[m/s\].
-    pub v: [Number; 2],
+    pub v: [Number; D],
     /// Deformation \[m\]; it vanishes where the spaces do.
-    pub u: [Number; 2],
+    pub u: [Number; D],
     /// Pressure \[Pa\].
     pub p: Number,
 }
 
 /// Exact fields as functions of position and time.
-pub type Exact = Arc<dyn Fn([Number; 2], Number) -> Values + Send + Sync>;
+pub type Exact<const D: usize = 2> = Arc<dyn Fn([Number; D], Number) -> Values<D> + Send + Sync>;
 
 /// Sine.
 pub fn sin(x: Number) -> Number {
@@ -47,35 +47,36 @@ pub fn cos(x: Number) -> Number {
 
 /// Exact fields with their derivatives.
 #[derive(Copy, Clone, Debug)]
-pub struct Sample {
+pub struct Sample<const D: usize = 2> {
     /// Values and gradients.
-    pub fields: Fields<f64, 2>,
+    pub fields: Fields<f64, D>,
     /// ∂_t v and ∂_t u.
-    pub dots: Dots<f64, 2>,
+    pub dots: Dots<f64, D>,
     /// ∇p \[Pa/m\].
-    pub grad_p: [f64; 2],
+    pub grad_p: [f64; D],
 }
 
 /// `exact` at `x` and `t` with all first derivatives.
-pub fn sample(exact: &Exact, x: [f64; 2], t: f64) -> Sample {
-    let along = |n: usize| {
-        let seed = |value: f64, m: usize| Dual { re: value, eps: if m == n { 1.0 } else { 0.0 } };
-        exact([seed(x[0], 0), seed(x[1], 1)], seed(t, 2))
+pub fn sample<const D: usize>(exact: &Exact<D>, x: [f64; D], t: f64) -> Sample<D> {
+    let seed = |value: f64, is_seed: bool| Dual { re: value, eps: f64::from(is_seed) };
+    // Along axis n of space, or along time, the last one.
+    let along = |n: usize| exact(std::array::from_fn(|d| seed(x[d], d == n)), seed(t, n == D));
+    let (slopes, in_time): ([Values<D>; D], _) = (std::array::from_fn(along), along(D));
+    let value = |a: [Number; D]| Vector(a.map(|a| a.re));
+    let slope = |a: [Number; D]| Vector(a.map(|a| a.eps));
+    let grad = |field: &dyn Fn(&Values<D>) -> [Number; D]| {
+        Tensor(std::array::from_fn(|i| std::array::from_fn(|j| field(&slopes[j])[i].eps)))
     };
-    let [x, y, t] = [along(0), along(1), along(2)];
-    let value = |a: [Number; 2]| Vector(a.map(|a| a.re));
-    let slope = |a: [Number; 2]| Vector(a.map(|a| a.eps));
-    let grad = |a: [Number; 2], b: [Number; 2]| Tensor([[a[0].eps, b[0].eps], [a[1].eps, b[1].eps]]);
     Sample {
         fields: Fields {
-            v: value(x.v),
-            grad_v: grad(x.v, y.v),
-            u: value(x.u),
-            grad_u: grad(x.u, y.u),
-            p: x.p.re,
+            v: value(in_time.v),
+            grad_v: grad(&|at| at.v),
+            u: value(in_time.u),
+            grad_u: grad(&|at| at.u),
+            p: in_time.p.re,
         },
-        dots: Dots { v: slope(t.v), u: slope(t.u), domain: slope(t.u) },
-        grad_p: [x.p.eps, y.p.eps],
+        dots: Dots { v: slope(in_time.v), u: slope(in_time.u), domain: slope(in_time.u) },
+        grad_p: slopes.map(|at| at.p.eps),
     }
 }
 
@@ -90,15 +91,15 @@ pub enum InTime {
 
 /// A problem whose solution is known.
 #[derive(Clone)]
-pub struct Manufactured {
+pub struct Manufactured<const D: usize = 2> {
     /// Spaces.
-    pub space: Arc<FsiSpace<2>>,
+    pub space: Arc<FsiSpace<D>>,
     /// Equations.
     pub physics: Physics,
     /// One condition per boundary of the mesh.
-    pub conditions: Vec<BoundaryCondition<2>>,
+    pub conditions: Vec<BoundaryCondition<D>>,
     /// Solution.
-    pub exact: Exact,
+    pub exact: Exact<D>,
     /// How time derivatives enter.
     pub in_time: InTime,
     /// Whether momentum and divergence in the fluid have a right-hand side.
@@ -118,16 +119,23 @@ pub struct Errors {
     pub p: f64,
 }
 
-impl Manufactured {
+impl<const D: usize> Manufactured<D>
+where
+    Dim<D>: Kernels<D>,
+{
     /// Assembly of the problem, E_e = 1.
-    pub fn assembler(&self, options: &Options) -> Assembler<2> {
+    pub fn assembler(&self, options: &Options) -> Assembler<D> {
         Assembler::new(self.space.clone(), self.physics, &self.conditions, &|_| 1.0, options)
     }
 
     /// The problem ready to be solved from the interpolated solution at `time`; with `zero` from rest.
-    pub fn stepper(&self, scheme: Scheme, time: f64, zero: bool, options: &Options) -> Stepper<2> {
+    pub fn stepper(&self, scheme: Scheme, time: f64, zero: bool, options: &Options) -> Stepper<D> {
         let assembler = self.assembler(options);
-        let make: MakeSolver = Box::new(|_| Box::new(FaerLu::faer(crate::algebra::Options::default())));
+        let make: MakeSolver = Box::new(|_| match D {
+            // Fronts are large in space.
+            3 => Box::new(MultifrontalLu::multifrontal(crate::algebra::Options::default())),
+            _ => Box::new(FaerLu::faer(crate::algebra::Options::default())),
+        });
         let linear = Linear::new(Linearization::Newton, make);
         let settings = NewtonSettings {
             tolerance: 1e-11,
@@ -176,7 +184,7 @@ impl Manufactured {
     }
 
     /// Quadrature points of the facets with the do-nothing correction, with the nodes of their cells.
-    pub fn outflow(&self) -> Vec<(Vec<u32>, Vec<FacetPoint<2>>)> {
+    pub fn outflow(&self) -> Vec<(Vec<u32>, Vec<FacetPoint<D>>)> {
         let do_nothing = |b: u16| {
             matches!(self.conditions[b as usize], BoundaryCondition::Outflow { do_nothing: true, .. })
         };
@@ -189,7 +197,7 @@ impl Manufactured {
     /// The weak form at the exact fields `[v, u, p]`, all regions or `only` one; `t_old = t` is stationary.
     pub fn weak_form(
         &self,
-        outflow: &[(Vec<u32>, Vec<FacetPoint<2>>)],
+        outflow: &[(Vec<u32>, Vec<FacetPoint<D>>)],
         t_old: f64,
         t: f64,
         theta: f64,
@@ -220,8 +228,8 @@ impl Manufactured {
             for (a, &node) in space.nodes.cell(point.cell).iter().enumerate() {
                 let (value, grad) = (point.value[a] * point.weight, Vector(point.grad[a]) * point.weight);
                 let [phi, psi] = [r.phi * value + r.grad_phi * grad, r.psi * value + r.grad_psi * grad];
-                for i in 0..2 {
-                    let row = node as usize * 2 + i;
+                for i in 0..D {
+                    let row = node as usize * D + i;
                     if momentum {
                         out[row] += phi.0[i];
                     }
@@ -245,7 +253,7 @@ impl Manufactured {
     fn add_outflow(
         &self,
         fluid: &Fluid,
-        outflow: &[(Vec<u32>, Vec<FacetPoint<2>>)],
+        outflow: &[(Vec<u32>, Vec<FacetPoint<D>>)],
         [t_old, t]: [f64; 2],
         theta: f64,
         out: &mut [f64],
@@ -255,11 +263,11 @@ impl Manufactured {
             for p in points {
                 let at = |t: f64| sample(&self.exact, p.x, t).fields;
                 let traction =
-                    |at: Fields<f64, 2>, weight: f64| form.traction(&at, &at, &p.normal, weight * p.weight);
+                    |at: Fields<f64, D>, weight: f64| form.traction(&at, &at, &p.normal, weight * p.weight);
                 let force = traction(at(t), theta) + traction(at(t_old), 1.0 - theta);
                 for (value, &node) in p.value.iter().zip(nodes) {
-                    for i in 0..2 {
-                        out[node as usize * 2 + i] += value * force.0[i];
+                    for i in 0..D {
+                        out[node as usize * D + i] += value * force.0[i];
                     }
                 }
             }
@@ -267,14 +275,14 @@ impl Manufactured {
     }
 
     /// What stands before the test functions at one point.
-    fn tested<F: WeakForm<2>>(
+    fn tested<F: WeakForm<D>>(
         &self,
         form: &F,
-        x: [f64; 2],
+        x: [f64; D],
         t_old: f64,
         t: f64,
         theta: f64,
-    ) -> Tested<f64, 2> {
+    ) -> Tested<f64, D> {
         let place = Place::plain();
         let (new, old) = (sample(&self.exact, x, t), sample(&self.exact, x, t_old));
         let mut r = Tested::zero();
@@ -308,13 +316,13 @@ impl Manufactured {
         let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
         for (node, x) in space.nodes.points.iter().enumerate() {
             let f = sample(&self.exact, *x, t).fields;
-            state.v[2 * node..2 * node + 2].copy_from_slice(&f.v.0);
+            state.v[D * node..D * (node + 1)].copy_from_slice(&f.v.0);
             if space.deforms {
-                state.u[2 * node..2 * node + 2].copy_from_slice(&f.u.0);
+                state.u[D * node..D * (node + 1)].copy_from_slice(&f.u.0);
             }
         }
         // Bubbles stand beside the interpolation.
-        let bubbles = 2 * space.nodes.n_lagrange;
+        let bubbles = D * space.nodes.n_lagrange;
         state.v[bubbles..].fill(0.0);
         if space.deforms {
             state.u[bubbles..].fill(0.0);
@@ -324,7 +332,7 @@ impl Manufactured {
                 let s = sample(&self.exact, space.pressure.points[dof as usize], t);
                 state.p[dof as usize] = match (space.pressure.kind, a) {
                     (PressureKind::Continuous(_), _) | (_, 0) => s.fields.p,
-                    (PressureKind::Pdc(_), a) if a <= 2 => s.grad_p[a - 1] * space.pressure.frames[cell].1,
+                    (PressureKind::Pdc(_), a) if a <= D => s.grad_p[a - 1] * space.pressure.frames[cell].1,
                     (PressureKind::Pdc(_), _) => 0.0,
                 };
             }
@@ -335,7 +343,7 @@ impl Manufactured {
     /// Errors of `state`: v and u against time `t`, p against time `t_p`; `n` Gauss points per direction.
     pub fn errors(&self, state: &State, t: f64, t_p: f64, n: usize) -> Errors {
         let (mut e, deforms) = (Errors::default(), self.space.deforms);
-        let square = |a: Vector<f64, 2>| a.dot(a);
+        let square = |a: Vector<f64, D>| a.dot(a);
         for_each_point(&self.space, state, n, |point| {
             let exact = sample(&self.exact, point.x, t).fields;
             e.v += point.weight * square(point.fields.v - exact.v);

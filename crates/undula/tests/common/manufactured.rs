@@ -5,10 +5,10 @@ use std::sync::Arc;
 use undula::element::Shape;
 use undula::mesh::Mesh;
 use undula::mesh::generate::rectangle;
-use undula::physics::{Extension, Fluid, Material, Solid};
-use undula::space::{Against, BoundaryCondition, FsiSpace, PressureKind, Region};
-use undula::system::{Options, Physics};
-use undula::verification::manufactured::{Exact, InTime, Manufactured};
+use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
+use undula::space::{Against, BoundaryCondition, FsiSpace, PressureKind, Region, State};
+use undula::system::{Assembler, Options, Physics, StepView};
+use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
 pub use undula::verification::unit_square::{bubble, smooth, velocity};
 
 /// Gauss points per direction in the solver.
@@ -78,27 +78,38 @@ pub fn square(n: usize, cells: Cells, body: Body) -> Mesh<2> {
     mesh
 }
 
-/// Move the nodes of an `n` × `n` mesh of the unit square.
-pub fn bend(mesh: &mut Mesh<2>, n: usize, cells: Cells) {
+/// The unit cube in `n` × `n` × `n` cells, the solid as in [`square`] at all z.
+pub fn cube(n: usize, cells: Cells, body: Body) -> Mesh<3> {
+    let mut mesh = square(n, Cells::Square, body).extruded(1.0, n).unwrap();
+    bend(&mut mesh, n, cells);
+    mesh
+}
+
+/// Move the nodes of a mesh of the unit square or cube with `n` cells per direction.
+pub fn bend<const D: usize>(mesh: &mut Mesh<D>, n: usize, cells: Cells) {
     if cells == Cells::Square {
         return;
     }
     let h = 1.0 / n as f64;
-    let vertex = |i: usize, j: usize| {
-        let (x, y) = (i as f64 * h, j as f64 * h);
-        let sign = |m: usize| if m.is_multiple_of(2) { 1.0 } else { -1.0 };
-        let inner = |m: usize| if m == 0 || m == n { 0.0 } else { 1.0 };
-        [x + 0.15 * h * sign(j) * inner(i), y + 0.2 * h * sign(i) * inner(j)]
+    let vertex = |at: [usize; D]| -> [f64; D] {
+        let sum: usize = at.iter().sum();
+        std::array::from_fn(|d| {
+            let sign = if (sum - at[d]).is_multiple_of(2) { 1.0 } else { -1.0 };
+            let inner = if at[d] == 0 || at[d] == n { 0.0 } else { 1.0 };
+            at[d] as f64 * h + [0.15, 0.2, 0.18][d] * h * sign * inner
+        })
     };
     for x in &mut mesh.nodes {
-        let [i, j] = x.map(|x| (2.0 * x / h).round() as usize);
-        // Nodes between vertices stay between them: the cells are bilinear.
-        let (i1, j1) = (i.div_ceil(2), j.div_ceil(2));
-        let corners = [vertex(i / 2, j / 2), vertex(i1, j / 2), vertex(i / 2, j1), vertex(i1, j1)];
-        *x = std::array::from_fn(|d| corners.iter().map(|c| 0.25 * c[d]).sum());
+        let at = x.map(|x| (2.0 * x / h).round() as usize);
+        // Nodes between vertices stay between them: the cells are bilinear or trilinear.
+        let corner = |i: usize| -> [usize; D] {
+            std::array::from_fn(|d| if i >> d & 1 == 0 { at[d] / 2 } else { at[d].div_ceil(2) })
+        };
+        let corners: Vec<[f64; D]> = (0..1 << D).map(|i| vertex(corner(i))).collect();
+        *x = std::array::from_fn(|d| corners.iter().map(|c| c[d]).sum::<f64>() / corners.len() as f64);
         if cells == Cells::Curved {
-            let bump = (std::f64::consts::PI * x[0]).sin() * (std::f64::consts::PI * x[1]).sin();
-            *x = [x[0] + 0.06 * bump, x[1] - 0.05 * bump];
+            let bump: f64 = x.iter().map(|x| (std::f64::consts::PI * x).sin()).product();
+            *x = std::array::from_fn(|d| x[d] + [0.06, -0.05, 0.04][d] * bump);
         }
     }
 }
@@ -138,6 +149,11 @@ impl Pair {
             _ => spaces(mesh, physics, self),
         }
     }
+
+    /// The same on hexahedra.
+    pub fn in_space(self, mesh: &Mesh<3>, physics: &Physics) -> Arc<FsiSpace<3>> {
+        spaces(mesh, physics, self)
+    }
 }
 
 /// Spaces of degree `degree` for v and u on those regions of `mesh` whose equations there are.
@@ -145,7 +161,7 @@ pub fn space(mesh: &Mesh<2>, physics: &Physics, degree: usize, pressure: Pressur
     spaces(mesh, physics, quadrilaterals(degree, pressure))
 }
 
-fn spaces(mesh: &Mesh<2>, physics: &Physics, pair: Pair) -> Arc<FsiSpace<2>> {
+fn spaces<const D: usize>(mesh: &Mesh<D>, physics: &Physics, pair: Pair) -> Arc<FsiSpace<D>> {
     let mut keep = vec![];
     if physics.fluid.is_some() {
         keep.push("fluid");
@@ -179,13 +195,13 @@ pub fn problem(
 }
 
 /// The same in other spaces.
-pub fn problem_in(
-    space: Arc<FsiSpace<2>>,
+pub fn problem_in<const D: usize>(
+    space: Arc<FsiSpace<D>>,
     physics: Physics,
-    exact: Exact,
+    exact: Exact<D>,
     in_time: InTime,
     quadrature: usize,
-) -> Manufactured {
+) -> Manufactured<D> {
     let coupled = physics.fluid.is_some() && physics.solid.is_some();
     let condition = |name: &String| match name.as_str() {
         "interface" if coupled || physics.fluid.is_none() => BoundaryCondition::Free,
@@ -206,6 +222,62 @@ pub fn traction_free(mut problem: Manufactured) -> Manufactured {
         }
     }
     problem
+}
+
+/// Fields that are zero.
+pub fn nothing<const D: usize>() -> Exact<D> {
+    let zero = number(0.0);
+    Arc::new(move |_, _| Values { v: [zero; D], u: [zero; D], p: zero })
+}
+
+/// At every node `f(x)`; nothing of bubbles.
+pub fn nodal<const D: usize>(space: &FsiSpace<D>, f: impl Fn([f64; D]) -> [f64; D]) -> Vec<f64> {
+    let nodes = &space.nodes;
+    let of = |(node, x): (usize, &[f64; D])| if node < nodes.n_lagrange { f(*x) } else { [0.0; D] };
+    nodes.points.iter().enumerate().flat_map(of).collect()
+}
+
+/// v = `v` at every node, u random, p = `p`.
+pub fn state<const D: usize>(space: &FsiSpace<D>, seed: u64, v: [f64; D], p: f64) -> State {
+    let mut random = Random(seed);
+    let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
+    // Beside the nodal basis bubbles add nothing to a constant, and there are none for u.
+    let nodal = D * space.nodes.n_lagrange;
+    state.v[..nodal].chunks_exact_mut(D).for_each(|x| x.copy_from_slice(&v));
+    state.u.iter_mut().take(nodal).for_each(|u| *u = 0.02 * random.next());
+    let constant = |dof: usize| match space.pressure.kind {
+        PressureKind::Pdc(_) if !dof.is_multiple_of(space.pressure.per_cell) => 0.0,
+        _ => p,
+    };
+    state.p = (0..space.n_p()).map(constant).collect();
+    state
+}
+
+/// The residual of one region in a step.
+pub fn region<const D: usize>(
+    assembler: &mut Assembler<D>,
+    region: Region,
+    rule: StepRule,
+    new: &State,
+    old: &State,
+) -> Vec<f64> {
+    let mut out = vec![0.0; assembler.space.n_field_unknowns()];
+    assembler.region_residual(&StepView { rule, new, old }, region, &mut out);
+    out
+}
+
+/// The largest absolute value.
+pub fn largest(x: impl IntoIterator<Item = f64>) -> f64 {
+    x.into_iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+/// Nodes on a named boundary or the interface.
+pub fn on_boundaries<const D: usize>(space: &FsiSpace<D>) -> Vec<bool> {
+    let mut on = vec![false; space.nodes.len()];
+    for facet in &space.mesh.facets {
+        space.facet_nodes(facet).iter().for_each(|&node| on[node as usize] = true);
+    }
+    on
 }
 
 /// One thread, the widest lanes, [`QUADRATURE`].

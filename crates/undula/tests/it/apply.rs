@@ -7,26 +7,28 @@ use undula::math::Vector;
 use undula::mesh::Side;
 use undula::operators::backflow::backflow;
 use undula::operators::outflow::correction;
-use undula::operators::pressure::{PressureData, pressure};
+use undula::operators::pressure::{PressureData, pressure as pressure_on};
 use undula::operators::{DataTime, End, Operator};
 use undula::physics::rule::SECANT;
 use undula::physics::{Extension, Fluid, PressureTerm, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::{Continuous, Pdc};
-use undula::space::{Against, BoundaryCondition, Region, State};
-use undula::system::{Assembler, CurrentForce, Options, StepView};
+use undula::space::{Against, BoundaryCondition, FsiSpace, Region, State};
+use undula::system::{Assembler, CurrentForce, Options, Physics, StepView};
 use undula::tangent::Tangent;
-use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, number};
+use undula::verification::manufactured::{InTime, Manufactured};
 
 const RULES: [StepRule; 2] =
     [StepRule { per_k: 20.0, theta: 0.6, inertia: SECANT, quadrature: &[] }, StepRule::STATIONARY];
 
 /// Bent cells, an outflow with both of its terms.
 fn coupled(pair: Pair, fluid: Fluid) -> Manufactured {
-    let zero = number(0.0);
-    let nothing: Exact = Arc::new(move |_, _| Values { v: [zero; 2], u: [zero; 2], p: zero });
-    let physics = undula::system::Physics { fluid: Some(fluid), ..FSI };
+    let physics = Physics { fluid: Some(fluid), ..FSI };
     let space = pair.space(&square(4, Cells::Curved, Body::Block), &physics);
-    let mut problem = problem_in(space, physics, nothing, InTime::Difference, pair.quadrature());
+    coupled_in(space, pair, physics)
+}
+
+fn coupled_in<const D: usize>(space: Arc<FsiSpace<D>>, pair: Pair, physics: Physics) -> Manufactured<D> {
+    let mut problem = problem_in(space, physics, nothing(), InTime::Difference, pair.quadrature());
     for condition in &mut problem.conditions {
         if let BoundaryCondition::Outflow { backflow, .. } = condition {
             *backflow = Against::Directional;
@@ -35,7 +37,7 @@ fn coupled(pair: Pair, fluid: Fluid) -> Manufactured {
     problem
 }
 
-fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
+fn random<const D: usize>(problem: &Manufactured<D>, seed: u64, sizes: [f64; 3]) -> State {
     let (space, mut random) = (&problem.space, Random(seed));
     let closer = 2.0 / space.nodes.degree as f64;
     let mut list = |n: usize, size: f64| (0..n).map(|_| closer * size * random.next()).collect();
@@ -47,16 +49,12 @@ fn random(problem: &Manufactured, seed: u64, sizes: [f64; 3]) -> State {
     }
 }
 
-fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
 fn gap(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest(b)
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / largest(b.iter().copied())
 }
 
 /// A x by the whole matrix and without one; S x of the condensed matrix by elimination and without one.
-fn check(problem: &Manufactured, assembler: &mut Assembler<2>, rule: StepRule) {
+fn check<const D: usize>(problem: &Manufactured<D>, assembler: &mut Assembler<D>, rule: StepRule) {
     let (new, old) = (random(problem, 77, [2.0, 0.02, 4.0]), random(problem, 78, [2.0, 0.02, 4.0]));
     let step = StepView { rule, new: &new, old: &old };
     let State { v, u, p, .. } = random(problem, 5, [1.0; 3]);
@@ -90,7 +88,7 @@ fn check(problem: &Manufactured, assembler: &mut Assembler<2>, rule: StepRule) {
     let outside = gap(&found, &expected);
     assert!(outside < 1e-12, "condensed matrix: {outside:e}");
     system.places.iter().for_each(|&place| product[place as usize] = 0.0);
-    let inside = largest(&product) / largest(&expected);
+    let inside = largest(product) / largest(expected);
     assert!(inside < 1e-12, "inner rows: {inside:e}");
 }
 
@@ -113,16 +111,51 @@ fn products_are_those_of_the_matrices() {
     }
 }
 
+/// The same in space, with a pressure that follows the boundary and a force at the current position.
+#[test]
+fn products_in_space_are_those_of_the_matrices() {
+    for (degree, pressure, n) in
+        [(2, Pdc(1), 4), (2, Continuous(1), 4), (3, Pdc(2), 2), (1, Continuous(1), 4)]
+    {
+        let pair = quadrilaterals(degree, pressure);
+        let body = if n == 4 { Body::Block } else { Body::Half };
+        let space = pair.in_space(&cube(n, Cells::Curved, body), &FSI);
+        let problem = coupled_in(space, pair, FSI);
+        let options = Options::serial(pair.quadrature());
+        let mut assembler = problem.assembler(&options);
+        if degree == 1 {
+            assembler.stabilize(&STABILIZED, &options).unwrap();
+        }
+        let force = |x: &[f64; 3], _: f64| {
+            let slope = [[x[1], x[0], 0.0], [0.0, x[1].cos(), 0.0], [0.0, 0.0, x[2].cos()]];
+            ([x[0] * x[1], x[1].sin(), x[2].sin()], slope)
+        };
+        assembler.follow(0, CurrentForce::new(Box::new(force)));
+        let boundary = problem.space.mesh.boundary("top").unwrap();
+        let load: PressureData<3> = Box::new(|x, t| 1.0 + x[0] - t * x[2]);
+        let (space, n) = (&problem.space, pair.quadrature());
+        let term = pressure_on(space, Region::Fluid, boundary, (load, true), n);
+        assembler.add(Box::new(term));
+        for (end, time) in [(End::Old, 0.1), (End::New, 0.3)] {
+            assembler.set_data(&DataTime { end, time, load: 1.0 }).unwrap();
+        }
+        for rule in RULES {
+            check(&problem, &mut assembler, rule);
+        }
+    }
+}
+
+const STABILIZED: Stabilization =
+    Stabilization { transport: TransportTerm::Supg, pressure: PressureTerm::Pspg, ..Stabilization::NONE };
+
 /// Terms that few problems have: stabilisation, and a force at the current position.
 #[test]
 fn products_have_all_terms() {
     let pair = quadrilaterals(1, Continuous(1));
     let problem = coupled(pair, Fluid { extension: Extension::Harmonic, ..FLUID });
-    let how =
-        Stabilization { transport: TransportTerm::Supg, pressure: PressureTerm::Pspg, ..Stabilization::NONE };
     let options = Options { quadrature: pair.quadrature(), ..options() };
     let mut assembler = problem.assembler(&options);
-    assembler.stabilize(&how, &options).unwrap();
+    assembler.stabilize(&STABILIZED, &options).unwrap();
     assembler.follow(
         0,
         CurrentForce::new(Box::new(|x, _| ([x[0] * x[1], x[1].sin()], [[x[1], x[0]], [0.0, x[1].cos()]]))),
@@ -143,7 +176,7 @@ fn products_have_the_stiffness_of_a_pressure() {
         for boundary in 0..problem.space.mesh.boundaries.len() as u16 {
             for body in [Region::Fluid, Region::Solid] {
                 let load: PressureData<2> = Box::new(|x, t| 1.0 + x[0] - t * x[1]);
-                let term = pressure(&problem.space, body, boundary, (load, true), pair.quadrature());
+                let term = pressure_on(&problem.space, body, boundary, (load, true), pair.quadrature());
                 assembler.add(Box::new(term));
             }
         }
@@ -179,7 +212,7 @@ fn the_force_through_an_outlet_is_the_sum_of_its_rows() {
         for i in 0..2 {
             let expected: f64 = rows[..problem.space.n_v()].iter().skip(i).step_by(2).sum();
             assert!(
-                (sum.0[i] - expected).abs() < 1e-12 * largest(&rows),
+                (sum.0[i] - expected).abs() < 1e-12 * largest(rows.iter().copied()),
                 "{}, {expected}: {rule:?}",
                 sum.0[i]
             );

@@ -2,48 +2,15 @@
 //!
 //! Local projections are not consistent: what they add is of the order of the error. The residual methods are, so
 //! that they see the body force, which is given as such here.
-#![allow(non_snake_case)]
 
 use crate::manufactured::*;
 use undula::element::Shape;
-use undula::math::Tensor;
-use undula::physics::{Kinematics, PressureTerm, Projection, Stabilization, TransportTerm};
-use undula::sampling::for_each_point;
+use undula::physics::{PressureTerm, Projection, Stabilization, TransportTerm};
 use undula::space::PressureKind::Continuous;
-use undula::space::{Region, State};
-use undula::system::{End, Options, Physics};
+use undula::system::{Options, Physics};
 use undula::time::Scheme;
-use undula::verification::manufactured::{Errors, Exact, InTime, Manufactured, sample};
-
-/// J σ F⁻ᵀ of the exact solution.
-fn stress(exact: &Exact, x: [f64; 2], t: f64) -> Tensor<f64, 2> {
-    let at = sample(exact, x, t).fields;
-    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
-    let G = at.grad_v * F_inv;
-    let sigma = FLUID.rho * FLUID.nu * (G + G.t()) - Tensor::identity() * at.p;
-    sigma * F_inv.t() * J
-}
-
-/// The force per mass with which the stationary momentum equation holds at a point.
-fn force(exact: &Exact, x: [f64; 2], t: f64) -> [f64; 2] {
-    let at = sample(exact, x, t).fields;
-    let Kinematics { F_inv, J, .. } = Kinematics::of(&at.grad_u);
-    let rate = at.grad_v * (F_inv * at.v);
-    let h = 1e-4;
-    std::array::from_fn(|i| {
-        let divergence: f64 = (0..2)
-            .map(|j| {
-                let moved = |s: f64| {
-                    let mut x = x;
-                    x[j] += s;
-                    stress(exact, x, t).0[i][j]
-                };
-                (8.0 * (moved(h) - moved(-h)) - (moved(2.0 * h) - moved(-2.0 * h))) / (12.0 * h)
-            })
-            .sum();
-        rate.0[i] - divergence / (FLUID.rho * J)
-    })
-}
+use undula::verification::body_force::give_force;
+use undula::verification::manufactured::{Errors, InTime, Manufactured};
 
 #[derive(Copy, Clone)]
 struct Run {
@@ -82,9 +49,7 @@ impl Run {
         stepper.assembler.stabilize(&self.how, &options).unwrap();
         stepper.newton.settings.floor = Some(1e-8);
         if self.how.has_residual() {
-            let exact = problem.exact.clone();
-            stepper.assembler.set_force(Region::Fluid, End::New, Some(&|x| force(&exact, *x, 0.0)));
-            stepper.source = Some(with_force(&problem, quadrature));
+            give_force(&problem, &mut stepper);
         }
         if self.steps == 0 {
             stepper.stationary().unwrap();
@@ -125,28 +90,6 @@ impl Run {
             assert!(reached, "{} {orders:.2?}, expected {least:?}", run.name());
         }
     }
-}
-
-/// The source of `problem` with the body force of the fluid taken off: −A(U)(φ) + (ρ J f, φ).
-fn with_force(problem: &Manufactured, quadrature: usize) -> undula::time::stepper::Source {
-    let (mut source, problem) = (problem.source(), problem.clone());
-    Box::new(move |t_old, t, theta, out| {
-        source(t_old, t, theta, out);
-        let space = &*problem.space;
-        let zero = State::zero(space.n_v(), space.n_u(), space.n_p());
-        for_each_point(space, &zero, quadrature, |point| {
-            if point.region != Region::Fluid {
-                return;
-            }
-            let f = force(&problem.exact, point.x, t);
-            let J = Kinematics::of(&sample(&problem.exact, point.x, t).fields.grad_u).J;
-            for (&node, value) in space.nodes.cell(point.cell).iter().zip(point.value) {
-                for i in 0..2 {
-                    out[2 * node as usize + i] += FLUID.rho * J * f[i] * value * point.weight;
-                }
-            }
-        });
-    })
 }
 
 const fn of(pressure: PressureTerm, transport: TransportTerm) -> Stabilization {

@@ -1,7 +1,9 @@
 //! Meshes of hexahedra: what is drawn out of plane ones, cuboids and tubes; checks, location, distance and refinement.
 
 use std::collections::HashSet;
-use undula::mesh::generate::{annulus, circles, cylinders, fsi_box, hexahedra, rectangle, tube, turek_hron};
+use undula::mesh::generate::{
+    annulus, bend, circles, cylinders, fsi_box, hexahedra, rectangle, tube, tube_graded, turek_hron,
+};
 use undula::mesh::{Curve, Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
 
 fn count(mesh: &Mesh<3>, boundary: &str) -> usize {
@@ -601,6 +603,66 @@ fn gaps_between_hexahedra_are_refused() {
     let new = misfit.nodes.len() as u32 - 1;
     misfit.cell_nodes[27..].iter_mut().filter(|node| **node == middle).for_each(|node| *node = new);
     assert!(matches!(misfit.check(), Err(MeshError::NotConforming(_))));
+}
+
+/// Rings that are halved towards the wall change neither the volume nor the names, and nothing but the rings.
+#[test]
+fn tubes_are_graded_towards_the_wall() {
+    let (size, cells) = ([0.4, 0.5, 0.1], [1, 16, 1]);
+    let even = tube(size, cells, 0).unwrap();
+    for grading in [1, 3] {
+        let mesh = tube_graded(size, cells, grading, 0).unwrap();
+        mesh.check_matching("fluid", "solid", &cylinders(size)).unwrap();
+        neighbours_meet(&mesh);
+        assert_eq!((mesh.n_cells(), &mesh.boundaries), (even.n_cells() + 16 * grading, &even.boundaries));
+        for region in ["fluid", "solid"] {
+            // The circle is one of degree 2 pieces, the same in both.
+            assert!((volume(&mesh, region) / volume(&even, region) - 1.0).abs() < 1e-13, "{region}");
+        }
+        let radii: Vec<f64> =
+            mesh.nodes.iter().filter(|x| x[1] == 0.0 && x[2] == 0.0).map(|x| x[0]).collect();
+        // The core ends at 0.3 on the diagonals, further in than on the axes.
+        let ring = radii.iter().filter(|r| **r > 0.45 && **r < 0.5 - 1e-9).fold(0.0f64, |a, r| a.max(*r));
+        // Its middle; both rings together are 0.26 on the axes.
+        let half = (0.5 - ring) * 2.0_f64.powi(grading as i32);
+        assert!((0.06..0.07).contains(&half), "{half}");
+    }
+}
+
+/// Pappus: a tube along a curve has the volume of its section times the length of the axis, whose nodes follow it.
+#[test]
+fn bent_tubes_have_the_volume_of_their_axis() {
+    let (length, radius) = (1.5, 0.9_f64);
+    let size = [length, 0.3, 0.06];
+    let (sin, cos) = (|s: f64| (s / radius).sin(), |s: f64| (s / radius).cos());
+    // An arc in a plane that is none of the coordinates, beginning along z.
+    let (c, d) = (0.6, 0.8);
+    let arc = |s: f64| {
+        let out = radius * (1.0 - cos(s));
+        [[c * out, d * out, radius * sin(s)], [c * sin(s), d * sin(s), cos(s)]]
+    };
+    let errors = [4, 8].map(|along| {
+        let straight = tube(size, [along, 16, 1], 0).unwrap();
+        let mut mesh = straight.clone();
+        bend(&mut mesh, arc);
+        mesh.check_matching("fluid", "solid", &[]).unwrap();
+        neighbours_meet(&mesh);
+        let quality = mesh.quality();
+        assert!(quality.min_scaled_jacobian() > 0.5, "{}", quality.min_scaled_jacobian());
+        let wall = mesh.boundary("interface").unwrap();
+        for f in mesh.facets.iter().filter(|f| f.boundary == wall) {
+            for node in mesh.facet_nodes(f.cell as usize, f.local as usize) {
+                let [x, y, z] = mesh.nodes[node as usize];
+                let (across, along) = (d * x - c * y, c * x + d * y);
+                let from_axis = across.hypot((along - radius).hypot(z) - radius);
+                assert!((from_axis - 0.3).abs() < 1e-14);
+            }
+        }
+        ["fluid", "solid"].map(|region| (volume(&mesh, region) / volume(&straight, region) - 1.0).abs())
+    });
+    for i in 0..2 {
+        assert!(errors[1][i] < 2e-5 && errors[1][i] < errors[0][i] / 12.0, "{errors:?}");
+    }
 }
 
 /// The mesh with every cell numbered along other axes, right-handed ones.

@@ -12,21 +12,12 @@ use undula::mesh::generate::rectangle;
 use undula::nonlinear::NewtonError;
 use undula::physics::{Fluid, StepRule};
 use undula::space::PressureKind::{Continuous, Pdc};
-use undula::space::{BoundaryCondition, PsiOwner, Region, State};
-use undula::system::{Assembler, End, Options, Physics, StepView};
+use undula::space::{BoundaryCondition, PsiOwner, Region};
+use undula::system::{End, Options, Physics};
 use undula::time::{Scheme, Stepper};
 use undula::verification::manufactured::{Exact, InTime, Manufactured, Values, cos, number, sin};
 
 const K: f64 = 0.1;
-
-fn fields(f: impl Fn([f64; 2]) -> Values + Send + Sync + 'static) -> Exact {
-    Arc::new(move |[x, y], _| f([x.re, y.re]))
-}
-
-fn nothing() -> Exact {
-    let zero = number(0.0);
-    fields(move |_| Values { v: [zero; 2], u: [zero; 2], p: zero })
-}
 
 /// Stable pairs on quadrilaterals and triangles whose patch tests are exact with the rule [`QUADRATURE`].
 const PAIRS: [Pair; 5] = [
@@ -47,65 +38,16 @@ fn options_of(pair: Pair) -> Options {
     Options::serial(pair.quadrature())
 }
 
-/// v = `v` at every node, u random, p = `p`.
-fn state(problem: &Manufactured, seed: u64, v: [f64; 2], p: f64) -> State {
-    let (space, mut random) = (&problem.space, Random(seed));
-    let mut state = State::zero(space.n_v(), space.n_u(), space.n_p());
-    // Beside the nodal basis bubbles add nothing to a constant, and there are none for u.
-    let nodal = 2 * space.nodes.n_lagrange;
-    state.v[..nodal].chunks_exact_mut(2).for_each(|x| x.copy_from_slice(&v));
-    state.u.iter_mut().take(nodal).for_each(|u| *u = 0.02 * random.next());
-    let constant = |dof: usize| match space.pressure.kind {
-        Pdc(_) if !dof.is_multiple_of(3) => 0.0,
-        _ => p,
-    };
-    state.p = (0..space.n_p()).map(constant).collect();
-    state
-}
-
-/// At every node `f(x)`.
-fn nodal(problem: &Manufactured, f: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
-    let nodes = &problem.space.nodes;
-    let of = |(node, x): (usize, &[f64; 2])| if node < nodes.n_lagrange { f(*x) } else { [0.0; 2] };
-    nodes.points.iter().enumerate().flat_map(of).collect()
-}
-
-/// The residual of one region in a step.
-fn region(
-    assembler: &mut Assembler<2>,
-    region: Region,
-    rule: StepRule,
-    new: &State,
-    old: &State,
-) -> Vec<f64> {
-    let mut out = vec![0.0; assembler.space.n_field_unknowns()];
-    assembler.region_residual(&StepView { rule, new, old }, region, &mut out);
-    out
-}
-
-fn largest(x: impl IntoIterator<Item = f64>) -> f64 {
-    x.into_iter().fold(0.0, |m, x| m.max(x.abs()))
-}
-
-/// Nodes on a named boundary or the interface.
-fn on_boundaries(problem: &Manufactured) -> Vec<bool> {
-    let mut on = vec![false; problem.space.nodes.len()];
-    for facet in &problem.space.mesh.facets {
-        problem.space.facet_nodes(facet).iter().for_each(|&node| on[node as usize] = true);
-    }
-    on
-}
-
 /// Piola's identity holds exactly: a constant pressure does no work on inner nodes and its forces on a
 /// closed surface add up to zero, whatever the deformation at both ends of the step.
 #[test]
 fn constant_pressure_does_no_net_work() {
     for pair in PAIRS {
         let (pressure, problem) = (pair.pressure, bent(FSI, Body::Inclusion, pair));
-        let (new, old) = (state(&problem, 5, [0.0; 2], 3.0), state(&problem, 6, [0.0; 2], 0.0));
+        let (new, old) = (state(&problem.space, 5, [0.0; 2], 3.0), state(&problem.space, 6, [0.0; 2], 0.0));
         let mut assembler = problem.assembler(&options_of(pair));
         let r = region(&mut assembler, Region::Fluid, StepRule::theta(K, 0.51), &new, &old);
-        let boundary = on_boundaries(&problem);
+        let boundary = on_boundaries(&problem.space);
         let inner = (0..problem.space.n_v()).filter(|i| !boundary[i / 2]).map(|i| r[i]);
         assert!(largest(inner) < 1e-14, "inner rows with {pressure:?}");
         let interface = problem.space.boundary_nodes("interface");
@@ -129,8 +71,8 @@ fn rigid_motion_has_no_stress(pair: Pair) {
     let mut assembler = problem.assembler(&options_of(pair));
     for angle in [0.0f64, 0.4, 1.6, 3.0] {
         let (c, s) = (angle.cos(), angle.sin());
-        let mut at = state(&problem, 1, [0.0; 2], 0.0);
-        at.u = nodal(&problem, |[x, y]| [c * x - s * y - x + 0.3, s * x + c * y - y - 0.2]);
+        let mut at = state(&problem.space, 1, [0.0; 2], 0.0);
+        at.u = nodal(&problem.space, |[x, y]| [c * x - s * y - x + 0.3, s * x + c * y - y - 0.2]);
         let r = region(&mut assembler, Region::Solid, StepRule::STATIONARY, &at, &at);
         let size = largest(r[..problem.space.n_v()].iter().copied());
         // Rounding: more points, and derivatives along two sides at once.
@@ -138,8 +80,8 @@ fn rigid_motion_has_no_stress(pair: Pair) {
         assert!(size < rounding, "{pair:?}, rotation by {angle}: {size:e}");
     }
     // The linear strain of the same motion is not zero, so that a missing term would show.
-    let mut at = state(&problem, 1, [0.0; 2], 0.0);
-    at.u = nodal(&problem, |[x, y]| [-0.4 * y, 0.4 * x]);
+    let mut at = state(&problem.space, 1, [0.0; 2], 0.0);
+    at.u = nodal(&problem.space, |[x, y]| [-0.4 * y, 0.4 * x]);
     let r = region(&mut assembler, Region::Solid, StepRule::STATIONARY, &at, &at);
     assert!(largest(r[..problem.space.n_v()].iter().copied()) > 0.01);
 }
@@ -155,8 +97,8 @@ fn rotating_flow_has_no_viscous_stress() {
                 *do_nothing = false;
             }
         }
-        let mut at = state(&problem, 9, [0.0; 2], 0.0);
-        let x = nodal(&problem, |x| x);
+        let mut at = state(&problem.space, 9, [0.0; 2], 0.0);
+        let x = nodal(&problem.space, |x| x);
         for n in 0..problem.space.nodes.len() {
             let y = [x[2 * n] + at.u[2 * n], x[2 * n + 1] + at.u[2 * n + 1]];
             (at.v[2 * n], at.v[2 * n + 1]) = (-0.7 * y[1], 0.7 * y[0]);
@@ -174,7 +116,7 @@ fn uniform_flow_on_a_moving_mesh_is_a_solution() {
     for pair in PAIRS {
         let problem = bent(FSI, Body::Inclusion, pair);
         let v = [0.8, -0.3];
-        let (new, old) = (state(&problem, 3, v, 0.0), state(&problem, 4, v, 0.0));
+        let (new, old) = (state(&problem.space, 3, v, 0.0), state(&problem.space, 4, v, 0.0));
         let mut assembler = problem.assembler(&options_of(pair));
         for theta in [1.0, 0.5, 0.51] {
             let r = region(&mut assembler, Region::Fluid, StepRule::theta(K, theta), &new, &old);
@@ -212,11 +154,11 @@ fn uniform_flow_on_a_moving_mesh_stays_uniform() {
 fn extension_reproduces_affine_deformations() {
     for (fluid, pair) in [FLUID, AUXETIC].into_iter().flat_map(|fluid| PAIRS.map(|pair| (fluid, pair))) {
         let problem = bent(Physics { fluid: Some(fluid), ..FSI }, Body::Inclusion, pair);
-        let mut at = state(&problem, 1, [0.0; 2], 0.0);
-        at.u = nodal(&problem, |[x, y]| [0.1 + 0.2 * x - 0.1 * y, 0.15 * x + 0.05 * y - 0.3]);
+        let mut at = state(&problem.space, 1, [0.0; 2], 0.0);
+        at.u = nodal(&problem.space, |[x, y]| [0.1 + 0.2 * x - 0.1 * y, 0.15 * x + 0.05 * y - 0.3]);
         let mut assembler = problem.assembler(&options_of(pair));
         let r = region(&mut assembler, Region::Fluid, StepRule::STATIONARY, &at, &at);
-        let (n_v, boundary) = (problem.space.n_v(), on_boundaries(&problem));
+        let (n_v, boundary) = (problem.space.n_v(), on_boundaries(&problem.space));
         let owned = |n: &usize| problem.space.owner[n / 2] == PsiOwner::Extension;
         let inner = (0..n_v).filter(owned).filter(|n| !boundary[n / 2]).map(|i| r[n_v + i]);
         let size = largest(inner);

@@ -23,6 +23,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
     let radii = s.pair("radii", POSITIVE);
     let length = s.has("length").then(|| s.number("length", 1.0, POSITIVE));
+    let axis = axis(&mut s);
     let region = regions(s.section("region"));
     let leave_out = s.names("leave-out", "[\"rock\"]", 0).unwrap_or_default();
     let own = root.checker.mesh;
@@ -45,6 +46,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
             length: length?,
             radii: radii?,
             cells: <[usize; 3]>::try_from(corners.cells?).ok()?,
+            axis,
         },
         (Some(MeshSource::Box { .. }), _) => {
             MeshSource::Box { lower: corners.lower?, upper: corners.upper?, cells: corners.cells? }
@@ -168,10 +170,11 @@ fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
 }
 
 /// Which generators take a key.
-const SIZES: [(&str, &[&str]); 6] = [
+const SIZES: [(&str, &[&str]); 7] = [
     ("lower", &["box"]),
     ("upper", &["box"]),
     ("length", &["tube"]),
+    ("axis", &["tube"]),
     ("radii", &["annulus", "tube"]),
     ("cells", &["box", "annulus", "tube"]),
     ("region", &["box", "annulus"]),
@@ -199,7 +202,7 @@ fn sizes_belong(s: &Section<'_, '_>, generator: Option<&MeshSource>, file: bool)
             let (last, before) = names.split_last().map_or(("", &[][..]), |(last, before)| (last, before));
             let or = if before.is_empty() { "" } else { " or " };
             s.wrong(key, format!("only for generator = {}{or}{last}", before.join(", ")));
-        } else if is_used && !s.has(key) && key != "region" {
+        } else if is_used && !s.has(key) && !["region", "axis"].contains(&key) {
             s.missing(key, needs);
         }
     }
@@ -219,11 +222,25 @@ fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<&[usiz
 
 /// Keys that say where the mesh comes from, if the program gives it.
 fn refuse_source(s: &Section<'_, '_>) {
-    for key in ["generator", "file", "grading", "lower", "upper", "length", "radii", "cells", "region"] {
+    for key in
+        ["generator", "file", "grading", "lower", "upper", "length", "radii", "cells", "axis", "region"]
+    {
         if s.has(key) {
             s.wrong(key, "the program gives the mesh");
         }
     }
+}
+
+/// The curve that the axis of a tube follows, `[]` if it is straight.
+fn axis(s: &mut Section<'_, '_>) -> Vec<Expression> {
+    let axis = s.expressions("axis").unwrap_or_default();
+    if axis.iter().any(|e| e.depends_on_time() || e.depends_across()) {
+        s.wrong(
+            "axis",
+            "expected expressions of z, the coordinate along the straight tube, without x, y and t",
+        );
+    }
+    axis
 }
 
 fn regions(mut s: Section<'_, '_>) -> BTreeMap<String, Expression> {

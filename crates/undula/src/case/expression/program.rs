@@ -95,6 +95,10 @@ impl Program {
         [Variable::X, Variable::Y, Variable::Z].iter().any(|v| self.code.contains(&Instruction::Load(*v)))
     }
 
+    pub(super) fn depends_across(&self) -> bool {
+        [Variable::X, Variable::Y].iter().any(|v| self.code.contains(&Instruction::Load(*v)))
+    }
+
     pub(super) fn depends_on_depth(&self) -> bool {
         self.code.contains(&Instruction::Load(Variable::Z))
     }

@@ -23,7 +23,7 @@ pub struct MeshSpec {
     pub coordinates: Coordinates,
     /// Number of uniform refinements.
     pub refine: u32,
-    /// Number of nested rings of half size around the singular corners of the generator.
+    /// Number of nested rings of half size around the singular corners of the generator, or at the wall of a tube.
     pub grading: u32,
     /// Regions defined by an expression of x, y that is positive inside (generators `box` and `annulus`).
     pub region: BTreeMap<String, Expression>,
@@ -31,6 +31,16 @@ pub struct MeshSpec {
     pub leave_out: Vec<String>,
     /// Regions of the bodies that a part of a case is without; no key, empty in a case as it is read.
     pub absent: Vec<String>,
+}
+
+impl MeshSpec {
+    /// Where the axis of a tube goes, `[]` if it is straight, or of other meshes.
+    pub fn axis(&self) -> &[Expression] {
+        match &self.source {
+            MeshSource::Tube { axis, .. } => axis,
+            _ => &[],
+        }
+    }
 }
 
 /// The plane mesh, refined as it is, along z.
@@ -74,7 +84,7 @@ pub enum MeshSource {
     Cook,
     /// Half of a channel of space with an elastic box (Richter 2012).
     FsiBox,
-    /// A tube of space about the z axis.
+    /// A tube of space about the z axis, or about a curve.
     Tube {
         /// Length \[m\].
         length: f64,
@@ -82,6 +92,8 @@ pub enum MeshSource {
         radii: [f64; 2],
         /// Cells along, round (a multiple of 4) and through the wall before refinement.
         cells: [usize; 3],
+        /// Where the axis goes, as expressions of z along the straight tube; empty: it is straight.
+        axis: Vec<Expression>,
     },
     /// The ring between two circles about the origin, boundaries `inner`, `outer`.
     Annulus {
@@ -135,7 +147,7 @@ pub static GENERATORS: [Choice<MeshSource>; 13] = [
     choice("fsi-box", MeshSource::FsiBox, "half of a channel of space with an elastic box"),
     choice(
         "tube",
-        MeshSource::Tube { length: 1.0, radii: [1.0, 2.0], cells: [1, 4, 1] },
+        MeshSource::Tube { length: 1.0, radii: [1.0, 2.0], cells: [1, 4, 1], axis: vec![] },
         "tube of space with an elastic wall between the radii `radii`",
     ),
     choice(

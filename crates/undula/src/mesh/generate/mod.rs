@@ -27,7 +27,7 @@ pub use hexahedra::hexahedra;
 pub use rectangle::rectangle;
 pub use rotor::rotor;
 pub use schaefer_turek::{dfg_3d, schaefer_turek};
-pub use tube::{cylinders, tube, tube_2d};
+pub use tube::{bend, cylinders, tube, tube_2d, tube_graded};
 pub use turek_hron::turek_hron;
 pub use valve::valve;
 

@@ -53,6 +53,19 @@ const BULGE: f64 = std::f64::consts::PI / 12.0;
 /// [`MeshError::Parameter`] unless all sizes are above 0, 4 divides `cells[1]`, there is a cell in each direction, and 32
 /// bits can number the nodes.
 pub fn tube(size: [f64; 3], cells: [usize; 3], refine: usize) -> Result<Mesh<3>, MeshError> {
+    tube_graded(size, cells, 0, refine)
+}
+
+/// The same with the ring of the lumen at the wall halved `grading` times towards the wall: so many rings more.
+///
+/// # Errors
+/// Those of [`tube`].
+pub fn tube_graded(
+    size: [f64; 3],
+    cells: [usize; 3],
+    grading: usize,
+    refine: usize,
+) -> Result<Mesh<3>, MeshError> {
     let reject = |reason| Err(MeshError::Parameter { generator: "tube", reason });
     if !size.iter().all(|x| *x > 0.0 && x.is_finite()) || size[1] + size[2] <= size[1] {
         return reject(format!("length, inner radius and wall {size:?}: expected numbers above 0"));
@@ -65,14 +78,14 @@ pub fn tube(size: [f64; 3], cells: [usize; 3], refine: usize) -> Result<Mesh<3>,
     }
     // Eight nodes to a cell, and those of the sides.
     let n = (round / 4) as f64;
-    let in_section = n * (n + 4.0 * (0.5 * n + 0.5) + 4.0 * through as f64);
+    let in_section = n * (n + 4.0 * (0.5 * n + 0.5) + 4.0 * (through + grading) as f64);
     let nodes = 9.0 * in_section * along as f64 * 8_f64.powi(refine.min(1000) as i32);
     if nodes > f64::from(u32::MAX) {
         return reject(format!(
             "cells = {cells:?}, refine = {refine}: the mesh would have more nodes than 32 bits can number"
         ));
     }
-    let mut mesh = section(size[1], size[2], round / 4, through).extruded(size[0], along)?;
+    let mut mesh = section(size[1], size[2], [round / 4, through, grading]).extruded(size[0], along)?;
     // The sides across the axis are called as those of the plane section.
     let [front, clamp] = ["front", "clamp"].map(|name| mesh.boundary_number(name));
     for f in mesh.facets.iter_mut().filter(|f| f.boundary >= front) {
@@ -94,8 +107,32 @@ pub fn cylinders(size: [f64; 3]) -> Vec<Curve<3>> {
     vec![cylinder(INTERFACE, size[1]), cylinder("outside", size[1] + size[2])]
 }
 
+/// Bends a [`tube`]: the section at z = s goes to the point of a curve that `axis` has for s, into the plane across it;
+/// `axis` gives the point \[m\] and its derivative. Sections turn by the least angle from their plane, so that the curve
+/// must not run against z. The nodes are those of the curve; sides between them follow it to degree 2.
+pub fn bend(mesh: &mut Mesh<3>, mut axis: impl FnMut(f64) -> [[f64; 3]; 2]) {
+    for node in &mut mesh.nodes {
+        let [x, y, s] = *node;
+        let [at, slope] = axis(s);
+        let length = slope.iter().map(|t| t * t).sum::<f64>().sqrt();
+        let [a, b, c] = slope.map(|t| t / length);
+        // The rotation about e_z × t that takes e_z to t.
+        let along = (a * x + b * y) / (1.0 + c);
+        *node = [at[0] + x - a * along, at[1] + y - b * along, at[2] - a * x - b * y];
+    }
+}
+
+/// Fractions of `n` rings, the last one halved `grading` times towards its end.
+fn rings(n: usize, grading: usize) -> Vec<f64> {
+    let mut breaks = even(n);
+    let last = 1.0 / n as f64;
+    let halves = (1..=grading).map(|i| 1.0 - last * 0.5_f64.powi(i as i32));
+    breaks.splice(n..n, halves);
+    breaks
+}
+
 /// The section of a [`tube`] with `n` cells in a quarter, and the names of its ends.
-fn section(radius: f64, wall: f64, n: usize, through: usize) -> Mesh<2> {
+fn section(radius: f64, wall: f64, [n, through, grading]: [usize; 3]) -> Mesh<2> {
     let mut blocks = Blocks::new(&["fluid", "solid"]);
     for name in ["inflow", "outflow", "clamp", "outside", INTERFACE] {
         blocks.boundary(name);
@@ -115,7 +152,7 @@ fn section(radius: f64, wall: f64, n: usize, through: usize) -> Mesh<2> {
         blocks.edge(points[2][i], points[2][j], Path::Arc([0.0; 2]), &even(n));
         blocks.name(points[1][i], points[1][j], INTERFACE);
         blocks.name(points[2][i], points[2][j], "outside");
-        blocks.edge(points[0][i], points[1][i], Path::Line, &even(n.div_ceil(2)));
+        blocks.edge(points[0][i], points[1][i], Path::Line, &rings(n.div_ceil(2), grading));
         blocks.edge(points[1][i], points[2][i], Path::Line, &even(through));
     }
     blocks.block(0, points[0]);
