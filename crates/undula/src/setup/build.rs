@@ -116,9 +116,14 @@ impl Case {
     fn check_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         let chosen = self.linear.solver == LinearSolverKind::Multigrid;
         if chosen && space.hierarchy.coarser().is_empty() {
-            let message = "the mesh was not made by refining a coarser one: give mesh.refine of at least 1, \
-                           or take `multifrontal`";
-            return Err(self.refuse("linear.solver", message.into()));
+            let message = match self.mesh.refine {
+                0 => "multigrid needs the coarser meshes of a refined one: give mesh.refine of at least 1",
+                _ => {
+                    "multigrid needs coarser meshes, which are lost where cells are graded or cut into triangles \
+                     after mesh.refine"
+                }
+            };
+            return Err(self.refuse("linear.solver", format!("{message}, or take `multifrontal`")));
         }
         if chosen && space.nodes.n_lagrange < space.nodes.len() {
             let message = "bubbles are on no coarser mesh: take `multifrontal`, or another space.velocity";
