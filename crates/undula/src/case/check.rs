@@ -184,6 +184,9 @@ fn refuse_balance(
         Some(Scheme::Bdf2) => {
             "bdf2 relates three solutions, and the balance is that of two: take another scheme"
         }
+        Some(Scheme::Esdirk3 | Scheme::Esdirk4) => {
+            "a Runge-Kutta method has several stages, and the balance is that of two solutions: take another scheme"
+        }
         Some(_) if stabilized => {
             "the balance does not know the power of stabilisation: take a stable pair without it"
         }

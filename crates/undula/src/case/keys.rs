@@ -129,7 +129,7 @@ static KEYS_BUT_DATA: &[Key] = &[
         "time.domain-motion",
         &DOMAIN_MOTIONS,
         "secant",
-        "time of the factors of the time derivatives; not with `cg1` and `bdf2`",
+        "time of the factors of the time derivatives; not with `cg1`, `bdf2`, `esdirk3` and `esdirk4`",
     ),
     number(
         "time.adaptive.tolerance",

@@ -36,6 +36,9 @@ pub(super) struct Metadata {
     /// Largest flows so far, see [`crate::functional::balance`].
     #[serde(default)]
     balance: Option<Largest>,
+    /// Times of the stages of a Runge-Kutta method.
+    #[serde(default)]
+    stages: Vec<f64>,
     counters: [u64; 3],
     #[serde(default)]
     linear_iterations: u64,
@@ -70,7 +73,7 @@ pub(super) struct OfRun<'a> {
 /// A checkpoint of `simulation` as it is.
 pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
     let Memory { steps, stepper, adaptive, balance, unloading } = simulation.save();
-    let time::Memory { clock, new, old, point, newton, detour } = stepper;
+    let time::Memory { clock, new, old, point, newton, detour, stages } = stepper;
     let nonlinear::Memory { worsening, counters, seconds } = newton;
     let metadata = Metadata {
         step: steps,
@@ -84,6 +87,7 @@ pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) ->
             (*next, *scales, *rejected, past.iter().map(|(t, _)| *t).collect())
         }),
         balance,
+        stages: stages.iter().map(|(t, _)| *t).collect(),
         counters: [counters.newton_steps, counters.jacobians, counters.factorizations].map(|n| n as u64),
         linear_iterations: counters.linear_iterations as u64,
         fallbacks: counters.fallbacks as u64,
@@ -97,10 +101,11 @@ pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) ->
     let text = serde_json::to_string(&metadata).map_err(|e| Error::Resume(e.to_string()))?;
     let mut checkpoint = Checkpoint { metadata: text, ..Checkpoint::default() };
     let mut put = |name: String, values| checkpoint.arrays.insert(name, Array::F64(values));
-    let mut states = vec![("new", new), ("old", old)];
+    let mut states = vec![("new".into(), new), ("old".into(), old)];
     if let Some(point) = point {
-        states.extend([("jacobian_new", point.new), ("jacobian_old", point.old)]);
+        states.extend([("jacobian_new".into(), point.new), ("jacobian_old".into(), point.old)]);
     }
+    states.extend(stages.into_iter().enumerate().map(|(n, (_, stage))| (format!("stage{n}"), stage)));
     for (name, State { v, u, p, s }) in states {
         for (field, values) in [("v", v), ("u", u), ("p", p)] {
             put(format!("{name}_{field}"), values);
@@ -238,9 +243,11 @@ fn memory<const D: usize>(
     };
     let clock = Clock { time, last_step, damping: Damping { interval, left } };
     let (new, old, detour) = (state("new")?, state("old")?, metadata.detour);
+    let stage = |(n, t): (usize, &f64)| Ok((*t, state(&format!("stage{n}"))?));
+    let stages = metadata.stages.iter().enumerate().map(stage).collect::<Result<_, Error>>()?;
     Ok(Memory {
         steps: metadata.step,
-        stepper: time::Memory { clock, new, old, point, newton, detour },
+        stepper: time::Memory { clock, new, old, point, newton, detour, stages },
         adaptive: match &metadata.adaptive {
             Some(adaptive) if simulation.adaptive.is_some() => Some(sizes.adaptive(checkpoint, adaptive)?),
             _ => None,

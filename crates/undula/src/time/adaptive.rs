@@ -2,7 +2,8 @@
 //!
 //! The estimate compares a step with the polynomial through its end and the three solutions before: the
 //! leading term of the local error of every scheme is a multiple of a divided difference of these, which costs
-//! no further solve (Milne's device; Gresho, Lee and Sani 1980 for Navier-Stokes equations).
+//! no further solve (Milne's device; Gresho, Lee and Sani 1980 for Navier-Stokes equations). A Runge-Kutta method is
+//! compared with its embedded one, which costs none either.
 
 use super::memory::Clock;
 use super::report::{StepFailure, StepReport};
@@ -139,8 +140,35 @@ impl Adaptive {
         }
     }
 
-    /// By how much a step of length `k` that was just done could be longer; `None` without enough past.
+    /// By how much a step of length `k` that was just done could be longer; `None` without an estimate.
     fn factor<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
+        let scheme = stepper.settings.scheme;
+        let (worst, order) = match scheme.tableau() {
+            Some(_) => (self.embedded(stepper, k)?, scheme.order()),
+            None => (self.milne(stepper, k)?, scheme.order() + 1),
+        };
+        if worst == 0.0 {
+            return Some(GROWTH);
+        }
+        let ratio = self.settings.tolerance / worst;
+        Some(self.settings.safety * ratio.powf(1.0 / f64::from(order)))
+    }
+
+    /// The relative error of the embedded method, of the order of the scheme; `None` in the first step.
+    fn embedded<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
+        let errors = stepper.embedded_error(k)?.into_iter().zip(self.memory.scales);
+        let mut worst = 0.0f64;
+        for ((error, scale), new) in errors.zip([&stepper.new.v, &stepper.new.u]) {
+            let scale = new.iter().fold(scale, |scale, x| scale.max(x.abs()));
+            if error > f64::MIN_POSITIVE {
+                worst = worst.max(error / scale);
+            }
+        }
+        Some(worst)
+    }
+
+    /// The relative error by a divided difference, of the order after that of the scheme; `None` without enough past.
+    fn milne<const D: usize>(&self, stepper: &Stepper<D>, k: f64) -> Option<f64> {
         let [(t1, first), (t2, second), (t3, third)] = &self.memory.past[..] else { return None };
         let c = stepper.settings.scheme.local_error(k, [stepper.time, *t1, *t2, *t3]);
         let mut worst = 0.0f64;
@@ -155,11 +183,7 @@ impl Adaptive {
                 worst = worst.max(error / scale);
             }
         }
-        if worst == 0.0 {
-            return Some(GROWTH);
-        }
-        let ratio = self.settings.tolerance / worst;
-        Some(self.settings.safety * ratio.powf(1.0 / f64::from(stepper.settings.scheme.order() + 1)))
+        Some(worst)
     }
 
     fn remember<const D: usize>(&mut self, stepper: &Stepper<D>) {

@@ -3,6 +3,7 @@
 use super::kept::{Before, JacobianPoint};
 use super::scheme::Damping;
 use super::solver::Moment;
+use super::stages::Stages;
 use super::stepper::Stepper;
 use crate::nonlinear::{self, NewtonError};
 use crate::space::State;
@@ -34,12 +35,16 @@ pub struct Memory {
     pub newton: nonlinear::Memory,
     /// Steps to go with the whole Jacobian after that has failed.
     pub detour: u32,
+    /// Stages of the last step of a Runge-Kutta method, the last one last: times \[s\], derivatives of v, u and s, and
+    /// pressures.
+    pub stages: Vec<(f64, State)>,
 }
 
 impl Memory {
     /// That of a run which begins with the solutions `new` and, before it, `old`.
     pub fn of(clock: Clock, new: State, old: State) -> Memory {
-        Memory { clock, new, old, point: None, newton: nonlinear::Memory::default(), detour: 0 }
+        let newton = nonlinear::Memory::default();
+        Memory { clock, new, old, point: None, newton, detour: 0, stages: vec![] }
     }
 }
 
@@ -62,6 +67,7 @@ impl<const D: usize> Stepper<D> {
             linear,
             new,
             old,
+            stages,
             point: _,
             // Written by a step before it reads them, or of the last step alone.
             older: _,
@@ -75,7 +81,9 @@ impl<const D: usize> Stepper<D> {
             attempts: _,
         } = self;
         let (new, old, point) = (new.clone(), old.clone(), self.jacobian_point().cloned());
-        Memory { clock: self.clock(), new, old, point, newton: newton.save(), detour: linear.save() }
+        let (newton, detour) = (newton.save(), linear.save());
+        let stages = stages.as_ref().map_or(vec![], Stages::save);
+        Memory { clock: self.clock(), new, old, point, newton, detour, stages }
     }
 
     /// Go on from a checkpoint: the last two solutions, the clock and the kept Jacobian.
@@ -83,10 +91,11 @@ impl<const D: usize> Stepper<D> {
     /// # Errors
     /// If the kept Jacobian cannot be factorised again.
     pub fn restore(&mut self, memory: Memory) -> Result<(), NewtonError> {
-        let Memory { clock, new, old, point, newton, detour } = memory;
+        let Memory { clock, new, old, point, newton, detour, stages } = memory;
         self.linear.restore(detour);
         self.newton.restore(newton);
         self.set_clock(clock);
+        self.stages = Stages::restore(stages, &new);
         (self.new, self.old, self.parts) = (new, old, None);
         self.before = Before::default();
         if let Some(JacobianPoint { rule, time, mut new, old, age }) = point {
@@ -150,6 +159,9 @@ impl<const D: usize> Stepper<D> {
         self.set_clock(clock);
         self.new.copy_from(new);
         self.old.copy_from(old);
+        if let Some(stages) = &mut self.stages {
+            stages.go_back();
+        }
     }
 
     /// Where the Jacobian that the next step will start with was taken; `None`: it will make a new one.

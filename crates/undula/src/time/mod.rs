@@ -7,13 +7,16 @@ pub mod kept;
 pub mod memory;
 pub mod report;
 mod retry;
+mod runge_kutta;
 pub mod schedule;
 pub mod scheme;
 mod single_step;
 mod solver;
+mod stages;
 mod stationary;
 pub mod stepper;
 pub mod system;
+pub mod tableau;
 
 pub use crate::nonlinear::NewtonSettings;
 pub use crate::tangent::Linearization;

@@ -54,7 +54,10 @@ impl<const D: usize> Stepper<D> {
     fn whole(&mut self, k: f64, end: f64) -> Result<StepReport, StepFailure> {
         match self.settings.scheme {
             Scheme::FractionalStepTheta => self.fractional_step(k, end),
-            _ => self.attempt(k, end, 0),
+            scheme => match scheme.tableau() {
+                Some(method) => self.runge_kutta(method, k, end),
+                None => self.attempt(k, end, 0),
+            },
         }
     }
 

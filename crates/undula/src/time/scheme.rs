@@ -1,5 +1,6 @@
 //! Schemes as tables.
 
+use super::tableau::{ESDIRK3, ESDIRK4, Tableau};
 use crate::choice::{Choice, choice};
 use crate::physics::StepRule;
 use crate::physics::rule::{GALERKIN, MIDPOINT};
@@ -35,10 +36,14 @@ pub enum Scheme {
     Galerkin,
     /// Backward differentiation over two steps, of any lengths; Crank-Nicolson first.
     Bdf2,
+    /// Runge-Kutta method of four implicit stages: [`ESDIRK3`].
+    Esdirk3,
+    /// Runge-Kutta method of five implicit stages: [`ESDIRK4`].
+    Esdirk4,
 }
 
 /// Their names in a case; `None`: a stationary solution is sought.
-pub static SCHEMES: [Choice<Option<Scheme>>; 9] = [
+pub static SCHEMES: [Choice<Option<Scheme>>; 11] = [
     choice("backward-euler", Some(Scheme::BackwardEuler), "first order, damps all frequencies"),
     choice(
         "theta",
@@ -70,6 +75,16 @@ pub static SCHEMES: [Choice<Option<Scheme>>; 9] = [
         "bdf2",
         Some(Scheme::Bdf2),
         "second order, backward differentiation over two steps; strong damping",
+    ),
+    choice(
+        "esdirk3",
+        Some(Scheme::Esdirk3),
+        "third order, Runge-Kutta method of four implicit stages; strong damping of what the step does not resolve",
+    ),
+    choice(
+        "esdirk4",
+        Some(Scheme::Esdirk4),
+        "fourth order, Runge-Kutta method of five implicit stages; strong damping of what the step does not resolve",
     ),
     choice("stationary", None, "no steps in time: a stationary solution"),
 ];
@@ -142,8 +157,19 @@ pub struct Damping {
 pub struct Formula {
     /// Its weights.
     pub rule: StepRule,
-    /// BDF2: ratio ω of this step to the one before; the old state is then [`multistep`].
-    pub ratio: Option<f64>,
+    /// What the differences are taken from.
+    pub origin: Origin,
+}
+
+/// What the differences of a step are taken from.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum Origin {
+    /// The old solution.
+    Old,
+    /// BDF2: [`multistep`], with the ratio ω of this step to the one before.
+    Multistep(f64),
+    /// The old solution and stages before, of a [`Tableau`].
+    Stages,
 }
 
 impl Scheme {
@@ -157,12 +183,22 @@ impl Scheme {
 
     /// Whether a step takes the forces of its beginning, too.
     pub fn takes_old_forces(self) -> bool {
-        !matches!(self, Scheme::BackwardEuler | Scheme::Bdf2 | Scheme::Galerkin)
+        let implicit = matches!(self, Scheme::BackwardEuler | Scheme::Bdf2 | Scheme::Galerkin);
+        !implicit && self.tableau().is_none()
     }
 
     /// Whether the scheme says itself where the factors of ∂_t are taken, see [`DomainMotion`].
     pub fn has_own_domain_motion(self) -> bool {
-        matches!(self, Scheme::Galerkin | Scheme::Bdf2)
+        matches!(self, Scheme::Galerkin | Scheme::Bdf2) || self.tableau().is_some()
+    }
+
+    /// The Runge-Kutta method, if it is one.
+    pub fn tableau(self) -> Option<&'static Tableau> {
+        match self {
+            Scheme::Esdirk3 => Some(&ESDIRK3),
+            Scheme::Esdirk4 => Some(&ESDIRK4),
+            _ => None,
+        }
     }
 
     /// The formula of a step, or a part of one, of length `k` \[s\].
@@ -175,28 +211,33 @@ impl Scheme {
             Scheme::Rannacher { .. } if past.damped => 1.0,
             Scheme::Rannacher { .. } => 0.5,
             Scheme::FractionalStepTheta => FRACTIONAL[past.part].theta,
-            Scheme::Galerkin => return Formula { rule: StepRule::galerkin(k), ratio: None },
+            Scheme::Galerkin => return Formula { rule: StepRule::galerkin(k), origin: Origin::Old },
             Scheme::Bdf2 if past.ratio > 0.0 && past.ratio <= MAX_RATIO => {
                 let w = past.ratio;
                 let rule = StepRule::theta(k * (1.0 + w) / (1.0 + 2.0 * w), 1.0);
-                return Formula { rule, ratio: Some(w) };
+                return Formula { rule, origin: Origin::Multistep(w) };
             }
             Scheme::Bdf2 => 0.5,
+            Scheme::Esdirk3 | Scheme::Esdirk4 => 1.0,
         };
-        Formula { rule: StepRule::theta(k, theta), ratio: None }
+        Formula { rule: StepRule::theta(k, theta), origin: Origin::Old }
     }
 
-    /// The rule of most steps of length `k` \[s\]; for fractional-step θ that of the first part.
+    /// The rule of most steps of length `k` \[s\]; for fractional-step θ that of the first part, for a Runge-Kutta method
+    /// that of a stage.
     pub fn rule(&self, k: f64) -> StepRule {
         let k = if *self == Scheme::FractionalStepTheta { GAMMA * k } else { k };
+        let k = self.tableau().map_or(k, |method| method.gamma * k);
         self.formula(k, &Past { ratio: 1.0, damped: false, part: 0 }).rule
     }
 
-    /// Order of v and u: 1 or 2.
+    /// Order of v and u.
     pub fn order(&self) -> u32 {
         match *self {
             Scheme::BackwardEuler => 1,
             Scheme::Theta { theta } if theta != 0.5 => 1,
+            Scheme::Esdirk3 => 3,
+            Scheme::Esdirk4 => 4,
             _ => 2,
         }
     }
@@ -205,7 +246,8 @@ impl Scheme {
     ///
     /// With second and third divided differences d₂, d₃ and k⁻ = t⁻ − t⁼, a θ-step has
     /// k² (½ − θ) y″ + k³ (⅙ − θ/2) y‴ with y″ = 2 d₂ + 2 (k⁻ − k) d₃ at t⁻ and y‴ = 6 d₃; cG(1) that of θ = ½;
-    /// fractional-step θ −k³ y‴ Σ l³ (θ³ + (1 − θ)³)/3; BDF2 k² (k + k⁻) (1 + ω)/(1 + 2ω) d₃.
+    /// fractional-step θ −k³ y‴ Σ l³ (θ³ + (1 − θ)³)/3; BDF2 k² (k + k⁻) (1 + ω)/(1 + 2ω) d₃. Runge-Kutta methods have
+    /// an embedded one: 0.
     pub fn local_error(&self, k: f64, t: [f64; 4]) -> [f64; 4] {
         let before = t[1] - t[2];
         let of_theta = |theta: f64| {
@@ -226,6 +268,7 @@ impl Scheme {
                 let w = k / before;
                 (0.0, k * k * (k + before) * (1.0 + w) / (1.0 + 2.0 * w))
             }
+            Scheme::Esdirk3 | Scheme::Esdirk4 => (0.0, 0.0),
         };
         // A divided difference is Σ yᵢ / Π (tᵢ − tⱼ).
         let divided = |n: usize, i: usize| {
@@ -288,13 +331,13 @@ mod tests {
             let mut base = at(0.0);
             multistep(&mut base, &at(t - k - k / w), &at(t - k), w);
             let formula = Scheme::Bdf2.formula(k, &Past { ratio: w, damped: false, part: 0 });
-            assert_eq!((formula.ratio, formula.rule.theta), (Some(w), 1.0));
+            assert_eq!((formula.origin, formula.rule.theta), (Origin::Multistep(w), 1.0));
             for (n, slope) in [0.0, 1.0, 2.0 * t].into_iter().enumerate() {
                 assert!((formula.rule.per_k * (at(t).v[n] - base.v[n]) - slope).abs() < 1e-13);
             }
         }
         let jump = Scheme::Bdf2.formula(0.1, &Past { ratio: 2.5, damped: false, part: 0 });
-        assert_eq!((jump.ratio, jump.rule.theta), (None, 0.5));
+        assert_eq!((jump.origin, jump.rule.theta), (Origin::Old, 0.5));
     }
 
     #[test]

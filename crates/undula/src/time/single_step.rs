@@ -2,7 +2,7 @@
 
 use super::cause::{self, Cause, Ended};
 use super::report::{StepFailure, StepReport, keep};
-use super::scheme::{Formula, Past, multistep};
+use super::scheme::{Formula, Origin, Past, multistep};
 use super::solver::{Moment, States};
 use super::stepper::Stepper;
 use super::system::StepSystem;
@@ -16,18 +16,33 @@ use std::time::Instant;
 struct Start<'a> {
     /// The old solution.
     old: &'a State,
-    /// The solution before the old one and the ratio of the steps, to extrapolate.
-    older: Option<(&'a State, f64)>,
+    /// Where it begins if that is any good.
+    guess: Guess<'a>,
     /// Residual at the old solution.
     reference: f64,
+}
+
+/// Where an iteration begins if that is any good.
+#[derive(Copy, Clone)]
+enum Guess<'a> {
+    /// The old solution.
+    Old,
+    /// Its extrapolation with the solution before, by a ratio of the steps.
+    Line(&'a State, f64),
+    /// This state.
+    Found(&'a State),
 }
 
 impl Start<'_> {
     /// The extrapolated solution, or the old one where that is no good, with the boundary data.
     /// Returns the residual there; `None` if not even the old solution is admissible.
     fn set<const D: usize>(&self, newton: &mut Newton, system: &mut StepSystem<'_, D>) -> Option<f64> {
-        if let Some((older, ratio)) = self.older {
-            system.new.extrapolate(older, self.old, ratio);
+        match self.guess {
+            Guess::Old => {}
+            Guess::Line(older, ratio) => system.new.extrapolate(older, self.old, ratio),
+            Guess::Found(state) => system.new.copy_from(state),
+        }
+        if !matches!(self.guess, Guess::Old) {
             let follow = system.assembler.extension_is_constant();
             complete(system, follow);
             let norm = newton.norm(system).filter(|&norm| norm <= GROWTH * self.reference);
@@ -55,8 +70,8 @@ impl<const D: usize> Stepper<D> {
     fn formula(&self, k: f64, part: usize) -> Formula {
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
         let past = Past { ratio, damped: self.damping.left > 0, part };
-        let Formula { rule, ratio } = self.settings.scheme.formula(k, &past);
-        Formula { rule: self.settings.domain_motion.apply(rule), ratio }
+        let Formula { rule, origin } = self.settings.scheme.formula(k, &past);
+        Formula { rule: self.settings.domain_motion.apply(rule), origin }
     }
 
     /// A step of one part, or part `part` of one, of length `k` to the time `t`; on failure everything is as before.
@@ -66,7 +81,7 @@ impl<const D: usize> Stepper<D> {
         std::mem::swap(&mut self.older, &mut self.old);
         std::mem::swap(&mut self.old, &mut self.new);
         // Now `old` is the last solution and `older` the one before.
-        let solved = self.solve_step(&formula, k, t_old, t);
+        let solved = self.solve_step(&formula, k, (t_old, t), None);
         match solved {
             Ok((report, norms, min_j)) => {
                 self.time = t;
@@ -107,18 +122,19 @@ impl<const D: usize> Stepper<D> {
         self.new.copy_from(&self.old);
         self.apply_boundary(t, 1.0);
         self.newton.seconds.assembly += start.elapsed().as_secs_f64();
-        if let Some(ratio) = formula.ratio {
+        if let Origin::Multistep(ratio) = formula.origin {
             multistep(&mut self.base, &self.older, &self.old, ratio);
         }
         t_force
     }
 
-    fn solve_step(
+    /// Solve the system of a step of length `k` from `t_old` to `t` \[s\], from `guess` or else from an extrapolation.
+    pub(super) fn solve_step(
         &mut self,
         formula: &Formula,
         k: f64,
-        t_old: f64,
-        t: f64,
+        (t_old, t): (f64, f64),
+        guess: Option<&State>,
     ) -> Result<(NewtonReport, BlockNorms, f64), Ended> {
         let t_force = self.prepare(formula, t_old, t);
         if let Some(fault) = self.fault.take() {
@@ -126,12 +142,18 @@ impl<const D: usize> Stepper<D> {
             return Err(Ended { reason: NewtonError::Inadmissible, worst, cause });
         }
         let ratio = if self.last_step > 0.0 { k / self.last_step } else { 0.0 };
-        let extrapolate = self.settings.extrapolate && ratio > 0.0;
+        let is_stage = formula.origin == Origin::Stages;
+        let extrapolate = self.settings.extrapolate && ratio > 0.0 && !is_stage;
         let (solver, States { new, old, older, base }) = self.split();
         let moment = Moment { rule: formula.rule, time: t, force_time: t_force };
-        let (mut system, newton) =
-            solver.system(moment, new, if formula.ratio.is_some() { base } else { old });
-        let solved = iterate(newton, &mut system, old, extrapolate.then_some((older, ratio)));
+        let origin = if formula.origin == Origin::Old { old } else { base };
+        let (mut system, newton) = solver.system(moment, new, origin);
+        let guess = match guess {
+            Some(state) => Guess::Found(state),
+            None if extrapolate => Guess::Line(older, ratio),
+            None => Guess::Old,
+        };
+        let solved = iterate(newton, &mut system, old, guess);
         let (report, min_j) = match solved {
             Ok(solved) => solved,
             Err(reason) => return Err(cause::find(&mut system, newton, reason)),
@@ -146,12 +168,12 @@ impl<const D: usize> Stepper<D> {
     }
 }
 
-/// Solve `system` from `old`, or from its extrapolation with `older`; the smallest J of the solution.
+/// Solve `system` from `old`, or from `guess`; the smallest J of the solution.
 fn iterate<const D: usize>(
     newton: &mut Newton,
     system: &mut StepSystem<'_, D>,
     old: &State,
-    older: Option<(&State, f64)>,
+    guess: Guess<'_>,
 ) -> Result<(NewtonReport, f64), NewtonError> {
     // The criterion refers to the old solution with the new boundary data, whatever the start value.
     if !system.assembler.constraints.motion.is_empty() {
@@ -160,7 +182,7 @@ fn iterate<const D: usize>(
         complete(system, true);
     }
     let reference = newton.norm(system).ok_or(NewtonError::Inadmissible)?;
-    let start = Start { old, older, reference };
+    let start = Start { old, guess, reference };
     let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
     let mut solved = newton.solve(system, norm, reference);
     let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);

@@ -5,7 +5,8 @@ use super::cause::{DataFault, DataKind};
 use super::kept::{Before, JacobianPoint, Parts};
 use super::report::Attempt;
 use super::schedule::decimal;
-use super::scheme::{Damping, DomainMotion, Formula, Scheme};
+use super::scheme::{Damping, DomainMotion, Formula, Origin, Scheme};
+use super::stages::Stages;
 use crate::linear::{Linear, Scales};
 use crate::nonlinear::Newton;
 use crate::physics::StepRule;
@@ -73,7 +74,7 @@ pub struct Stepper<const D: usize> {
     pub old: State,
     /// The solution before that, for extrapolation and BDF2.
     pub(super) older: State,
-    /// What BDF2 takes the difference from.
+    /// What BDF2 and the stages of Runge-Kutta methods take the difference from.
     pub(super) base: State,
     /// Length of the last step, or of its last part \[s\]; 0 where there was none.
     pub(super) last_step: f64,
@@ -84,6 +85,8 @@ pub struct Stepper<const D: usize> {
     pub(super) damping: Damping,
     /// The parts of the last step of fractional-step θ.
     pub(super) parts: Option<Parts>,
+    /// The stages of the last step of a Runge-Kutta method.
+    pub(super) stages: Option<Stages>,
     pub(super) explicit: Vec<f64>,
     /// What the criterion of the last stationary solution referred to.
     pub(super) reference: f64,
@@ -111,6 +114,7 @@ impl<const D: usize> Stepper<D> {
         forces: Vec<MaterialForce<D>>,
     ) -> Stepper<D> {
         let n = assembler.n_unknowns();
+        let has_base = settings.scheme == Scheme::Bdf2 || settings.scheme.tableau().is_some();
         let mut stepper = Stepper {
             assembler,
             newton,
@@ -120,12 +124,13 @@ impl<const D: usize> Stepper<D> {
             new: initial.clone(),
             old: initial.clone(),
             older: initial.clone(),
-            base: if settings.scheme == Scheme::Bdf2 { initial } else { State::default() },
+            base: if has_base { initial } else { State::default() },
             last_step: 0.0,
-            last: Formula { rule: StepRule::STATIONARY, ratio: None },
+            last: Formula { rule: StepRule::STATIONARY, origin: Origin::Old },
             start: time,
             damping: Damping::default(),
             parts: None,
+            stages: None,
             reference: 0.0,
             point: None,
             before: Before::default(),
@@ -197,7 +202,7 @@ impl<const D: usize> Stepper<D> {
     /// The last step, or its last part: its rule, the solutions that it relates, and the assembly to evaluate
     /// it with.
     pub fn last_step(&mut self) -> (StepRule, &State, &State, &mut Assembler<D>) {
-        let old = if self.last.ratio.is_some() { &self.base } else { &self.old };
+        let old = if self.last.origin == Origin::Old { &self.old } else { &self.base };
         (self.last.rule, &self.new, old, &mut self.assembler)
     }
 

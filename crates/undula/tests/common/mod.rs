@@ -39,7 +39,7 @@ pub fn turek_hron() -> MeshNames {
 }
 
 /// Every scheme in time as a setting.
-pub const SCHEMES: [&str; 7] = [
+pub const SCHEMES: [&str; 9] = [
     "time.scheme=backward-euler",
     "time.scheme=crank-nicolson",
     "time.scheme=shifted-crank-nicolson",
@@ -47,6 +47,8 @@ pub const SCHEMES: [&str; 7] = [
     "time.scheme=fractional-step-theta",
     "time.scheme=cg1",
     "time.scheme=bdf2",
+    "time.scheme=esdirk3",
+    "time.scheme=esdirk4",
 ];
 
 /// A channel of 4 m × 1 m with ρ = 1 and ν = 0.1 between two walls, in `cells` cells, with tractions (N/m²) at its inlet

@@ -115,7 +115,7 @@ own.toml:31:28: boundary.inflow.velocity[1] = true: expected a number or an expr
 own.toml:34:13: boundary.outflow.condition = "donothing": expected one of <conditions>; did you mean `do-nothing`?
 own.toml:36:11: boundary.walls.condition: missing: one of <conditions>
 own.toml:39:11: boundary.interface: nothing can be imposed on the interface between fluid and solid; remove this table
-own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`
+own.toml:43:10: time.scheme = "cn": expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `esdirk3`, `esdirk4`, `stationary`
 own.toml:44:8: time.step = "t-1": expected a value above 0 at all times, it is -1 at t = 0
 own.toml:45:7: time.end = 0: expected a time after the start, 0 s
 own.toml:46:9: time.theta = 0.4: expected a number from 0.5 to 1
@@ -254,11 +254,11 @@ fn mistakes_in_overrides_name_the_override() {
     for (overrides, expected) in [
         (
             &["time.scheme=cn"][..],
-            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`",
+            "--set time.scheme=cn: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `esdirk3`, `esdirk4`, `stationary`",
         ),
         (
             &["time.scheme=crank-nicholson"],
-            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `stationary`; did you mean `crank-nicolson`?",
+            "--set time.scheme=crank-nicholson: expected one of `backward-euler`, `theta`, `crank-nicolson`, `shifted-crank-nicolson`, `rannacher`, `fractional-step-theta`, `cg1`, `bdf2`, `esdirk3`, `esdirk4`, `stationary`; did you mean `crank-nicolson`?",
         ),
         (
             &["time.setp=0.1"],

@@ -16,7 +16,7 @@ use undula::verification::unit_square::{in_the_spaces, of_two_profiles};
 const SHIFTED: Scheme = Scheme::ShiftedCrankNicolson { shift: 1.0 };
 
 /// Largest errors over all steps: v, u, p at t⁻ + θ k, force at t⁻ + θ k, p at t, force at t.
-const NAMES: [&str; 6] = ["v", "u", "p", "force", "p read at t", "force read at t"];
+pub const NAMES: [&str; 6] = ["v", "u", "p", "force", "p read at t", "force read at t"];
 
 /// The residual of the fluid tested with e_x on the nodes `on`.
 fn drag_of(on: &[u32], fluid_residual: &[f64]) -> f64 {
@@ -24,7 +24,7 @@ fn drag_of(on: &[u32], fluid_residual: &[f64]) -> f64 {
 }
 
 /// From 0 to 1.2 s with `steps` steps, alternating between k and k/2 if `uneven`.
-fn errors(
+pub fn errors(
     problem: &Manufactured,
     scheme: Scheme,
     motion: DomainMotion,
@@ -268,7 +268,7 @@ fn tolerance_controls_the_error() {
     });
     let mesh = square(4, Cells::Square, Body::Block);
     let problem = problem(&mesh, FSI, PressureKind::Pdc(1), chirp, InTime::Derivative, QUADRATURE);
-    for scheme in [SHIFTED, Scheme::Bdf2] {
+    for scheme in [SHIFTED, Scheme::Bdf2, Scheme::Esdirk3, Scheme::Esdirk4] {
         let of = |tolerance: f64| {
             let settings = AdaptiveSettings { tolerance, min_step: 1e-5, max_step: 0.2, safety: 0.9 };
             let mut control = Adaptive::new(settings, 5e-3);
@@ -292,12 +292,16 @@ fn tolerance_controls_the_error() {
                 "{scheme:?}: {} steps, {rejected} rejected, the last {late:.2e} s, error {worst:.3e}",
                 steps.len()
             );
-            assert!(*rejected > 0 && late < 0.05, "{rejected} rejected, last steps {late}");
+            assert!(
+                *rejected > 0 && late < if scheme.order() > 2 { 0.15 } else { 0.05 },
+                "{rejected} rejected, last steps {late}"
+            );
         }
-        // A local error of third order: half the step for an eighth of it, a quarter of the error in all.
+        // A local error of third order: half the step for an eighth of it, a quarter of the error in all. Methods of
+        // order 3 and 4 with an embedded one: a half and 0.6 of the step, an eighth of the error.
         let (work, gain) = (fine.0.len() as f64 / coarse.0.len() as f64, coarse.2 / fine.2);
         assert!(
-            (1.5..2.6).contains(&work) && (2.5..8.0).contains(&gain),
+            (1.4..2.6).contains(&work) && (2.5..if scheme.order() > 2 { 16.0 } else { 8.0 }).contains(&gain),
             "{work} times the steps, {gain} times better"
         );
     }

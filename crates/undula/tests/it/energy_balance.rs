@@ -177,6 +177,7 @@ fn balances_are_refused_where_there_is_no_step() {
     for (more, expected) in [
         (&["time=none", "boundary.right.traction=[0, 1]"][..], "only for a case in time"),
         (&["time.scheme=bdf2"], "bdf2 relates three solutions"),
+        (&["time.scheme=esdirk4"], "a Runge-Kutta method has several stages"),
         (&["functional.solid-rate.region=none"], "functional.solid-rate.region: missing"),
         (&["functional.solid-rate.part=work"], "expected one of `kinetic`, `stored`, `rate`"),
     ] {

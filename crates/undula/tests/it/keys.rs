@@ -258,6 +258,8 @@ fn names_of_values_are_spelled_in_one_file() {
         .collect();
     let short = [
         "bdf2",
+        "esdirk3",
+        "esdirk4",
         "cg1",
         "rannacher",
         "harmonic",

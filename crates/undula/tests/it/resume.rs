@@ -143,7 +143,7 @@ fn rannacher_resumes_within_its_damping_steps() {
 /// With its past, wherever it stands; fields and steps land on their times.
 #[test]
 fn step_size_control_resumes_with_the_same_bits() {
-    for scheme in ["shifted-crank-nicolson", "bdf2", "fractional-step-theta"] {
+    for scheme in ["shifted-crank-nicolson", "bdf2", "fractional-step-theta", "esdirk3", "esdirk4"] {
         let scheme = format!("time.scheme={scheme}");
         let sets = [
             &scheme,

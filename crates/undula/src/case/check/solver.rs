@@ -137,14 +137,17 @@ fn adaptive(mut s: Section<'_, '_>, step: Option<&Expression>, least: f64) -> Op
     Some(settings)
 }
 
-/// Two schemes say themselves where the factors of ∂_t are taken.
+/// Some schemes say themselves where the factors of ∂_t are taken.
 fn check_domain_motion(s: &Section<'_, '_>, scheme: Scheme, motion: Option<DomainMotion>) {
     let Some(motion) = motion else { return };
     match scheme {
-        Scheme::Bdf2 => s.wrong(
-            "domain-motion",
-            "`bdf2` takes all terms at the new time, elsewhere it would lose its order: leave the key out",
-        ),
+        Scheme::Bdf2 | Scheme::Esdirk3 | Scheme::Esdirk4 => {
+            let name = scheme.name();
+            let text = format!(
+                "`{name}` takes all terms at the new time, elsewhere it would lose its order: leave the key out"
+            );
+            s.wrong("domain-motion", text);
+        }
         Scheme::Galerkin if motion != DomainMotion::Galerkin => s.wrong(
             "domain-motion",
             "`cg1` integrates all terms over the step: expected `galerkin`, or leave the key out",
