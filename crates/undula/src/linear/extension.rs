@@ -23,7 +23,7 @@ impl<const D: usize> Extension<D> {
         view: &StepView<'_>,
         make: &MakeSolver,
     ) -> Result<Option<Extension<D>>, SolverError> {
-        let Some(system) = assembler.extension(view) else { return Ok(None) };
+        let Some(mut system) = assembler.extension(view) else { return Ok(None) };
         let purpose = if assembler.is_biharmonic() {
             // Of fourth order: single precision is not enough for the condition of its matrix.
             Purpose::Exact
@@ -45,6 +45,9 @@ impl<const D: usize> Extension<D> {
             Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
             result => result?,
         };
+        if assembler.extension_is_constant() {
+            system.settle();
+        }
         let n = system.places.len();
         Ok(Some(Extension { system, solver, b: vec![0.0; n], x: vec![0.0; n] }))
     }
