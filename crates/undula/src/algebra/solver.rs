@@ -258,6 +258,12 @@ pub enum SolverError {
     /// Memory is short.
     #[error("no memory for the factors: {0}")]
     Memory(String),
+    /// The program was built for processors with other instructions.
+    #[error(
+        "this build computes in three dimensions on processors with {0} alone: build it on this machine, or with the \
+         feature `undula/narrow`, one cell at a time"
+    )]
+    Processor(&'static str),
     /// A number of rows or entries does not fit.
     #[error("the problem is too large: {0}; fewer cells are needed, or cells of a lower degree")]
     TooLarge(String),

@@ -30,7 +30,7 @@ impl<const D: usize> Extension<D> {
         make: &MakeSolver,
         multigrid: Option<multigrid::Settings>,
     ) -> Result<Option<Extension<D>>, SolverError> {
-        let Some(system) = assembler.extension(view) else { return Ok(None) };
+        let Some(mut system) = assembler.extension(view) else { return Ok(None) };
         let purpose = if assembler.is_biharmonic() {
             // Of fourth order: single precision is not enough for the condition of its matrix.
             Purpose::Exact
@@ -60,6 +60,9 @@ impl<const D: usize> Extension<D> {
             Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
             result => result?,
         };
+        if assembler.extension_is_constant() {
+            system.settle();
+        }
         let n = system.places.len();
         let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES), vec![1.0; n]));
         Ok(Some(Extension { system, solver, gmres, b: vec![0.0; n], x: vec![0.0; n] }))

@@ -196,7 +196,8 @@ impl Copies {
     /// `copies` copies of the entries `found`, each with its target and its place.
     fn of(n: usize, copies: usize, mut found: Vec<(u32, u32)>) -> Copies {
         found.sort_by_key(|&(target, _)| target);
-        let mut all = Copies { n, values: vec![0.0; copies], ..Copies::default() };
+        let places = Vec::with_capacity(found.len());
+        let mut all = Copies { n, values: vec![0.0; copies], places, ..Copies::default() };
         for (target, place) in found {
             if all.targets.last() != Some(&target) {
                 all.targets.push(target);
@@ -207,6 +208,8 @@ impl Copies {
                 *end += 1;
             }
         }
+        all.targets.shrink_to_fit();
+        all.ends.shrink_to_fit();
         all
     }
 

@@ -8,26 +8,55 @@
 
 use crate::math::Lanes;
 pub use crate::math::apart::Task;
-use crate::math::apart::run_baseline;
-#[cfg(target_arch = "x86_64")]
-use crate::math::apart::{run_avx2, run_avx512};
+use crate::math::apart::run;
 #[cfg(target_arch = "x86_64")]
 use std::sync::OnceLock;
+
+/// Numbers of lanes that the kernels of the plane are compiled for; `build.rs` chooses.
+const IN_PLANE: &[usize] = &[
+    #[cfg(lanes_8)]
+    8,
+    #[cfg(lanes_4)]
+    4,
+    1,
+];
+
+/// The same in space.
+const IN_SPACE: &[usize] = &[
+    #[cfg(space_8)]
+    8,
+    #[cfg(space_4)]
+    4,
+    #[cfg(space_1)]
+    1,
+];
+
+/// The number of lanes that is asked for, or else the largest, of those that are `compiled`, widest first, and that the
+/// processor has.
+fn nearest(asked: usize, compiled: &[usize], available: impl Fn(usize) -> bool) -> Option<usize> {
+    let there = |lanes: usize| compiled.contains(&lanes) && available(lanes);
+    if there(asked) { Some(asked) } else { compiled.iter().copied().find(|&lanes| available(lanes)) }
+}
 
 /// Lanes that suit this processor: 8 with AVX-512, 4 with AVX2 and FMA or on other architectures, else 1; of those
 /// that are compiled.
 pub fn best_lanes() -> usize {
-    [8, 4].into_iter().find(|&lanes| compiled(lanes) && available(lanes)).unwrap_or(1)
+    in_plane(8)
 }
 
-/// Whether this build has kernels with `lanes` lanes; `build.rs` chooses.
-pub fn compiled(lanes: usize) -> bool {
-    match lanes {
-        1 => true,
-        4 => cfg!(lanes_4),
-        8 => cfg!(lanes_8),
-        _ => false,
-    }
+/// Lanes of the plane for this processor, `asked` if there are.
+pub fn in_plane(asked: usize) -> usize {
+    nearest(asked, IN_PLANE, available).unwrap_or(1)
+}
+
+/// The same in space; `None`: all that are compiled are those of other processors.
+pub fn in_space(asked: usize) -> Option<usize> {
+    nearest(asked, IN_SPACE, available)
+}
+
+/// What a processor must have that this build computes with in space.
+pub fn needed_in_space() -> &'static str {
+    if IN_SPACE.contains(&4) { "AVX2 and FMA" } else { "AVX-512" }
 }
 
 /// Whether this processor can compute with `lanes` lanes.
@@ -61,8 +90,7 @@ fn has_avx2() -> bool {
     *HAS.get_or_init(|| is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"))
 }
 
-/// A number of lanes with its entry. One entry each: a way round for processors without the
-/// instructions would be compiled for minutes and never run.
+/// A number of lanes that kernels are compiled for.
 pub trait Width {
     /// Run `task`, compiled for the processor that the width stands for.
     ///
@@ -71,37 +99,32 @@ pub trait Width {
     fn dispatch(task: impl Task);
 }
 
-impl Width for Lanes<1> {
-    #[inline(always)]
-    fn dispatch(task: impl Task) {
-        run_baseline(task);
-    }
-}
-
-impl Width for Lanes<4> {
-    #[inline(always)]
-    fn dispatch(task: impl Task) {
-        assert!(available(4), "four lanes need AVX2 and FMA");
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the processor has the instructions.
-        unsafe {
-            run_avx2(task);
+macro_rules! widths {
+    ($($lanes:literal)*) => {$(
+        impl Width for Lanes<$lanes> {
+            #[inline(always)]
+            fn dispatch(task: impl Task) {
+                assert!(available($lanes), "this processor has no instructions for so many lanes");
+                // SAFETY: the processor has the instructions.
+                unsafe { run::<$lanes>(task) };
+            }
         }
-        #[cfg(not(target_arch = "x86_64"))]
-        run_baseline(task);
-    }
+    )*};
 }
+widths!(1 4 8);
 
-impl Width for Lanes<8> {
-    #[inline(always)]
-    fn dispatch(task: impl Task) {
-        assert!(available(8), "eight lanes need AVX-512");
-        #[cfg(target_arch = "x86_64")]
-        // SAFETY: the processor has the instructions.
-        unsafe {
-            run_avx512(task);
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        run_baseline(task);
+#[cfg(test)]
+mod tests {
+    use super::nearest;
+
+    #[test]
+    fn lanes_are_those_of_build_and_processor() {
+        let widest = |most: usize| move |lanes: usize| lanes <= most;
+        assert_eq!(nearest(4, &[8, 4, 1], widest(8)), Some(4));
+        assert_eq!(nearest(8, &[8, 4, 1], widest(4)), Some(4));
+        assert_eq!(nearest(2, &[8, 1], widest(8)), Some(8));
+        assert_eq!(nearest(8, &[4], widest(4)), Some(4));
+        // A program of another machine.
+        assert_eq!(nearest(8, &[8], widest(4)), None);
     }
 }

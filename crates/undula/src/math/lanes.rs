@@ -5,9 +5,7 @@
 #![allow(unsafe_code)]
 
 use super::Scalar;
-use super::apart::{Task, run_baseline};
-#[cfg(target_arch = "x86_64")]
-use super::apart::{run_avx2, run_avx512};
+use super::apart::{Task, run};
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -200,17 +198,8 @@ impl<const L: usize> Scalar for Lanes<L> {
 
     #[inline(always)]
     fn apart(task: impl Task) {
-        // SAFETY: these widths are in use only where the processor has the instructions.
-        #[cfg(target_arch = "x86_64")]
-        unsafe {
-            match L {
-                8 => run_avx512(task),
-                4 => run_avx2(task),
-                _ => run_baseline(task),
-            }
-        }
-        #[cfg(not(target_arch = "x86_64"))]
-        run_baseline(task);
+        // SAFETY: a width is in use only where the processor has the instructions.
+        unsafe { run::<L>(task) };
     }
 
     #[inline(always)]

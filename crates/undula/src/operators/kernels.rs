@@ -8,7 +8,7 @@ use crate::algebra::SolverError;
 use crate::loops::batch::Batches;
 use crate::loops::width::Width;
 #[cfg(not(test))]
-use crate::loops::width::{available, best_lanes, compiled};
+use crate::loops::width::{in_plane, in_space, needed_in_space};
 use crate::math::Lanes;
 #[cfg(not(test))]
 use crate::physics::{Axisymmetric, Solid};
@@ -33,7 +33,8 @@ pub trait Kernels<const D: usize> {
     /// processor has none, with the most it has. `stiffness` is E_e(x) of the extension.
     ///
     /// # Errors
-    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered.
+    /// [`SolverError::TooLarge`] if there are too many unknowns to be numbered; [`SolverError::Processor`] if this build
+    /// has kernels for other processors only.
     fn regions(
         space: &FsiSpace<D>,
         physics: &Physics,
@@ -53,13 +54,6 @@ pub trait Kernels<const D: usize> {
     ) -> Result<Box<dyn Operator<D>>, SolverError>;
 }
 
-/// Lanes of this build and this processor nearest to those that are asked for.
-#[cfg(not(test))]
-fn lanes(options: &Options) -> usize {
-    let there = compiled(options.lanes) && available(options.lanes);
-    if there { options.lanes } else { best_lanes() }
-}
-
 #[cfg(not(test))]
 impl Kernels<2> for Dim<2> {
     fn regions(
@@ -68,7 +62,7 @@ impl Kernels<2> for Dim<2> {
         stiffness: &dyn Fn(&[f64; 2]) -> f64,
         options: &Options,
     ) -> Result<Regions<2>, SolverError> {
-        match lanes(options) {
+        match in_plane(options.lanes) {
             #[cfg(lanes_8)]
             8 => Making::<2, 8> { space, stiffness, options }.in_plane(physics),
             #[cfg(lanes_4)]
@@ -95,16 +89,14 @@ impl Kernels<3> for Dim<3> {
         stiffness: &dyn Fn(&[f64; 3]) -> f64,
         options: &Options,
     ) -> Result<Regions<3>, SolverError> {
-        let asked = if cfg!(space_1) { lanes(options) } else { best_lanes() };
-        match asked {
+        match in_space(options.lanes) {
             #[cfg(space_8)]
-            8 => Making::<3, 8> { space, stiffness, options }.in_space(physics),
+            Some(8) => Making::<3, 8> { space, stiffness, options }.in_space(physics),
             #[cfg(space_4)]
-            4 => Making::<3, 4> { space, stiffness, options }.in_space(physics),
+            Some(4) => Making::<3, 4> { space, stiffness, options }.in_space(physics),
             #[cfg(space_1)]
-            _ => Making::<3, 1> { space, stiffness, options }.in_space(physics),
-            #[cfg(not(space_1))]
-            _ => unreachable!("this build is for processors that have vectors"),
+            Some(1) => Making::<3, 1> { space, stiffness, options }.in_space(physics),
+            _ => Err(SolverError::Processor(needed_in_space())),
         }
     }
 

@@ -22,15 +22,41 @@ pub struct ExtensionSystem<const D: usize> {
     /// Directions in which u vanishes, in the matrix and in right-hand sides.
     directions: DirectedBlocks<D>,
     along: Vec<(u32, Directions<D>)>,
-    /// Where each entry visited goes: in the matrix, behind it in `entries`, or nowhere.
+    /// Where each entry visited goes: in the matrix, behind it in `entries`, or nowhere. Empty if nothing changes.
     slots: Vec<u32>,
 }
 
+/// Take a value to its place.
+fn put(matrix: &mut Csr, entries: &mut [(u32, f64)], slot: u32, value: f64) {
+    let behind = matrix.values.len();
+    match slot {
+        DROP => {}
+        at if (at as usize) < behind => matrix.values[at as usize] += value,
+        at => entries[at as usize - behind].1 = value,
+    }
+}
+
+/// Numbers of the unknowns by their places in `[v, u, p]`, and the places by their numbers.
+fn numbers<const D: usize>(space: &FsiSpace<D>, given: impl Fn(u32) -> bool) -> (Vec<u32>, Vec<u32>) {
+    let mut number = vec![DROP; space.n_field_unknowns()];
+    let mut places = vec![];
+    for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
+        let components = (0..D).map(|i| (space.n_v() + node * D + i) as u32);
+        for place in components.filter(|&place| !given(place)) {
+            number[place as usize] = places.len() as u32;
+            places.push(place);
+        }
+    }
+    (number, places)
+}
+
 impl<const D: usize> ExtensionSystem<D> {
-    /// From `visit`, which calls back with (row, column, value) by places in `[v, u, p]`, always alike.
+    /// From `visit`, which calls back with (row, column, value) by places in `[v, u, p]`, always alike; `changes`: there
+    /// will be other values.
     pub(super) fn new(
         space: &FsiSpace<D>,
         constraints: &Constraints<D>,
+        changes: bool,
         mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64)),
     ) -> ExtensionSystem<D> {
         let first = space.n_v() as u32;
@@ -38,14 +64,7 @@ impl<const D: usize> ExtensionSystem<D> {
         let moved: Vec<u32> = constraints.motion.iter().map(|(node, _)| *node).collect();
         // Given, and not 0: the update of an interface, or of a boundary whose displacement is given.
         let drives = |place: u32| !given(place) || moved.binary_search(&((place - first) / D as u32)).is_ok();
-        let mut number = vec![DROP; space.n_field_unknowns()];
-        let mut places = vec![];
-        for node in (0..space.nodes.len()).filter(|&n| space.owner[n] == PsiOwner::Extension) {
-            for place in (0..D).map(|i| first + (node * D + i) as u32).filter(|&place| !given(place)) {
-                number[place as usize] = places.len() as u32;
-                places.push(place);
-            }
-        }
+        let (number, places) = numbers(space, given);
         let mut lists: Vec<Vec<u32>> = vec![vec![]; places.len()];
         let mut interface: Vec<Vec<u32>> = vec![vec![]; places.len()];
         visit(&mut |row, column, _| {
@@ -64,16 +83,18 @@ impl<const D: usize> ExtensionSystem<D> {
         let in_fluid = |at: &&Directions<D>| at.u && number[space.n_v() + at.node as usize * D] != DROP;
         let along = constraints.directions.iter().filter(in_fluid);
         let along = along.map(|at| (number[space.n_v() + at.node as usize * D], at.clone())).collect();
-        let (mut rows, mut entries, mut starts) = (vec![], vec![], vec![0; places.len()]);
+        let (mut rows, mut starts) = (vec![], vec![0; places.len()]);
+        let mut entries = Vec::with_capacity(interface.iter().map(Vec::len).sum());
         for (row, list) in interface.iter().enumerate().filter(|(_, list)| !list.is_empty()) {
             starts[row] = entries.len();
             entries.extend(list.iter().map(|&place| (place, 0.0)));
             rows.push((row as u32, entries.len() as u32));
         }
         let (behind, mut slots) = (pattern.nnz() as u32, vec![]);
-        visit(&mut |row, column, _| {
+        let mut matrix = Csr::zeros(&pattern);
+        visit(&mut |row, column, value| {
             let (row, other) = (number[row as usize], number[column as usize]);
-            slots.push(match (row, other) {
+            let slot = match (row, other) {
                 (DROP, _) => DROP,
                 (row, DROP) if drives(column) => {
                     starts[row as usize] += 1;
@@ -81,25 +102,27 @@ impl<const D: usize> ExtensionSystem<D> {
                 }
                 (_, DROP) => DROP,
                 (row, other) => pattern.find(row as usize, other as usize).map_or(DROP, |at| at as u32),
-            });
+            };
+            put(&mut matrix, &mut entries, slot, value);
+            if changes {
+                slots.push(slot);
+            }
         });
-        let mut system =
-            ExtensionSystem { matrix: Csr::zeros(&pattern), places, rows, entries, directions, along, slots };
-        system.fill(visit);
-        system
+        directions.constrain(&mut matrix);
+        ExtensionSystem { matrix, places, rows, entries, directions, along, slots }
+    }
+
+    /// Forget the matrix, which has its factors and will not change.
+    pub fn settle(&mut self) {
+        self.matrix = Csr::zeros(&Arc::new(Pattern::from_rows::<[u32; 0]>(&[])));
     }
 
     /// Take the values that `visit` calls back with, in the same order as before.
     pub(super) fn fill(&mut self, mut visit: impl FnMut(&mut dyn FnMut(u32, u32, f64))) {
         let Self { matrix, entries, slots, .. } = self;
-        let behind = matrix.values.len();
         matrix.values.fill(0.0);
         let mut slots = slots.iter();
-        visit(&mut |_, _, value| match slots.next() {
-            None | Some(&DROP) => {}
-            Some(&at) if (at as usize) < behind => matrix.values[at as usize] += value,
-            Some(&at) => entries[at as usize - behind].1 = value,
-        });
+        visit(&mut |_, _, value| put(matrix, entries, slots.next().copied().unwrap_or(DROP), value));
         self.directions.constrain(&mut self.matrix);
     }
 

@@ -322,7 +322,7 @@ impl<const D: usize> Assembler<D> {
             return None;
         }
         let visit = |put: &mut dyn FnMut(u32, u32, f64)| self.visit_extension(step, put);
-        Some(ExtensionSystem::new(&self.space, &self.constraints, visit))
+        Some(ExtensionSystem::new(&self.space, &self.constraints, !self.extension_is_constant(), visit))
     }
 
     /// The entries of the term that is the extension, else those of all regions.

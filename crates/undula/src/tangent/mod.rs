@@ -3,6 +3,7 @@
 
 mod difference;
 mod in_space;
+mod one_lane;
 mod step_form;
 
 pub use difference::{DIFFERENCES, Difference, EPSILON, Sizes, Stencil};

@@ -1,6 +1,7 @@
 //! What the loops over cells know of an equation: one step at a point.
 
 use super::in_space::InSpace;
+use super::one_lane::{add_lane, at_lane, place_at};
 use super::{ByHand, in_space};
 use crate::math::{Dual, Scalar, Tensor};
 use crate::physics::axisymmetric::{self, Axisymmetric};
@@ -170,7 +171,7 @@ impl<F: ByHand<3>> StepForm<2> for Axisymmetric<F> {
     ) {
         let has_slope = size_of::<T>() > size_of::<T::Value>();
         for lane in 0..T::LANES {
-            let (place, old) = (place_at(place, lane), at_lane::<_, f64>(old, lane));
+            let (place, old) = (place_at(place, lane), at_lane::<_, f64, 2>(old, lane));
             if has_slope {
                 let (new, lag) = (at_lane(new, lane), at_lane(lag, lane));
                 add_lane(&around::<F, Dual<f64>>(&self.0, rule, &place, [&new, &lag], &old), lane, r);
@@ -190,7 +191,7 @@ impl<F: ByHand<3>> StepForm<2> for Axisymmetric<F> {
         r: &mut Tested<S, 2>,
     ) {
         for lane in 0..S::LANES {
-            let (place, old) = (place_at(place, lane), at_lane::<_, f64>(old, lane));
+            let (place, old) = (place_at(place, lane), at_lane::<_, f64, 2>(old, lane));
             add_lane(&explicit_around(&self.0, rule, &place, &old), lane, r);
         }
     }
@@ -265,37 +266,4 @@ fn by_hand_around<F: ByHand<3>>(
     let of = in_space::analytic(form, rule, &axisymmetric::place(place), [&new, &old], &direction);
     axisymmetric::add_tested(&of, per_radius, &mut r);
     r
-}
-
-/// The number in one lane.
-#[inline(always)]
-fn number<T: Scalar, N: Scalar>(x: T, lane: usize) -> N {
-    let mut one = N::zero();
-    one.set_lane(0, x.lane(lane));
-    one
-}
-
-#[inline(always)]
-fn at_lane<T: Scalar, N: Scalar>(at: &Fields<T, 2>, lane: usize) -> Fields<N, 2> {
-    at.map(|x| number(x, lane))
-}
-
-#[inline(always)]
-fn place_at<S: Scalar>(place: &Place<S, 2>, lane: usize) -> Place<f64, 2> {
-    place.map(|x| number(x, lane))
-}
-
-/// Add what stands before the test functions in one lane.
-#[inline(always)]
-fn add_lane<T: Scalar, N: Scalar>(one: &Tested<N, 2>, lane: usize, r: &mut Tested<T, 2>) {
-    let one = one.map(|x| {
-        let mut all = T::zero();
-        all.set_lane(lane, x.lane(0));
-        all
-    });
-    r.phi += one.phi;
-    r.grad_phi += one.grad_phi;
-    r.psi += one.psi;
-    r.grad_psi += one.grad_psi;
-    r.xi += one.xi;
 }

@@ -42,8 +42,9 @@ impl<const D: usize, const L: usize> Task for BlockTask<'_, D, L> {
     #[inline(always)]
     fn run(self) {
         match self.basis.line.n_basis {
+            3 if const { D == 3 } => contract::<3, D, L>(self),
             4 => contract::<4, D, L>(self),
-            5 if D < 3 => contract::<5, D, L>(self),
+            5 if const { D < 3 } => contract::<5, D, L>(self),
             n => unreachable!("{n} basis functions"),
         }
     }

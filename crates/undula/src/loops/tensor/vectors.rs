@@ -26,8 +26,9 @@ impl<const D: usize, const L: usize> Task for InterpolateTask<'_, D, L> {
     #[inline(always)]
     fn run(self) {
         match self.line.n_basis {
+            3 if const { D == 3 } => interpolate::<3, D, L>(self),
             4 => interpolate::<4, D, L>(self),
-            5 if D < 3 => interpolate::<5, D, L>(self),
+            5 if const { D < 3 } => interpolate::<5, D, L>(self),
             n => unreachable!("{n} basis functions"),
         }
     }
@@ -49,8 +50,9 @@ impl<const D: usize, const L: usize> Task for TestTask<'_, D, L> {
     #[inline(always)]
     fn run(self) {
         match self.line.n_basis {
+            3 if const { D == 3 } => test::<3, D, L>(self),
             4 => test::<4, D, L>(self),
-            5 if D < 3 => test::<5, D, L>(self),
+            5 if const { D < 3 } => test::<5, D, L>(self),
             n => unreachable!("{n} basis functions"),
         }
     }

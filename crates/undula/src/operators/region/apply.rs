@@ -1,13 +1,15 @@
-//! The product of the derivative with a vector, without a matrix: one pass with dual numbers at each point.
+//! The product of the derivative with a vector, without a matrix: one pass with dual numbers at each point, lane by lane,
+//! since nothing but tests asks for it yet.
 
 use super::kernel::{Direction, Kernel, Scratch};
+use super::tangents::{ByLane, Point};
 use crate::loops::evaluate::{gather, gather_scalar, interpolate_scalar};
 use crate::loops::scatter::Shared;
 use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Vector};
 use crate::operators::{End, Matrix, StepView};
-use crate::physics::Fields;
-use crate::tangent::{StepForm, automatic};
+use crate::physics::{Fields, Tested};
+use crate::tangent::StepForm;
 
 impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
@@ -97,7 +99,9 @@ where
             }
             direction.p = interpolate_scalar(&b.pressure_basis[index * m..(index + 1) * m], &w.p);
             let place = k.place(End::New, index);
-            let r = automatic(&k.form, &self.step.rule, &place, &new, &old, &direction);
+            let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
+            let mut r = Tested::zero();
+            ByLane::Duals { lagged: false }.put(&at, &direction, &mut r);
             k.test(batch, q, &r, s);
         }
         k.finish_tests(batch, k.deforms && self.coupling.is_none(), s, self.out);

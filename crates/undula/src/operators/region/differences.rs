@@ -80,27 +80,11 @@ where
         matrix.resize(size * size, Lanes::zero());
         for l in 0..b.active[batch] {
             self.load_cell(cell, step, batch, l);
-            let steps = by.steps(cell.gradients(of.basis));
-            cell.residual(&of);
-            std::mem::swap(&mut cell.rows, &mut cell.base);
-            for (column, entries) in matrix.chunks_exact_mut(size).enumerate() {
-                let field = (column / n).min(2);
-                if field == 1 && !with_u {
-                    continue;
+            cell.columns(&of, by, (with_u, coupling), &mut |column, quotients| {
+                for (entry, quotient) in matrix[column * size..].iter_mut().zip(quotients) {
+                    entry.0[l] = *quotient;
                 }
-                let h = steps[field];
-                let before = cell.raise(column, h);
-                // In the condensed system u follows v.
-                let follows = (field == 0 && coupling != 0.0).then(|| cell.raise(n + column, coupling * h));
-                cell.residual(&of);
-                *cell.unknown(column) = before;
-                if let Some(before) = follows {
-                    *cell.unknown(n + column) = before;
-                }
-                for (entry, (moved, base)) in entries.iter_mut().zip(cell.rows.iter().zip(&cell.base)) {
-                    entry.0[l] = (moved - base) / h;
-                }
-            }
+            });
         }
     }
 }

@@ -8,7 +8,7 @@
 
 use crate::math::{Lanes, Tensor, Vector};
 use crate::physics::{Fields, Place, StepRule, Tested};
-use crate::tangent::{StepForm, Tangent};
+use crate::tangent::{Difference, StepForm, Tangent};
 
 /// Work space of one thread; empty until it is needed.
 #[derive(Default)]
@@ -62,6 +62,7 @@ pub(super) struct Equations<'a, F> {
 }
 
 /// Σ c_a φ_a and its gradient with respect to x; `basis` is `[a][1 + D]` at the point.
+#[inline(never)]
 pub(super) fn interpolate<const D: usize>(
     basis: &[f64],
     c: &[Vector<f64, D>],
@@ -90,7 +91,7 @@ impl<const D: usize> Cell<D> {
     }
 
     /// The fields of the present unknowns at point `q`.
-    #[inline(always)]
+    #[inline(never)]
     pub(super) fn fields(&self, basis: &[f64], q: usize) -> Fields<f64, D> {
         let (inverse, m) = (&self.points[q].inverse, self.p.len());
         let (v, grad_v) = interpolate(basis, &self.v, inverse);
@@ -128,6 +129,41 @@ impl<const D: usize> Cell<D> {
             }
         }
         self.rows = rows;
+    }
+
+    /// Call `put` with every column of the element matrix, \[v, u, p\]. With `with_u` u has columns of its own; else it
+    /// moves by `coupling` times v.
+    #[inline(never)]
+    pub(super) fn columns<F: StepForm<D>>(
+        &mut self,
+        of: &Equations<'_, F>,
+        by: &Difference,
+        (with_u, coupling): (bool, f64),
+        put: &mut dyn FnMut(usize, &[f64]),
+    ) {
+        let n = self.v.len() * D;
+        let steps = by.steps(self.gradients(of.basis));
+        self.residual(of);
+        std::mem::swap(&mut self.rows, &mut self.base);
+        for column in 0..2 * n + self.p.len() {
+            let field = (column / n).min(2);
+            if field == 1 && !with_u {
+                continue;
+            }
+            let h = steps[field];
+            let before = self.raise(column, h);
+            // In the condensed system u follows v.
+            let follows = (field == 0 && coupling != 0.0).then(|| self.raise(n + column, coupling * h));
+            self.residual(of);
+            *self.unknown(column) = before;
+            if let Some(before) = follows {
+                *self.unknown(n + column) = before;
+            }
+            for (moved, base) in self.rows.iter_mut().zip(&self.base) {
+                *moved = (*moved - base) / h;
+            }
+            put(column, &self.rows);
+        }
     }
 
     /// The number of the unknown `column` in the order v, u, p.

@@ -6,7 +6,7 @@ use crate::loops::width::{Task, Width};
 use crate::math::{Lanes, Scalar, Tensor};
 use crate::operators::{End, StepView};
 use crate::physics::{Fields, Place, StepRule, Tested};
-use crate::tangent::{Difference, Linearization, StepForm, Tangent, automatic, fixed_point};
+use crate::tangent::{Difference, Linearization, StepForm, Tangent, automatic, seeded};
 
 /// In which directions tangents are computed.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -45,7 +45,7 @@ where
         }
         match self.tangent {
             Tangent::Difference(by) => self.dispatch(ByLane::Difference { by, lagged }),
-            _ if lagged => self.dispatch(ByLane::FixedPoint),
+            _ if lagged => self.dispatch(ByLane::Duals { lagged }),
             Tangent::Automatic => self.dispatch(Automatic),
             Tangent::Analytic => self.dispatch(ByLane::Analytic),
         }
@@ -59,12 +59,12 @@ where
 }
 
 /// What a tangent is taken of: the equations and the fields at a point.
-struct Point<'a, F, const D: usize, const L: usize> {
-    form: &'a F,
-    rule: &'a StepRule,
-    place: &'a Place<Lanes<L>, D>,
-    new: &'a Fields<Lanes<L>, D>,
-    old: &'a Fields<Lanes<L>, D>,
+pub(super) struct Point<'a, F, const D: usize, const L: usize> {
+    pub(super) form: &'a F,
+    pub(super) rule: &'a StepRule,
+    pub(super) place: &'a Place<Lanes<L>, D>,
+    pub(super) new: &'a Fields<Lanes<L>, D>,
+    pub(super) old: &'a Fields<Lanes<L>, D>,
 }
 
 /// How a tangent is computed, as a type: each way is compiled on its own.
@@ -84,9 +84,13 @@ impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for Automatic 
 
 /// What is computed lane by lane: rarely taken, it would take minutes to compile for every vector width.
 #[derive(Copy, Clone)]
-enum ByLane {
+pub(super) enum ByLane {
     Analytic,
-    FixedPoint,
+    /// Dual numbers.
+    Duals {
+        /// Of the fixed-point iteration.
+        lagged: bool,
+    },
     Difference {
         by: Difference,
         /// Of the fixed-point iteration.
@@ -108,7 +112,7 @@ impl<F: StepForm<D>, const D: usize> Single<'_, F, D> {
     fn tangent(&self, how: ByLane, direction: &Fields<f64, D>) -> Tested<f64, D> {
         match how {
             ByLane::Analytic => self.analytic(direction),
-            ByLane::FixedPoint => self.fixed_point(direction),
+            ByLane::Duals { lagged } => self.duals(lagged, direction),
             ByLane::Difference { by, lagged } => self.difference(&by, lagged, direction),
         }
     }
@@ -119,8 +123,12 @@ impl<F: StepForm<D>, const D: usize> Single<'_, F, D> {
     }
 
     #[inline(never)]
-    fn fixed_point(&self, direction: &Fields<f64, D>) -> Tested<f64, D> {
-        fixed_point(self.form, self.rule, &self.place, &self.new, &self.old, direction)
+    fn duals(&self, lagged: bool, direction: &Fields<f64, D>) -> Tested<f64, D> {
+        let new = seeded(&self.new, direction);
+        let lag = if lagged { new.frozen() } else { new };
+        let mut r = Tested::zero();
+        self.form.residual(self.rule, &self.place, &new, &lag, &self.old, &mut r);
+        r.map(|x| x.eps)
     }
 
     #[inline(never)]
@@ -133,10 +141,16 @@ impl<F: StepForm<D>, const D: usize> Single<'_, F, D> {
     }
 }
 
-impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
-    #[inline(always)]
-    fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
-        let mut all = Tested::zero();
+impl ByLane {
+    /// The tangent in all lanes, into `all`. It moves numbers and computes with none, so that it needs no instructions of
+    /// the width.
+    #[inline(never)]
+    pub(super) fn put<F: StepForm<D>, const D: usize, const L: usize>(
+        self,
+        at: &Point<'_, F, D, L>,
+        direction: &Fields<Lanes<L>, D>,
+        all: &mut Tested<Lanes<L>, D>,
+    ) {
         for l in 0..L {
             let single = Single {
                 form: at.form,
@@ -145,8 +159,16 @@ impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
                 new: at.new.map(|x| x.0[l]),
                 old: at.old.map(|x| x.0[l]),
             };
-            put(&mut all, &single.tangent(*self, &direction.map(|x| x.0[l])), l);
+            put(all, &single.tangent(self, &direction.map(|x| x.0[l])), l);
         }
+    }
+}
+
+impl<F: StepForm<D>, const D: usize, const L: usize> How<F, D, L> for ByLane {
+    #[inline(always)]
+    fn tangent(&self, at: &Point<'_, F, D, L>, direction: &Fields<Lanes<L>, D>) -> Tested<Lanes<L>, D> {
+        let mut all = Tested::zero();
+        self.put(at, direction, &mut all);
         all
     }
 }
