@@ -107,7 +107,8 @@ fn iterations_do_not_grow_with_refinement() {
     };
     let plane: Vec<f64> = [2, 3, 4].map(|refine| count(refine, &[])).to_vec();
     assert!(plane[2] < 1.2 * plane[0], "{plane:?}");
-    let space: Vec<f64> = [1, 2].map(|refine| count(refine, &["mesh.extrude={ depth = 1, layers = 2 }"])).to_vec();
+    let space: Vec<f64> =
+        [1, 2].map(|refine| count(refine, &["mesh.extrude={ depth = 1, layers = 2 }"])).to_vec();
     assert!(space[1] < 1.3 * space[0], "{space:?}");
 }
 

@@ -41,13 +41,24 @@ pub enum LinearSolverKind {
     Faer,
     /// GMRES with a cycle of geometric multigrid; multifrontal LU on its coarsest level, and where there is none.
     Multigrid,
+    /// Multigrid for large problems of space, else multifrontal LU.
+    Automatic,
 }
 
 /// Their names in a case, the usual one first.
-pub static SOLVERS: [Choice<LinearSolverKind>; 3] = [
+pub static SOLVERS: [Choice<LinearSolverKind>; 4] = [
     choice("multifrontal", LinearSolverKind::Multifrontal, "multifrontal LU of Undula"),
     choice("faer", LinearSolverKind::Faer, "sparse LU of the crate faer, for comparison"),
-    choice("multigrid", LinearSolverKind::Multigrid, "GMRES with geometric multigrid on the meshes of mesh.refine"),
+    choice(
+        "multigrid",
+        LinearSolverKind::Multigrid,
+        "GMRES with geometric multigrid on the meshes of mesh.refine",
+    ),
+    choice(
+        "automatic",
+        LinearSolverKind::Automatic,
+        "multigrid in space from 12 000 cells on if the mesh is refined",
+    ),
 ];
 
 /// Precision of factors.
@@ -71,18 +82,10 @@ impl LinearSolverKind {
     pub fn make(self, precision: Precision, definite: bool, options: Options) -> Box<dyn LinearSolver> {
         match (self, precision, definite) {
             (LinearSolverKind::Faer, ..) => Box::new(FaerLu::faer(options)),
-            (_, Precision::Single, false) => {
-                Box::new(MultifrontalLu::single(options))
-            }
-            (_, Precision::Single, true) => {
-                Box::new(MultifrontalLu::single_definite(options))
-            }
-            (_, Precision::Double, false) => {
-                Box::new(MultifrontalLu::multifrontal(options))
-            }
-            (_, Precision::Double, true) => {
-                Box::new(MultifrontalLu::definite(options))
-            }
+            (_, Precision::Single, false) => Box::new(MultifrontalLu::single(options)),
+            (_, Precision::Single, true) => Box::new(MultifrontalLu::single_definite(options)),
+            (_, Precision::Double, false) => Box::new(MultifrontalLu::multifrontal(options)),
+            (_, Precision::Double, true) => Box::new(MultifrontalLu::definite(options)),
         }
     }
 }

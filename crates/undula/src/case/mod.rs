@@ -44,5 +44,5 @@ pub use profile::Profile;
 pub use schema::{
     AdaptiveSettings, Case, DomainMotion, FluidSpec, GENERATORS, GMRES, Integral, KRYLOV, LinearSolverKind,
     LinearSpec, Linearization, MeshSource, MeshSpec, MotionModel, MotionSpec, NewtonSpec, OutputSpec,
-    OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent, TimeSpec,
+    OwnMesh, Precision, Record, Scheme, SolidLaw, SolidSpec, SpaceSpec, Tangent, TimeSpec, WITH_MULTIGRID,
 };

@@ -24,7 +24,7 @@ use crate::space::{Against, Walls};
 pub use crate::tangent::{Linearization, Tangent};
 pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
 pub use mesh::{Extrude, GENERATORS, MeshSource, MeshSpec, OwnMesh};
-pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec};
+pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec, WITH_MULTIGRID};
 use std::collections::BTreeMap;
 
 /// A complete, valid description of one computation.

@@ -165,7 +165,7 @@ impl<const D: usize> Linear<D> {
             Linearization::Condensed => {
                 let iterative = (self.krylov, self.multigrid);
                 Box::new(Condensed::new(assembler, view, &self.make, iterative)?)
-            },
+            }
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
                 Box::new(Full::new(assembler, (self.make)(Purpose::Exact), self.krylov)?)
             }

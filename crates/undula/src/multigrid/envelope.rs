@@ -63,7 +63,8 @@ impl Envelope {
         for row in 1..n {
             last[row] = last[row].max(last[row - 1]).max(row as u32);
         }
-        let spans: Vec<[u32; 2]> = first.into_iter().zip(last).map(|(first, last)| [first, last + 1]).collect();
+        let spans: Vec<[u32; 2]> =
+            first.into_iter().zip(last).map(|(first, last)| [first, last + 1]).collect();
         let size = spans.iter().map(|[first, end]| (end - first) as usize).sum();
         Envelope { spans, size }
     }
@@ -76,8 +77,10 @@ impl Envelope {
         matrix.clear();
         matrix.resize(n * n, 0.0);
         Work::entries(local, &a.pattern, list, |row, column, at| matrix[row * n + column] = a.values[at]);
-        let sizes: Vec<f64> =
-            matrix.chunks_exact(n.max(1)).map(|row| row.iter().fold(0.0, |max: f64, x| max.max(x.abs()))).collect();
+        let sizes: Vec<f64> = matrix
+            .chunks_exact(n.max(1))
+            .map(|row| row.iter().fold(0.0, |max: f64, x| max.max(x.abs())))
+            .collect();
         for k in 0..n {
             let end = self.spans[k][1] as usize;
             let (above, below) = matrix.split_at_mut((k + 1) * n);
@@ -151,7 +154,8 @@ mod tests {
         for i in 0..n {
             for at in pattern.row(i) {
                 let j = pattern.col[at] as usize;
-                a.values[at] = if i == j { if i == 4 { 0.0 } else { 3.0 } } else { 1.0 / (1 + i + 2 * j) as f64 };
+                a.values[at] =
+                    if i == j { if i == 4 { 0.0 } else { 3.0 } } else { 1.0 / (1 + i + 2 * j) as f64 };
             }
         }
         // Rows 1 to 8 in another order.

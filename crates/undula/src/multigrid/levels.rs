@@ -102,7 +102,8 @@ fn coarser_pressure<const D: usize>(
     finer: &PressureSpace<D>,
     kind: Kind,
 ) -> PressureSpace<D> {
-    let of = |cell: usize| kind == Kind::Velocity && !finer.cell(Hierarchy::<D>::children(cell).start).is_empty();
+    let of =
+        |cell: usize| kind == Kind::Velocity && !finer.cell(Hierarchy::<D>::children(cell).start).is_empty();
     PressureSpace::new(mesh, space.pressure.kind, of)
 }
 
@@ -122,7 +123,8 @@ impl<const D: usize> Coarsening<'_, D> {
         let (coarse, unknowns) = self.numbers(&coarse_cells);
         let mut rows: Vec<Vec<(u32, f32)>> = vec![vec![]; numbers.n];
         let degree = self.space.nodes.degree;
-        let tables: Vec<Vec<Vec<(usize, f64)>>> = (0..1 << D).map(|child| weights(shape, degree, child)).collect();
+        let tables: Vec<Vec<Vec<(usize, f64)>>> =
+            (0..1 << D).map(|child| weights(shape, degree, child)).collect();
         for (cell, nodes) in coarse_cells.nodes.iter().enumerate() {
             for (child, fine) in Hierarchy::<D>::children(cell).enumerate() {
                 for (&node, weights) in cells.nodes[fine].iter().zip(&tables[child]) {
@@ -131,8 +133,11 @@ impl<const D: usize> Coarsening<'_, D> {
                         if row == NONE || !rows[row as usize].is_empty() {
                             continue;
                         }
-                        let of = |&(a, weight): &(usize, f64)| (coarse.v[nodes[a] as usize * D + i], weight as f32);
-                        rows[row as usize].extend(weights.iter().map(of).filter(|(column, _)| *column != NONE));
+                        let of = |&(a, weight): &(usize, f64)| {
+                            (coarse.v[nodes[a] as usize * D + i], weight as f32)
+                        };
+                        rows[row as usize]
+                            .extend(weights.iter().map(of).filter(|(column, _)| *column != NONE));
                     }
                 }
                 self.pressures(cell, fine, child, (numbers, &coarse), &mut rows);
@@ -145,9 +150,15 @@ impl<const D: usize> Coarsening<'_, D> {
             Kind::Deformation => groups(self.finer.0, JOINED[D - 1] << (D - 1)),
             _ => {
                 let children = |group: Vec<u32>| {
-                    group.into_iter().flat_map(|parent| Hierarchy::<D>::children(parent as usize)).map(|c| c as u32)
+                    group
+                        .into_iter()
+                        .flat_map(|parent| Hierarchy::<D>::children(parent as usize))
+                        .map(|c| c as u32)
                 };
-                groups(self.coarser.0, JOINED[D - 1]).into_iter().map(|group| children(group).collect()).collect()
+                groups(self.coarser.0, JOINED[D - 1])
+                    .into_iter()
+                    .map(|group| children(group).collect())
+                    .collect()
             }
         };
         let blocks = of_groups::<D>(&groups, numbers, cells, continuous);
@@ -159,7 +170,8 @@ impl<const D: usize> Coarsening<'_, D> {
     fn cells(&self, finer: &Cells) -> Cells {
         let (mesh, pressure) = self.coarser;
         let (shape, degree) = (mesh.shape, self.space.nodes.degree);
-        let found: Vec<(usize, usize)> = (0..shape.n_nodes(degree)).map(|a| in_child(shape, degree, a)).collect();
+        let found: Vec<(usize, usize)> =
+            (0..shape.n_nodes(degree)).map(|a| in_child(shape, degree, a)).collect();
         let nodes = |cell: usize| {
             let children = Hierarchy::<D>::children(cell).start;
             found.iter().map(|&(child, a)| finer.nodes[children + child][a]).collect()
@@ -195,7 +207,11 @@ impl<const D: usize> Coarsening<'_, D> {
                     PressureKind::Pdc(_) => behind + dof / pressure.per_cell as u32,
                     PressureKind::Continuous(_) => behind + dof,
                 };
-                unknowns.push(Unknown { node, kind: Kind::Pressure, at: position(&pressure.points[dof as usize]) });
+                unknowns.push(Unknown {
+                    node,
+                    kind: Kind::Pressure,
+                    at: position(&pressure.points[dof as usize]),
+                });
             }
         }
         (Numbers { v, p, n: unknowns.len() }, unknowns)
@@ -233,7 +249,12 @@ impl<const D: usize> Coarsening<'_, D> {
 }
 
 /// The unknowns of groups of cells in the order of elimination: cell by cell, those that later cells have, too, behind the others, pressures behind the velocities that feel them.
-fn of_groups<const D: usize>(groups: &[Vec<u32>], numbers: &Numbers, cells: &Cells, continuous: bool) -> Lists<u32> {
+fn of_groups<const D: usize>(
+    groups: &[Vec<u32>],
+    numbers: &Numbers,
+    cells: &Cells,
+    continuous: bool,
+) -> Lists<u32> {
     let mut lists = Lists::default();
     // Cells of the group that each unknown is still to be met in.
     let mut ahead: Vec<u8> = vec![0; numbers.n];

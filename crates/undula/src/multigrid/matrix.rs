@@ -27,7 +27,11 @@ impl Single {
 
     /// Take the entries of `a`.
     pub fn take(&mut self, a: &Csr) {
-        self.values.par_iter_mut().with_min_len(1 << 16).zip(&a.values).for_each(|(to, from)| *to = *from as f32);
+        self.values
+            .par_iter_mut()
+            .with_min_len(1 << 16)
+            .zip(&a.values)
+            .for_each(|(to, from)| *to = *from as f32);
     }
 
     /// Row `row` of b − A x.

@@ -72,7 +72,14 @@ pub struct Multigrid {
 impl Multigrid {
     /// From the `tiers` of the levels above the coarsest one, which `coarsest` solves.
     pub fn new(settings: Settings, tiers: Vec<Tier>, coarsest: Box<dyn LinearSolver>) -> Multigrid {
-        Multigrid { settings, tiers, levels: vec![], coarsest, coarse_unknowns: vec![], coarse: Default::default() }
+        Multigrid {
+            settings,
+            tiers,
+            levels: vec![],
+            coarsest,
+            coarse_unknowns: vec![],
+            coarse: Default::default(),
+        }
     }
 
     /// The correction of level `l` for its right-hand side `b`, into its `x`.
@@ -180,7 +187,11 @@ impl LinearSolver for Multigrid {
         let sweeps = 2 * self.settings.sweeps;
         let read = |level: &Level| (2 * sweeps + 1) * level.matrix.bytes() + sweeps * level.smoother.bytes();
         let read: usize = self.levels.iter().map(read).sum();
-        let flops: f64 = self.levels.iter().map(|level| level.smoother.flops() + GALERKIN * level.matrix.bytes() as f64).sum();
+        let flops: f64 = self
+            .levels
+            .iter()
+            .map(|level| level.smoother.flops() + GALERKIN * level.matrix.bytes() as f64)
+            .sum();
         let coarse = self.coarsest.predicted().unwrap_or_default();
         Some(Cost {
             read: Some(read + coarse.read.unwrap_or(0)),

@@ -28,7 +28,10 @@ impl Smoother {
     pub fn new(unknowns: Lists<u32>, pattern: &Pattern) -> Smoother {
         let envelopes: Vec<Envelope> = (0..unknowns.len())
             .into_par_iter()
-            .map_init(|| Work::new(pattern.n), |work, block| Envelope::new(pattern, unknowns.get(block), work))
+            .map_init(
+                || Work::new(pattern.n),
+                |work, block| Envelope::new(pattern, unknowns.get(block), work),
+            )
             .collect();
         let mut starts = vec![0];
         let mut spans = Vec::with_capacity(unknowns.items().len());

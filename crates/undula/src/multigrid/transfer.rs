@@ -148,7 +148,8 @@ mod tests {
     #[test]
     fn the_coarser_matrix_is_a_triple_product() {
         let (n, m) = (40, 13);
-        let rows: Vec<Vec<u32>> = (0..n as u32).map(|i| vec![i, (7 * i + 3) % n as u32, (i + 1) % n as u32]).collect();
+        let rows: Vec<Vec<u32>> =
+            (0..n as u32).map(|i| vec![i, (7 * i + 3) % n as u32, (i + 1) % n as u32]).collect();
         let mut a = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
         a.values.iter_mut().enumerate().for_each(|(at, value)| *value = (at as f64).sin());
         let mut lists = Lists::default();

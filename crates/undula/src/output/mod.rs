@@ -26,7 +26,9 @@ pub use history::{History, HistoryWriter};
 pub use provenance::{Provenance, hash, processor};
 pub use pvd::Collection;
 pub use snapshot::{CellKind, Field, FieldSnapshot};
-pub use summary::{Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, processor_seconds};
+pub use summary::{
+    Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, processor_seconds,
+};
 pub use vtu::{Precision, read_vtu, write_vtu};
 
 #[cfg(test)]

@@ -5,17 +5,18 @@ use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
 use super::overview::Overview;
 use super::terms::has_correction;
-use crate::algebra::{self, LinearSolver, LinearSolverKind};
+use crate::algebra::{self, LinearSolver};
 use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
+    WITH_MULTIGRID,
 };
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
-use crate::multigrid;
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
+use crate::multigrid;
 use crate::nonlinear::Newton;
 use crate::physics::Projection;
 use crate::space::{
@@ -112,26 +113,6 @@ impl Case {
         Ok(space)
     }
 
-    /// Multigrid needs coarser meshes, and nodes that they have, too.
-    fn check_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
-        let chosen = self.linear.solver == LinearSolverKind::Multigrid;
-        if chosen && space.hierarchy.coarser().is_empty() {
-            let message = match self.mesh.refine {
-                0 => "multigrid needs the coarser meshes of a refined one: give mesh.refine of at least 1",
-                _ => {
-                    "multigrid needs coarser meshes, which are lost where cells are graded or cut into triangles \
-                     after mesh.refine"
-                }
-            };
-            return Err(self.refuse("linear.solver", format!("{message}, or take `multifrontal`")));
-        }
-        if chosen && space.nodes.n_lagrange < space.nodes.len() {
-            let message = "bubbles are on no coarser mesh: take `multifrontal`, or another space.velocity";
-            return Err(self.refuse("linear.solver", message.into()));
-        }
-        Ok(())
-    }
-
     /// Projections on patches need a mesh that has them.
     fn check_patches<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
         let how = &self.stabilization;
@@ -185,6 +166,7 @@ impl Case {
         let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.note_on_solver(&space));
         notes.extend(self.notes_on_functionals());
         Ok((self.stepper_on(space, threads)?, notes))
     }
@@ -219,9 +201,11 @@ impl Case {
         let make = self.make_solver();
         let scales = self.scales(&space, largest);
         let krylov = |gmres| KrylovSettings { gmres, scales };
-        let linear = Linear::new(self.newton.linearization, make).with_krylov(self.linear.krylov.map(krylov));
-        let multigrid = self.linear.solver == LinearSolverKind::Multigrid;
-        let linear = linear.with_multigrid(multigrid.then(multigrid::Settings::default));
+        let by_multigrid = self.takes_multigrid(&space);
+        let gmres = self.linear.krylov.or(by_multigrid.then_some(WITH_MULTIGRID));
+        let linear = Linear::new(self.newton.linearization, make)
+            .with_krylov(gmres.map(krylov))
+            .with_multigrid(by_multigrid.then(multigrid::Settings::default));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),
@@ -376,6 +360,7 @@ impl Case {
         self.check_equilibrium::<D>()?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
+        notes.extend(self.note_on_solver(&space));
         notes.extend(self.notes_on(&space));
         notes.extend(self.notes_on_functionals());
         let memory = self.expected_bytes(mesh.n_cells(), space.mesh.n_cells());

@@ -1,5 +1,6 @@
 //! How much memory a case needs, before its mesh is made: a run that cannot fit is refused at once.
 
+use super::multigrid::MANY;
 use crate::case::{Case, LinearSolverKind, Linearization, MeshSource, Precision, VelocityElement};
 use crate::element::Shape;
 use crate::error::Error;
@@ -185,10 +186,20 @@ impl Case {
     /// cells of degree 2 as they have nodes.
     fn in_space(&self, cells: f64) -> [f64; 2] {
         let alike = cells * (self.space.velocity.degree() as f64 / 2.0).powi(3);
-        if self.linear.solver == LinearSolverKind::Multigrid {
+        let many = self.linear.solver == LinearSolverKind::Automatic
+            && self.mesh.refine > 0
+            && self.newton.linearization == Linearization::Condensed
+            && cells >= MANY as f64;
+        if many || self.linear.solver == LinearSolverKind::Multigrid {
             return [BY_MULTIGRID * alike, 0.0];
         }
         [IN_SPACE[0] * alike, IN_SPACE[1] * alike.powf(4.0 / 3.0)]
+    }
+
+    /// Bytes of the factors of a direct solver in space.
+    pub(super) fn bytes_of_factors(&self, cells: usize) -> f64 {
+        let alike = cells as f64 * (self.space.velocity.degree() as f64 / 2.0).powi(3);
+        IN_SPACE[1] * alike.powf(4.0 / 3.0)
     }
 
     fn per_plane_cell(&self) -> f64 {

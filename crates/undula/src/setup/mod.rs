@@ -20,6 +20,7 @@ pub(crate) mod initial;
 mod lengths;
 pub mod memory;
 mod mesh;
+mod multigrid;
 pub mod names;
 mod outlets;
 pub mod overview;

@@ -7,7 +7,7 @@ use crate::case::expression::Expression;
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::case::schema::{
     AdaptiveSettings, DomainMotion, FunctionalSpec, GMRES, KRYLOV, LinearSolverKind, LinearSpec,
-    Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec,
+    Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec, WITH_MULTIGRID,
 };
 use crate::choice;
 use crate::functional::nodal::{DEFAULT_FIELDS, FIELDS};
@@ -22,9 +22,6 @@ const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number 
 
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
-/// Iterations of GMRES with multigrid at most: after them the step takes the direct solver.
-const MULTIGRID_SIZE: usize = 60;
-
 /// Minutes of computation that a run may lose when it is killed.
 pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
 
@@ -287,8 +284,8 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-/// `linearization`: the matrices that will be solved with.
-pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization) -> LinearSpec {
+/// `linearization`: the matrices that will be solved with; `dimension`: that of the mesh.
+pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization, dimension: usize) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
         let message = format!(
             "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
@@ -301,7 +298,8 @@ pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization) -> Li
     };
     let refinement = s.integer("refinement", 2, 0..=20);
     let precision = s.choice("precision", &PRECISIONS, &[]).unwrap_or(Precision::Single);
-    let mut solver = solver.unwrap_or(LinearSolverKind::Multifrontal);
+    let usual = if dimension == 3 { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
+    let mut solver = solver.unwrap_or(usual);
     if solver == LinearSolverKind::Multigrid && linearization != Linearization::Condensed {
         let note = "linear.solver has no effect: multigrid is for the condensed system, and \
                     the whole Jacobian takes `multifrontal`";
@@ -321,10 +319,10 @@ fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
             let note = "linear.krylov has no effect: multigrid is a part of GMRES";
             s.checker.notes.borrow_mut().push(note.into());
         }
-        chosen = Some(GMRES);
+        chosen = Some(WITH_MULTIGRID);
     }
     let tolerance = s.number("krylov-tolerance", GMRES.tolerance, REDUCTION);
-    let size = s.integer("krylov-size", if multigrid { MULTIGRID_SIZE } else { GMRES.size }, 1..=200);
+    let size = s.integer("krylov-size", if multigrid { WITH_MULTIGRID.size } else { GMRES.size }, 1..=200);
     for key in ["krylov-tolerance", "krylov-size"] {
         if s.has(key) && chosen.is_none() {
             let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");

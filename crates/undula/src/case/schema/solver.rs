@@ -84,6 +84,9 @@ impl Default for LinearSpec {
 /// GMRES unless a case gives other numbers.
 pub const GMRES: GmresSettings = GmresSettings { tolerance: 0.03, size: 20 };
 
+/// The same with multigrid: after these iterations a step takes the direct solver.
+pub const WITH_MULTIGRID: GmresSettings = GmresSettings { tolerance: 0.03, size: 60 };
+
 /// Its name in a case, and that of none.
 pub static KRYLOV: [Choice<Option<GmresSettings>>; 2] = [
     choice("none", None, "corrections from the factors alone"),

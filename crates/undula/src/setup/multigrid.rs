@@ -1,0 +1,54 @@
+//! Whether a case takes multigrid, and what it must have for it.
+
+use super::memory::size;
+use crate::algebra::LinearSolverKind;
+use crate::case::{Case, Linearization};
+use crate::error::Error;
+use crate::space::FsiSpace;
+
+/// Cells in space from which on multigrid is taken if nothing is asked for: factors need 13 GB there.
+pub(super) const MANY: usize = 12_000;
+
+impl Case {
+    /// Whether the condensed system on `space` is solved by multigrid.
+    pub(super) fn takes_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> bool {
+        match self.linear.solver {
+            LinearSolverKind::Multigrid => true,
+            LinearSolverKind::Automatic => {
+                let fits =
+                    !space.hierarchy.coarser().is_empty() && space.nodes.n_lagrange == space.nodes.len();
+                let condensed = self.newton.linearization == Linearization::Condensed;
+                D == 3 && condensed && fits && space.mesh.n_cells() >= MANY
+            }
+            _ => false,
+        }
+    }
+
+    /// What was chosen in place of `automatic`, if it is not the usual solver.
+    pub(super) fn note_on_solver<const D: usize>(&self, space: &FsiSpace<D>) -> Option<String> {
+        let chosen = self.linear.solver == LinearSolverKind::Automatic && self.takes_multigrid(space);
+        let cells = space.mesh.n_cells();
+        chosen.then(|| {
+            let factors = size(self.bytes_of_factors(cells));
+            format!("linear.solver: multigrid is taken, factors of {cells} cells would need about {factors}")
+        })
+    }
+
+    /// Multigrid that is asked for needs coarser meshes, and nodes that they have, too.
+    pub(super) fn check_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
+        if self.linear.solver != LinearSolverKind::Multigrid {
+            return Ok(());
+        }
+        let message = if space.hierarchy.coarser().is_empty() && self.mesh.refine == 0 {
+            "multigrid needs the coarser meshes of a refined one: give mesh.refine of at least 1"
+        } else if space.hierarchy.coarser().is_empty() {
+            "multigrid needs coarser meshes, which are lost where cells are graded or cut into triangles \
+             after mesh.refine"
+        } else if space.nodes.n_lagrange < space.nodes.len() {
+            "multigrid needs nodes of coarser meshes, and bubbles are none"
+        } else {
+            return Ok(());
+        };
+        Err(self.refuse("linear.solver", format!("{message}, or take `multifrontal`")))
+    }
+}
