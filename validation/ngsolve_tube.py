@@ -2,10 +2,10 @@
 """What a residual, a Jacobian and a step of the case `tube` cost in NGSolve.
 
     pip install ngsolve==6.2.2608 numpy scipy pypardiso     # a C++ compiler for compiled expressions
-    OMP_NUM_THREADS=1 python3 validation/ngsolve_tube.py --h 0.00185
+    OMP_NUM_THREADS=1 python3 validation/ngsolve_tube.py --h 0.0018 --solver pardiso
 
-The same equations on P2-P1 tetrahedra, curved, with the default quadrature: flow in ALE coordinates in the lumen, linear
-elasticity in the wall, harmonic extension, all in one system [v, u, p]. Implicit Euler, so that a step has no explicit
+The same equations on P2-P1 tetrahedra, curved, with the default quadrature: flow in ALE coordinates in the lumen,
+linear elasticity in the wall, harmonic extension, all in one system [v, u, p]. Implicit Euler, so that a step has no explicit
 part. The extension has a small factor, which takes the place of test functions that vanish at the interface.
 Prints JSON.
 """
@@ -119,7 +119,7 @@ class Pardiso:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--h", type=float, default=0.00185)
+    parser.add_argument("--h", type=float, default=0.0018)
     parser.add_argument("--steps", type=int, default=4)
     parser.add_argument("--repeat", type=int, default=5)
     parser.add_argument("--solver", choices=["umfpack", "pardiso"], default="umfpack")

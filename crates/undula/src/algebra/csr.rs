@@ -17,6 +17,18 @@ pub struct Pattern {
     pub col: Vec<u32>,
 }
 
+/// Adds a column to those of a row of [`Pattern::from_rows`]; repetitions are taken out before the list grows.
+pub fn add_column(row: &mut Vec<u32>, column: u32) {
+    if row.len() == row.capacity() && row.len() >= 32 {
+        row.sort_unstable();
+        row.dedup();
+        if row.len() > row.capacity() / 4 * 3 {
+            row.reserve(row.capacity());
+        }
+    }
+    row.push(column);
+}
+
 impl Pattern {
     /// The pattern with the given columns in each row, in any order and with repetitions.
     ///

@@ -20,7 +20,7 @@ mod solver;
 mod vector;
 
 use crate::choice::{Choice, choice};
-pub use csr::{Csr, Pattern};
+pub use csr::{Csr, Pattern, add_column};
 pub use direct::{Backend, Direct, Failure, Options};
 pub use faer::{FaerBackend, FaerLu};
 pub use gmres::{Gmres, GmresReport, GmresSettings};

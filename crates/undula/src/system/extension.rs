@@ -3,7 +3,7 @@
 //! Where the model is linear its matrix stays for the run, and is factorised once.
 
 use super::directions::DirectedBlocks;
-use crate::algebra::{Csr, Pattern};
+use crate::algebra::{Csr, Pattern, add_column};
 use crate::loops::scatter::DROP;
 use crate::space::{Constraints, Directions, FsiSpace, PsiOwner};
 use std::sync::Arc;
@@ -73,7 +73,7 @@ impl<const D: usize> ExtensionSystem<D> {
                 (DROP, _) => {}
                 (row, DROP) if drives(column) => interface[row as usize].push(column),
                 (_, DROP) => {}
-                (row, other) => lists[row as usize].push(other),
+                (row, other) => add_column(&mut lists[row as usize], other),
             }
         });
         let mut directions = DirectedBlocks::new(space, constraints, &number, &mut lists);

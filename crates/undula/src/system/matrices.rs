@@ -2,7 +2,7 @@
 
 use super::directions::{self, DirectedBlocks};
 use super::{Assembler, granted};
-use crate::algebra::{Csr, Pattern, SolverError, Unknown};
+use crate::algebra::{Csr, Pattern, SolverError, Unknown, add_column};
 use crate::loops::scatter::DROP;
 use crate::operators::{Blocks, Entries, How, Matrix, StepView};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
@@ -65,7 +65,7 @@ impl<const D: usize> Assembler<D> {
         let mut rows: Vec<Vec<u32>> = vec![vec![]; n];
         alone.iter().for_each(|&row| rows[row as usize].push(row));
         for operator in self.operators() {
-            operator.entries(matrix, number, &mut |row, column| rows[row as usize].push(column));
+            operator.entries(matrix, number, &mut |row, column| add_column(&mut rows[row as usize], column));
         }
         let mut directions = DirectedBlocks::new(&self.space, &self.constraints, number, &mut rows);
         let pattern = Arc::new(Pattern::from_rows(&rows));

@@ -206,26 +206,44 @@ impl Symbolic {
                 return Err(SolverError::TooLarge(message));
             }
         }
-        let mut all: Vec<Vec<(u32, u32, u32)>> = vec![Vec::new(); self.fronts.len()];
-        for i in 0..pattern.n {
-            for source in pattern.row(i) {
-                let (row, col) = (new[i], new[pattern.col[source] as usize]);
-                all[front_of[row.min(col) as usize] as usize].push((source as u32, row, col));
-            }
+        // Entries by fronts, in one block of memory that is given back: (entry, row).
+        let mut ends = vec![0; self.fronts.len()];
+        let front =
+            |i: usize, source: usize| front_of[new[i].min(new[pattern.col[source] as usize]) as usize];
+        let each = |visit: &mut dyn FnMut(usize, usize)| {
+            (0..pattern.n).for_each(|i| pattern.row(i).for_each(|source| visit(i, source)));
+        };
+        each(&mut |i, source| ends[front(i, source) as usize] += 1);
+        let mut start = 0;
+        for end in &mut ends {
+            (*end, start) = (start, start + *end);
         }
+        let mut all = vec![(0_u32, 0_u32); pattern.nnz()];
+        each(&mut |i, source| {
+            let at = &mut ends[front(i, source) as usize];
+            all[*at] = (source as u32, i as u32);
+            *at += 1;
+        });
         let mut local = vec![0_u16; self.old.len()];
-        for (shape, all) in self.fronts.iter_mut().zip(all) {
+        let mut start = 0;
+        for (shape, end) in self.fronts.iter_mut().zip(ends) {
             let pivots = shape.first as u32..(shape.first + shape.k) as u32;
             for (at, i) in pivots.chain(shape.rows.iter().copied()).enumerate() {
                 local[i as usize] = at as u16;
             }
-            let entry = |(source, row, col): (u32, u32, u32)| Entry {
+            let entry = |&(source, row): &(u32, u32)| Entry {
                 source,
-                row: local[row as usize],
-                col: local[col as usize],
+                row: local[new[row as usize] as usize],
+                col: local[new[pattern.col[source as usize] as usize] as usize],
             };
-            (shape.left, shape.right) =
-                all.into_iter().map(entry).partition(|entry| usize::from(entry.col) < shape.k);
+            let of_front = || all[start..end].iter().map(entry);
+            let is_left = |entry: &Entry| usize::from(entry.col) < shape.k;
+            let left = of_front().filter(is_left).count();
+            (shape.left, shape.right) = (Vec::with_capacity(left), Vec::with_capacity(end - start - left));
+            for entry in of_front() {
+                if is_left(&entry) { shape.left.push(entry) } else { shape.right.push(entry) }
+            }
+            start = end;
         }
         Ok(())
     }
