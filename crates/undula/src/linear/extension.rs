@@ -60,7 +60,8 @@ impl<const D: usize> Extension<D> {
             Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
             result => result?,
         };
-        if assembler.extension_is_constant() {
+        // An iteration needs the matrix itself.
+        if assembler.extension_is_constant() && solver.is_exact() {
             system.settle();
         }
         let n = system.places.len();
