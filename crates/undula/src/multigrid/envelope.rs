@@ -2,8 +2,8 @@
 
 use crate::algebra::Csr;
 
-/// A pivot below this part of the largest entry of its row is none: the unknown is left out.
-const NO_PIVOT: f64 = 1e-13;
+/// A pivot below this part of what it is a sum of is rounding: the unknown is left out.
+const NO_PIVOT: f64 = 1e-11;
 
 /// Where the factors of one matrix have entries.
 #[derive(Clone, Debug)]
@@ -19,12 +19,13 @@ pub struct Envelope {
 pub struct Work {
     local: Vec<u32>,
     matrix: Vec<f64>,
+    starts: Vec<isize>,
 }
 
 impl Work {
     /// For matrices of `n` rows.
     pub fn new(n: usize) -> Work {
-        Work { local: vec![u32::MAX; n], matrix: vec![] }
+        Work { local: vec![u32::MAX; n], matrix: vec![], starts: vec![] }
     }
 
     /// Call `visit(row, column, entry)` for the entries of a pattern between the unknowns of `list`.
@@ -71,38 +72,43 @@ impl Envelope {
 
     /// The factors L and U of the matrix between the unknowns of `list`: row by row, L with diagonal 1 in front of the
     /// inverse pivot, U behind it.
-    pub fn factor(&self, a: &Csr, list: &[u32], work: &mut Work, out: &mut [f32]) {
-        let n = list.len();
-        let Work { local, matrix } = work;
+    pub fn factor(spans: &[[u32; 2]], a: &Csr, list: &[u32], work: &mut Work, out: &mut [f32]) {
+        let Work { local, matrix, starts } = work;
         matrix.clear();
-        matrix.resize(n * n, 0.0);
-        Work::entries(local, &a.pattern, list, |row, column, at| matrix[row * n + column] = a.values[at]);
-        let sizes: Vec<f64> = matrix
-            .chunks_exact(n.max(1))
-            .map(|row| row.iter().fold(0.0, |max: f64, x| max.max(x.abs())))
-            .collect();
-        for k in 0..n {
-            let end = self.spans[k][1] as usize;
-            let (above, below) = matrix.split_at_mut((k + 1) * n);
-            let pivot = &mut above[k * n..][..end];
-            let is_one = pivot[k].abs() > NO_PIVOT * sizes[k];
-            let inverse = if is_one { 1.0 / pivot[k] } else { 0.0 };
-            pivot[k] = inverse;
-            for (row, [first, _]) in below.chunks_exact_mut(n).zip(&self.spans[k + 1..end]) {
-                if *first as usize > k || row[k] == 0.0 {
+        matrix.resize(out.len(), 0.0);
+        starts.clear();
+        let mut start = 0;
+        for &[first, end] in spans {
+            // Column j of the row is at its start plus j.
+            starts.push(start as isize - first as isize);
+            start += (end - first) as usize;
+        }
+        let at = |row: usize, column: usize| (starts[row] + column as isize) as usize;
+        Work::entries(local, &a.pattern, list, |row, column, entry| {
+            matrix[at(row, column)] = a.values[entry]
+        });
+        // What diagonal entries are sums of, without signs.
+        let mut sizes: Vec<f64> = (0..spans.len()).map(|row| matrix[at(row, row)].abs()).collect();
+        for k in 0..spans.len() {
+            let end = spans[k][1] as usize;
+            let (above, below) = matrix.split_at_mut(at(k, end));
+            let pivot = &mut above[at(k, k)..];
+            let is_one = pivot[0].abs() > NO_PIVOT * sizes[k];
+            let inverse = if is_one { 1.0 / pivot[0] } else { 0.0 };
+            pivot[0] = inverse;
+            for row in (k + 1..end).filter(|&row| spans[row][0] as usize <= k) {
+                let first = at(row, k) - at(k, end);
+                let part = &mut below[first..first + end - k];
+                if part[0] == 0.0 {
                     continue;
                 }
-                let factor = row[k] * inverse;
-                row[k] = factor;
-                row[k + 1..end].iter_mut().zip(&pivot[k + 1..]).for_each(|(x, pivot)| *x -= factor * pivot);
+                let factor = part[0] * inverse;
+                part[0] = factor;
+                sizes[row] += (factor * pivot[row - k]).abs();
+                part[1..].iter_mut().zip(&pivot[1..]).for_each(|(x, pivot)| *x -= factor * pivot);
             }
         }
-        let mut start = 0;
-        for (row, [first, end]) in matrix.chunks_exact(n.max(1)).zip(&self.spans) {
-            let part = &row[*first as usize..*end as usize];
-            out[start..start + part.len()].iter_mut().zip(part).for_each(|(out, x)| *out = *x as f32);
-            start += part.len();
-        }
+        out.iter_mut().zip(&*matrix).for_each(|(out, x)| *out = *x as f32);
     }
 
     /// `x ← A⁻¹ x` by the `factors`.
@@ -163,7 +169,7 @@ mod tests {
         let mut work = Work::new(n);
         let envelope = Envelope::new(&pattern, &list, &mut work);
         let mut factors = vec![0.0; envelope.size];
-        envelope.factor(&a, &list, &mut work, &mut factors);
+        Envelope::factor(&envelope.spans, &a, &list, &mut work, &mut factors);
         let solution: Vec<f64> = (0..n).map(|i| if i == 0 { 0.0 } else { (i as f64).sin() }).collect();
         let mut product = vec![0.0; n];
         a.mul(&solution, &mut product);

@@ -17,7 +17,7 @@ const NONE: u32 = u32::MAX;
 const ZERO: f64 = 1e-12;
 
 /// Groups of coarser cells that are joined to a block at most, by dimension less one.
-const JOINED: [usize; 3] = [16, 16, 4];
+const JOINED: [usize; 3] = [64, 64, 8];
 
 /// A level above the coarsest one.
 #[derive(Clone, Debug)]

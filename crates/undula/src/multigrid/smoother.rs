@@ -68,8 +68,7 @@ impl Smoother {
             || Work::new(a.pattern.n),
             |work, (block, out)| {
                 let (list, first) = (unknowns.get(block), unknowns.start(block));
-                let spans = spans[first..first + list.len()].to_vec();
-                Envelope { spans, size: out.len() }.factor(a, list, work, out);
+                Envelope::factor(&spans[first..first + list.len()], a, list, work, out);
             },
         );
     }
