@@ -114,7 +114,7 @@ impl Stages {
         // The first of a step is the last of the one before, which the derivative at the start alone is not.
         let has_first = *known == Known::First && !started;
         let present = now.times.iter().zip(&now.rates).skip(usize::from(!has_first));
-        let (mut times, mut rates, mut n) = ([0.0; 2 * MOST], [&*base; 2 * MOST], 0);
+        let (mut times, mut rates, mut n) = ([0.0; 2 * MOST], [base; 2 * MOST], 0);
         for (time, rate) in before.chain(present) {
             (times[n], rates[n]) = (*time, rate);
             n += 1;
