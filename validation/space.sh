@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The built-in cases of space on several meshes: the tables of validation/space.md, about an hour on two cores.
+# The built-in cases of space on several meshes: the tables of validation/space.md, about two hours on two cores.
 #
 #   validation/space.sh            all of them
 #   validation/space.sh NAME…      the cases named
@@ -18,16 +18,26 @@ dfg-3d1z | mesh.extrude.layers=4 mesh.extrude.grading=0
 dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=0
 dfg-3d1z | mesh.extrude.layers=16 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=0
+dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=2
+dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=3
+dfg-3d1z | mesh.extrude.layers=16 mesh.extrude.grading=2
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=6 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1
+dfg-3d1z | mesh.refine=1 mesh.extrude.layers=8 mesh.extrude.grading=2
 fsi-box  | mesh.grading=0
 fsi-box  | mesh.grading=1
 fsi-box  | mesh.grading=2
-tube     | time.end=8e-3
+tube     | mesh.cells=[40,8,1] mesh.grading=0 time.end=8e-3
+tube     | mesh.cells=[40,16,1] mesh.grading=0 time.end=8e-3
+tube     | time.end=1.1e-2
+tube     | mesh.grading=3 time.end=6e-3
+tube     | mesh.cells=[60,8,1] mesh.grading=3 time.step=5e-5 time.end=5.2e-3
 tube-2d  | mesh.refine=0 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3 time.step=2.5e-5
+tube-2d  | mesh.refine=2 time.end=8e-3
+tube-2d  | mesh.refine=2 time.end=8e-3 time.step=2.5e-5
 '
 
 undula=${UNDULA:-target/release/undula}

@@ -3,7 +3,7 @@
 
 use crate::manufactured::*;
 use undula::math::{Tensor, Vector};
-use undula::physics::{Extension, Fluid, Material, Solid, StepRule};
+use undula::physics::{Fluid, Material, Solid, StepRule};
 use undula::sampling::for_each_point;
 use undula::space::PressureKind::{Continuous, Pdc};
 use undula::space::{BoundaryCondition, PsiOwner, Region, State};
@@ -52,10 +52,10 @@ fn inner_rows<'a>(
     (0..n_v).filter(move |i| !boundary[i / 3] && of(i / 3)).map(|i| rows[i])
 }
 
-/// Piola's identity holds exactly: a constant pressure does no work on inner nodes and its forces on a closed surface add up
-/// to zero, whatever the deformation at both ends of the step.
+/// Piola's identity holds exactly: a constant pressure does no work on inner nodes, whatever the deformation at both ends of
+/// the step.
 #[test]
-fn constant_pressure_does_no_net_work_in_space() {
+fn constant_pressure_does_no_work_inside() {
     for pair in PAIRS {
         let problem = bent(FSI, Body::Inclusion, pair);
         let space = &problem.space;
@@ -64,17 +64,8 @@ fn constant_pressure_does_no_net_work_in_space() {
         let r = region(&mut assembler, Region::Fluid, StepRule::theta(0.1, 0.51), &new, &old);
         let inner = largest(inner_rows(&problem, &r, |_| true));
         assert!(inner < 1e-14, "inner rows with {:?}: {inner:e}", pair.pressure);
-        // The body reaches from front to back: forces along z are those of its two ends.
         let interface = space.boundary_nodes("interface");
         assert!(largest(interface.iter().map(|&n| r[3 * n as usize])) > 0.02, "forces there are");
-        for i in 0..2 {
-            let sum: f64 = interface.iter().map(|&n| r[3 * n as usize + i]).sum();
-            let front = largest(["front", "back"].map(|name| {
-                let on = space.boundary_nodes(name);
-                on.iter().filter(|node| interface.contains(node)).map(|&n| r[3 * n as usize + i]).sum()
-            }));
-            assert!(sum.abs() < 1e-13 + 2.0 * front, "net force {sum:e} with {:?}", pair.pressure);
-        }
     }
 }
 
@@ -154,7 +145,8 @@ fn rotations_in_space_have_no_stress() {
 /// A homogeneous deformation is its own extension.
 #[test]
 fn extensions_in_space_reproduce_homogeneous_deformations() {
-    for extension in EXTENSIONS {
+    // The biharmonic ones are terms of their own.
+    for &extension in &EXTENSIONS[..4] {
         let physics = Physics { fluid: Some(Fluid { extension, ..FLUID }), ..FSI };
         let problem = bent(physics, Body::Inclusion, quadrilaterals(2, Pdc(1)));
         let at = homogeneous(&problem);
@@ -163,10 +155,7 @@ fn extensions_in_space_reproduce_homogeneous_deformations() {
         let space = &problem.space;
         let owned = |node: usize| space.owner[node] == PsiOwner::Extension;
         let size = largest(inner_rows(&problem, &r[space.n_v()..], owned));
-        // A mixed method: what it has inside of cells is not 0 there.
-        if !matches!(extension, Extension::Biharmonic { .. }) {
-            assert!(size < 2e-14, "{extension:?}: {size:e}");
-        }
+        assert!(size < 2e-14, "{extension:?}: {size:e}");
         let fluid = largest((0..space.n_v()).filter(|n| !owned(n / 3)).map(|i| r[space.n_v() + i]));
         assert_eq!(fluid, 0.0, "the rows of the interface do not exist for the fluid");
     }
