@@ -111,11 +111,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     let motion = body::motion(motion, time.is_some(), space.velocity);
     let newton = solver::newton(root.section("newton"), time.is_some() || solids.is_empty());
-    let linear = solver::linear(
-        root.section("linear"),
-        newton.linearization,
-        mesh.as_ref().map_or(2, |mesh| mesh.dimension),
-    );
+    let linear = solver::linear(root.section("linear"), newton.linearization, mesh.as_ref());
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     refuse_balance(&mut root, &functional, time.as_ref(), how.acts(), &solids);

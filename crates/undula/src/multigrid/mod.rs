@@ -7,6 +7,7 @@ mod lists;
 mod matrix;
 mod smoother;
 mod transfer;
+mod weights;
 
 pub use levels::{System, Tier, tiers};
 

@@ -1,6 +1,5 @@
 //! How much memory a case needs, before its mesh is made: a run that cannot fit is refused at once.
 
-use super::multigrid::MANY;
 use crate::case::{Case, LinearSolverKind, Linearization, MeshSource, Precision, VelocityElement};
 use crate::element::Shape;
 use crate::error::Error;
@@ -24,6 +23,9 @@ const PER_CELL: [(VelocityElement, f64); 8] = [
 /// The same in space, per hexahedron N of Q2 (cubes of 512 and 1 728 cells, flow and body): factors grow like N^(4/3), those
 /// of a thin layer more slowly.
 const IN_SPACE: [f64; 2] = [208.0e3, 37.4e3];
+
+/// Cells in space from which on multigrid is taken if nothing is asked for: factors need 10 GB there.
+pub(super) const MANY: usize = 12_000;
 
 /// The same with multigrid, whose need grows like N.
 const BY_MULTIGRID: f64 = 290.0e3;

@@ -1,13 +1,10 @@
 //! Whether a case takes multigrid, and what it must have for it.
 
-use super::memory::size;
+use super::memory::{MANY, size};
 use crate::algebra::LinearSolverKind;
 use crate::case::{Case, Linearization};
 use crate::error::Error;
 use crate::space::FsiSpace;
-
-/// Cells in space from which on multigrid is taken if nothing is asked for: factors need 13 GB there.
-pub(super) const MANY: usize = 12_000;
 
 impl Case {
     /// Whether the condensed system on `space` is solved by multigrid.

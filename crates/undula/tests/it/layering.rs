@@ -39,7 +39,7 @@ const LAYERS: [(&str, &str); 29] = [
     ("error", "algebra mesh nonlinear output time case"),
     (
         "setup",
-        "choice math physics tangent algebra element mesh nonlinear space sampling operators system functional linear time case error",
+        "choice math physics tangent algebra element mesh nonlinear space multigrid sampling operators system functional linear time case error",
     ),
     ("builder", "physics mesh case error"),
     ("simulation", "*"),

@@ -7,7 +7,7 @@ use crate::case::expression::Expression;
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::case::schema::{
     AdaptiveSettings, DomainMotion, FunctionalSpec, GMRES, KRYLOV, LinearSolverKind, LinearSpec,
-    Linearization, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec, WITH_MULTIGRID,
+    Linearization, MeshSpec, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec, WITH_MULTIGRID,
 };
 use crate::choice;
 use crate::functional::nodal::{DEFAULT_FIELDS, FIELDS};
@@ -284,12 +284,16 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-/// `linearization`: the matrices that will be solved with; `dimension`: that of the mesh.
-pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization, dimension: usize) -> LinearSpec {
+/// `linearization`: the matrices that will be solved with; `mesh`: where they are of.
+pub(super) fn linear(
+    mut s: Section<'_, '_>,
+    linearization: Linearization,
+    mesh: Option<&MeshSpec>,
+) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
         let message = format!(
             "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
-            quoted(choice::names(&SOLVERS))
+            quoted(choice::names(&SOLVERS[..2]))
         );
         s.wrong("solver", message);
         None
@@ -298,11 +302,11 @@ pub(super) fn linear(mut s: Section<'_, '_>, linearization: Linearization, dimen
     };
     let refinement = s.integer("refinement", 2, 0..=20);
     let precision = s.choice("precision", &PRECISIONS, &[]).unwrap_or(Precision::Single);
-    let usual = if dimension == 3 { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
+    let in_space = mesh.is_some_and(|mesh| mesh.dimension == 3);
+    let usual = if in_space { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
     let mut solver = solver.unwrap_or(usual);
     if solver == LinearSolverKind::Multigrid && linearization != Linearization::Condensed {
-        let note = "linear.solver has no effect: multigrid is for the condensed system, and \
-                    the whole Jacobian takes `multifrontal`";
+        let note = "linear.solver has no effect: the whole Jacobian takes `multifrontal`";
         s.checker.notes.borrow_mut().push(note.into());
         solver = LinearSolverKind::Multifrontal;
     }
@@ -316,18 +320,18 @@ fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
     let mut chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
     if multigrid {
         if s.has("krylov") && chosen.is_none() {
-            let note = "linear.krylov has no effect: multigrid is a part of GMRES";
-            s.checker.notes.borrow_mut().push(note.into());
+            s.checker
+                .notes
+                .borrow_mut()
+                .push("linear.krylov has no effect: multigrid is a part of GMRES".into());
         }
         chosen = Some(WITH_MULTIGRID);
     }
     let tolerance = s.number("krylov-tolerance", GMRES.tolerance, REDUCTION);
     let size = s.integer("krylov-size", if multigrid { WITH_MULTIGRID.size } else { GMRES.size }, 1..=200);
-    for key in ["krylov-tolerance", "krylov-size"] {
-        if s.has(key) && chosen.is_none() {
-            let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
-            s.checker.notes.borrow_mut().push(note);
-        }
+    for key in ["krylov-tolerance", "krylov-size"].into_iter().filter(|key| s.has(key) && chosen.is_none()) {
+        let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
+        s.checker.notes.borrow_mut().push(note);
     }
     chosen.map(|_| GmresSettings { tolerance, size })
 }
