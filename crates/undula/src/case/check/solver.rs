@@ -19,7 +19,6 @@ use crate::time::scheme::{DOMAIN_MOTIONS, SCHEMES};
 const THETA: Range = Range { holds: |x| (0.5..=1.0).contains(&x), text: "a number from 0.5 to 1" };
 const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number from 0 to below 1" };
 const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number above 0 and below 1" };
-
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
 /// Minutes of computation that a run may lose when it is killed.
@@ -315,15 +314,13 @@ pub(super) fn linear(
     LinearSpec { solver, refinement, precision, krylov }
 }
 
-/// GMRES: `krylov`, `krylov-tolerance`, `krylov-size`; on top of the factors, or with `multigrid`.
+/// GMRES on top of the factors, or with `multigrid`.
 fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
     let mut chosen = s.choice("krylov", &KRYLOV, &[]).flatten();
     if multigrid {
         if s.has("krylov") && chosen.is_none() {
-            s.checker
-                .notes
-                .borrow_mut()
-                .push("linear.krylov has no effect: multigrid is a part of GMRES".into());
+            let note = "linear.krylov has no effect: multigrid is a part of GMRES";
+            s.checker.notes.borrow_mut().push(note.into());
         }
         chosen = Some(WITH_MULTIGRID);
     }
