@@ -282,7 +282,7 @@ fn of_groups<const D: usize>(
                 }
             }
             for number in pressures(cell) {
-                if !is_listed[number as usize] && !(continuous && ahead[number as usize] > 0) {
+                if !(is_listed[number as usize] || continuous && ahead[number as usize] > 0) {
                     is_listed[number as usize] = true;
                     list.push(number);
                 }

@@ -153,7 +153,8 @@ mod tests {
         let mut a = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
         a.values.iter_mut().enumerate().for_each(|(at, value)| *value = (at as f64).sin());
         let mut lists = Lists::default();
-        let weight = |i: usize, j: usize| if (i + 2 * j) % 5 == 0 { 0.5 + (i % 3) as f32 } else { 0.0 };
+        let weight =
+            |i: usize, j: usize| if (i + 2 * j).is_multiple_of(5) { 0.5 + (i % 3) as f32 } else { 0.0 };
         for i in 0..n {
             lists.push((0..m).map(|j| (j as u32, weight(i, j))).filter(|(_, w)| *w != 0.0));
         }
