@@ -137,6 +137,21 @@ fn results_depend_on_neither_threads_nor_interruptions() {
 }
 
 #[test]
+fn a_direct_solver_takes_over_where_multigrid_fails() {
+    let here = Place::new("multigrid-fails");
+    here.write("flap.toml", FLAP);
+    here.write("lid.toml", LID);
+    // One iteration is not enough.
+    let sets = [MULTIGRID, "mesh.refine=1", "linear.krylov-size=1", "linear.krylov-tolerance=1e-9"];
+    for (case, more) in [("flap.toml", "newton.start=previous"), ("lid.toml", "time=none")] {
+        let with = |solver: &str| here.rows(case, &[&TIGHT[..], &sets, &[solver, more]].concat());
+        let rows = with(MULTIGRID);
+        assert_eq!(here.json("out/summary.json")["direct_fallbacks"], 1);
+        is_near(&with("linear.solver=multifrontal"), &rows, &[more]);
+    }
+}
+
+#[test]
 fn what_multigrid_cannot_do_is_said() {
     let here = Place::new("multigrid-input");
     here.write("flap.toml", FLAP);

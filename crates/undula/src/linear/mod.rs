@@ -36,6 +36,9 @@ use std::time::Instant;
 /// Steps with the whole Jacobian after one that another linearisation could not do.
 const DETOUR: u32 = 10;
 
+/// Of what a checkpoint keeps: multigrid has failed.
+const HAS_LEFT: u32 = 1 << 31;
+
 /// The whole matrix and the condensed one, each made when first needed.
 pub struct Linear<const D: usize> {
     /// The one in use.
@@ -51,6 +54,8 @@ pub struct Linear<const D: usize> {
     krylov: Option<KrylovSettings>,
     /// Multigrid for the condensed system.
     multigrid: Option<multigrid::Settings>,
+    /// Whether multigrid was asked for, and has failed.
+    has_left: bool,
     /// With the whole matrix and with the condensed one.
     made: [Option<Box<dyn Correction<D>>>; 2],
     /// Far couplings and scalar unknowns of the one in use.
@@ -71,6 +76,7 @@ impl<const D: usize> Linear<D> {
             sizes,
             krylov: None,
             multigrid: None,
+            has_left: false,
             made,
             bordered: Bordered::default(),
             lift: Lift::new(),
@@ -96,6 +102,17 @@ impl<const D: usize> Linear<D> {
         self.krylov.is_some()
     }
 
+    /// Let the direct solver take over for the rest of the run where multigrid has failed; `false` if it is not in use.
+    pub fn leave_multigrid(&mut self) -> bool {
+        let is_left = self.active == Linearization::Condensed && self.multigrid.take().is_some();
+        if is_left {
+            self.has_left = true;
+            self.krylov = None;
+            self.made = [None, None];
+        }
+        is_left
+    }
+
     /// Take the whole Jacobian for some steps; `false` if it is in use already.
     pub fn fall_back(&mut self) -> bool {
         if self.active == Linearization::Newton {
@@ -105,7 +122,7 @@ impl<const D: usize> Linear<D> {
         true
     }
 
-    /// What a checkpoint keeps: the steps to go with the whole Jacobian.
+    /// What a checkpoint keeps: the steps to go with the whole Jacobian, and whether multigrid has failed.
     pub fn save(&self) -> u32 {
         // The rest is asked for by the case, follows from it, or is made anew.
         let Linear {
@@ -116,15 +133,20 @@ impl<const D: usize> Linear<D> {
             sizes: _,
             krylov: _,
             multigrid: _,
+            has_left,
             made: _,
             bordered: _,
             lift: _,
         } = *self;
-        detour
+        detour | if has_left { HAS_LEFT } else { 0 }
     }
 
     /// As it was when a run was left; nothing if that is to go on with the whole Jacobian anyway.
-    pub fn restore(&mut self, detour: u32) {
+    pub fn restore(&mut self, saved: u32) {
+        let detour = saved & !HAS_LEFT;
+        if saved != detour {
+            self.leave_multigrid();
+        }
         if detour > 0 && self.active != Linearization::Newton {
             (self.active, self.detour) = (Linearization::Newton, detour);
         }

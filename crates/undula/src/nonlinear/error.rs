@@ -41,6 +41,11 @@ const JUDGED: usize = 6 * WINDOW;
 const MARGIN: f64 = 1.5;
 
 impl NewtonError {
+    /// Whether the iteration of a linear solver has not converged.
+    pub fn is_of_linear_iteration(&self) -> bool {
+        matches!(self, NewtonError::Linear(SolverError::NotConverged { .. }))
+    }
+
     /// Scaled residuals at the start and after each iteration, as far as there are any.
     pub fn norms(&self) -> &[f64] {
         match self {

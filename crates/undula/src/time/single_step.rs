@@ -186,7 +186,9 @@ fn iterate<const D: usize>(
     let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
     let mut solved = newton.solve(system, norm, reference);
     let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);
-    if solved.is_err() && !stopped && system.linear.fall_back() {
+    let of_linear = solved.as_ref().is_err_and(NewtonError::is_of_linear_iteration);
+    let leaves = of_linear && system.linear.leave_multigrid();
+    if leaves || solved.is_err() && !stopped && system.linear.fall_back() {
         newton.forget();
         newton.counters.fallbacks += 1;
         let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;

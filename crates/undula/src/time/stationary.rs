@@ -160,6 +160,12 @@ impl<const D: usize> Stepper<D> {
         }
         let solved = self.solve_load(least, &before_state);
         self.linear.active = active;
+        let of_linear = solved.as_ref().is_err_and(|ended| ended.reason.is_of_linear_iteration());
+        if of_linear && self.linear.leave_multigrid() {
+            self.newton.counters.fallbacks += 1;
+            self.new = before_state;
+            return self.stationary_at(load, before, earlier, least);
+        }
         match solved {
             Ok((report, norms, min_j)) => {
                 self.old = before_state;
