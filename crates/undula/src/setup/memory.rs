@@ -190,6 +190,7 @@ impl Case {
         let alike = cells * (self.space.velocity.degree() as f64 / 2.0).powi(3);
         let many = self.linear.solver == LinearSolverKind::Automatic
             && self.mesh.refine > 0
+            && self.time.is_some()
             && self.newton.linearization == Linearization::Condensed
             && cells >= MANY as f64;
         if many || self.linear.solver == LinearSolverKind::Multigrid {
