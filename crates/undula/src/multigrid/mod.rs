@@ -65,7 +65,6 @@ pub struct Multigrid {
     /// The finest first.
     levels: Vec<Level>,
     coarsest: Box<dyn LinearSolver>,
-    coarse_unknowns: Vec<Unknown>,
     /// Right-hand side and solution of the coarsest level.
     coarse: [Vec<f64>; 2],
 }
@@ -73,19 +72,12 @@ pub struct Multigrid {
 impl Multigrid {
     /// From the `tiers` of the levels above the coarsest one, which `coarsest` solves.
     pub fn new(settings: Settings, tiers: Vec<Tier>, coarsest: Box<dyn LinearSolver>) -> Multigrid {
-        Multigrid {
-            settings,
-            tiers,
-            levels: vec![],
-            coarsest,
-            coarse_unknowns: vec![],
-            coarse: Default::default(),
-        }
+        Multigrid { settings, tiers, levels: vec![], coarsest, coarse: Default::default() }
     }
 
     /// The correction of level `l` for its right-hand side `b`, into its `x`.
     fn cycle(&mut self, l: usize) {
-        let Settings { sweeps, corrections, .. } = self.settings;
+        let Settings { sweeps, corrections } = self.settings;
         if l == self.levels.len() {
             let [b, x] = &mut self.coarse;
             self.coarsest.apply(b, x);
@@ -146,9 +138,7 @@ impl LinearSolver for Multigrid {
             (pattern, last) = (coarser, unknowns);
         }
         self.coarse = [vec![0.0; pattern.n], vec![0.0; pattern.n]];
-        self.coarsest.analyse(&pattern, &last)?;
-        self.coarse_unknowns = last;
-        Ok(())
+        self.coarsest.analyse(&pattern, &last)
     }
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
