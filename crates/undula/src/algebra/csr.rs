@@ -15,7 +15,12 @@ pub struct Pattern {
     pub row_ptr: Vec<usize>,
     /// Columns, increasing within each row.
     pub col: Vec<u32>,
+    /// For each row how many have its columns from it on, one behind the other: those of a node do.
+    alike: Vec<u8>,
 }
+
+/// Rows of the same columns that are taken together at most.
+const ALIKE: usize = 3;
 
 /// Adds a column to those of a row of [`Pattern::from_rows`]; repetitions are taken out before the list grows.
 pub fn add_column(row: &mut Vec<u32>, column: u32) {
@@ -53,7 +58,32 @@ impl Pattern {
             row_ptr.push(col.len());
         }
         col.shrink_to_fit();
-        Self { n, row_ptr, col }
+        Self::new(row_ptr, col)
+    }
+
+    /// Rows with their columns, increasing within each row, at `row_ptr[i]..row_ptr[i + 1]` of `col`.
+    ///
+    /// # Panics
+    /// If `row_ptr` does not end with the number of columns.
+    pub fn new(row_ptr: Vec<usize>, col: Vec<u32>) -> Self {
+        assert_eq!(row_ptr.last(), Some(&col.len()), "rows do not fit their columns");
+        let n = row_ptr.len() - 1;
+        let columns = |row: usize| &col[row_ptr[row]..row_ptr[row + 1]];
+        let mut alike = vec![1; n];
+        let mut row = 0;
+        while row < n {
+            let is_alike = |other: &usize| *other < n && columns(*other) == columns(row);
+            let end = (row + 1..row + ALIKE).take_while(is_alike).last().unwrap_or(row) + 1;
+            (row..end).for_each(|row| alike[row] = (end - row) as u8);
+            row = end;
+        }
+        Self { n, row_ptr, col, alike }
+    }
+
+    /// Where rows from `row` on that have its columns end, three of them at most.
+    #[inline(always)]
+    pub(crate) fn end_of_alike(&self, row: usize) -> usize {
+        row + usize::from(self.alike[row])
     }
 
     /// Number of stored entries.
@@ -115,7 +145,7 @@ impl Csr {
     /// # Panics
     /// If `x`, `y` or `scale` has not `n` entries.
     pub fn mul_with_norm(&self, scale: &[f64], x: &[f64], y: &mut [f64]) -> f64 {
-        let Pattern { n, row_ptr, col } = &*self.pattern;
+        let Pattern { n, row_ptr, col, .. } = &*self.pattern;
         assert_eq!((x.len(), y.len(), scale.len()), (*n, *n, *n), "vectors do not fit the matrix");
         let rows = y.par_chunks_mut(ROWS_PER_TASK).zip(scale.par_chunks(ROWS_PER_TASK)).enumerate();
         let of_task = |(task, (y, scale)): (usize, (&mut [f64], &[f64]))| {
@@ -137,7 +167,7 @@ impl Csr {
 
     /// Whether the pattern is symmetric, and a_ij and a_ji differ by no more than `tolerance` times √|a_ii a_jj|.
     pub fn is_symmetric(&self, tolerance: f64) -> bool {
-        let Pattern { n, row_ptr, col } = &*self.pattern;
+        let Pattern { n, row_ptr, col, .. } = &*self.pattern;
         let diagonal: Option<Vec<usize>> = (0..*n).map(|i| self.pattern.find(i, i)).collect();
         let Some(diagonal) = diagonal else { return false };
         let size: Vec<f64> = diagonal.iter().map(|&at| self.values[at].abs().sqrt()).collect();
@@ -161,15 +191,37 @@ impl Csr {
     }
 
     fn for_rows(&self, x: &[f64], y: &mut [f64], put: impl Fn(&mut f64, f64) + Sync) {
-        let Pattern { n, row_ptr, col } = &*self.pattern;
-        assert_eq!((x.len(), y.len()), (*n, *n), "vectors do not fit the matrix");
+        let n = self.pattern.n;
+        assert_eq!((x.len(), y.len()), (n, n), "vectors do not fit the matrix");
         y.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, y)| {
             let first = task * ROWS_PER_TASK;
-            for (y, at) in y.iter_mut().zip(row_ptr[first..].windows(2)) {
-                let (col, value) = (&col[at[0]..at[1]], &self.values[at[0]..at[1]]);
-                put(y, col.iter().zip(value).map(|(&j, v)| v * x[j as usize]).sum());
+            let mut row = 0;
+            while row < y.len() {
+                let end = y.len().min(self.pattern.end_of_alike(first + row) - first);
+                let mut put = |sums: &[f64]| y[row..end].iter_mut().zip(sums).for_each(|(y, sum)| put(y, *sum));
+                match end - row {
+                    3 => put(&self.sums::<3>(first + row, x)),
+                    2 => put(&self.sums::<2>(first + row, x)),
+                    _ => put(&self.sums::<1>(first + row, x)),
+                }
+                row = end;
             }
         });
+    }
+
+    /// The products with `x` of the rows from `row` on, which have the same columns.
+    fn sums<const K: usize>(&self, row: usize, x: &[f64]) -> [f64; K] {
+        let at = self.pattern.row(row);
+        let (columns, len) = (&self.pattern.col[at.clone()], at.len());
+        let rows: [&[f64]; K] = std::array::from_fn(|i| &self.values[at.start + i * len..][..len]);
+        let mut sums = [0.0; K];
+        for (entry, &column) in columns.iter().enumerate() {
+            let x = x[column as usize];
+            for i in 0..K {
+                sums[i] += rows[i][entry] * x;
+            }
+        }
+        sums
     }
 }
 
@@ -180,8 +232,27 @@ mod tests {
     #[test]
     fn pattern_sorts_and_finds() {
         let p = Pattern::from_rows(&[vec![2, 0, 2], vec![1], vec![]]);
-        assert_eq!(p, Pattern { n: 3, row_ptr: vec![0, 2, 3, 3], col: vec![0, 2, 1] });
+        assert_eq!(p, Pattern::new(vec![0, 2, 3, 3], vec![0, 2, 1]));
+        assert_eq!((p.n, &p.row_ptr[..], &p.col[..]), (3, &[0, 2, 3, 3][..], &[0, 2, 1][..]));
         assert_eq!((p.nnz(), p.find(0, 2), p.find(0, 1), p.find(2, 2)), (3, Some(1), None, None));
+    }
+
+    /// As many as have the same columns, three at most; their products are those of the rows alone.
+    #[test]
+    fn rows_of_the_same_columns_are_taken_together() {
+        let of = |row: u32| if row < 5 { vec![0, 2, 7] } else { vec![row, 1] };
+        let rows: Vec<Vec<u32>> = (0..8).map(of).collect();
+        let p = Arc::new(Pattern::from_rows(&rows));
+        let ends: Vec<usize> = (0..8).map(|row| p.end_of_alike(row)).collect();
+        assert_eq!(ends, [3, 3, 3, 5, 5, 6, 7, 8]);
+        let values: Vec<f64> = (0..p.nnz()).map(|at| (at as f64).sin()).collect();
+        let (a, x) = (Csr { pattern: p, values }, [1.0, -0.3, 0.7, 2.0, 0.1, -4.0, 3.0, 0.2]);
+        let mut y = [0.0; 8];
+        a.mul(&x, &mut y);
+        for (row, y) in y.iter().enumerate() {
+            let terms = a.pattern.row(row).map(|at| a.values[at] * x[a.pattern.col[at] as usize]);
+            assert_eq!(*y, terms.sum::<f64>());
+        }
     }
 
     #[test]

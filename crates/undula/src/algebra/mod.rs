@@ -18,6 +18,7 @@ mod operator;
 mod scaling;
 mod solver;
 mod vector;
+mod vectors;
 
 use crate::choice::{Choice, choice};
 pub use csr::{Csr, Pattern, add_column};
@@ -31,6 +32,7 @@ pub use operator::LinearOperator;
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Unknown};
 pub use vector::{dot, norm_inf};
+pub(crate) use vectors::Vectors;
 
 /// Direct solvers.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

@@ -20,7 +20,7 @@ use super::error::{CaseErrors, suggestion};
 use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
+use super::schema::{Case, FunctionalSpec, Linearization, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::functional::body_energy::Part;
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
@@ -111,7 +111,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
     }
     let motion = body::motion(motion, time.is_some(), space.velocity);
     let newton = solver::newton(root.section("newton"), time.is_some() || solids.is_empty());
-    let linear = solver::linear(root.section("linear"), newton.linearization, mesh.as_ref());
+    let is_condensed = newton.linearization == Linearization::Condensed;
+    let has_levels = is_condensed || time.is_none() && !solids.is_empty();
+    let linear = solver::linear(root.section("linear"), has_levels, mesh.as_ref());
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     refuse_balance(&mut root, &functional, time.as_ref(), how.acts(), &solids);

@@ -1,12 +1,14 @@
 //! Corrections by the whole Jacobian, or what the chosen linearisation leaves of it.
 
 use super::correction::{At, Correction};
-use super::factors::{Factored, scale_pressure, scale_rows};
+use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows};
 use super::krylov::KrylovSettings;
 use super::price::Work;
+use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
+use crate::multigrid::{self, Multigrid, Part, System, Triangular, tiers};
 use crate::physics::StepRule;
-use crate::space::FsiSpace;
+use crate::space::{FsiSpace, PsiOwner, Region};
 use crate::system::{Assembler, StepView};
 
 /// The matrix of [v, u, p].
@@ -44,6 +46,52 @@ impl Full {
         let after = |z: &mut [f64]| scale_pressure(assembler, ratio, z);
         self.factored.iterate((before, after), r, delta)
     }
+}
+
+/// Multigrid for a stationary deformation: the flow on the domain as it is, the solid, the extension, each with levels
+/// of its own.
+pub(super) fn by_parts<const D: usize>(
+    assembler: &mut Assembler<D>,
+    make: &MakeSolver,
+    settings: multigrid::Settings,
+) -> Box<dyn LinearSolver> {
+    let in_solid = |cell: usize| assembler.space.regions[cell] == Region::Solid;
+    let has_pressure = |cell: usize| !assembler.space.pressure.cell(cell).is_empty();
+    if (0..assembler.space.mesh.n_cells()).any(|cell| in_solid(cell) && has_pressure(cell)) {
+        // That of an incompressible body belongs to its deformation, not to the flow.
+        return make(Purpose::Exact);
+    }
+    let (n_v, n_u) = (assembler.space.n_v(), assembler.space.n_u());
+    let mut given = assembler.is_given();
+    let nodal: Vec<u32> = relation::places(assembler).map(|at| at as u32).collect();
+    let space = &assembler.space;
+    let moves: Vec<u32> = nodal.iter().map(|at| at + n_v as u32).collect();
+    let free = |first: usize, owner: PsiOwner| {
+        let nodes = (0..space.nodes.len()).filter(move |&node| space.owner[node] == owner);
+        nodes.flat_map(move |node| (first + node * D..first + (node + 1) * D).map(|place| place as u32))
+    };
+    let is_free = |place: &u32| !given[*place as usize];
+    let pressures = (n_v + n_u..space.n_field_unknowns()).map(|place| place as u32);
+    let flow: Vec<u32> = free(0, PsiOwner::Extension).chain(pressures).filter(is_free).collect();
+    let extension: Vec<u32> = free(n_v, PsiOwner::Extension).filter(is_free).collect();
+    // The velocity of the solid is no unknown of the flow.
+    free(0, PsiOwner::Relation).for_each(|place| given[place as usize] = true);
+    let solver = |system: System<'_>| -> Option<Box<dyn LinearSolver>> {
+        let is_there = match system {
+            System::Flow { places, .. } | System::Extension(places) => !places.is_empty(),
+        };
+        let tiers = if is_there { tiers(space, system) } else { vec![] };
+        Some(Box::new(Multigrid::new(settings, tiers, make(Purpose::Correction))))
+    };
+    let of_flow = solver(System::Flow { given: &given, places: &flow });
+    let of_solid = solver(System::Extension(&moves));
+    let of_extension = solver(System::Extension(&extension));
+    Box::new(Triangular::new(vec![
+        Part { rows: moves.clone(), columns: nodal.clone(), solver: None },
+        Part { rows: flow.clone(), columns: flow, solver: of_flow },
+        Part { rows: nodal, columns: moves, solver: of_solid },
+        Part { rows: extension.clone(), columns: extension, solver: of_extension },
+    ]))
 }
 
 impl<const D: usize> Correction<D> for Full {

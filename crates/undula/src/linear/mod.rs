@@ -29,7 +29,7 @@ use crate::tangent::{Linearization, Tangent};
 use border::Bordered;
 use condensed::Condensed;
 use correction::{At, Correction};
-use full::Full;
+use full::{Full, by_parts};
 use lift::Lift;
 use std::time::Instant;
 
@@ -189,7 +189,12 @@ impl<const D: usize> Linear<D> {
                 Box::new(Condensed::new(assembler, view, &self.make, iterative)?)
             }
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
-                Box::new(Full::new(assembler, (self.make)(Purpose::Exact), self.krylov)?)
+                let at_rest = view.rule.per_k == 0.0;
+                let solver = match self.multigrid.filter(|_| at_rest) {
+                    Some(settings) => by_parts(assembler, &self.make, settings),
+                    None => (self.make)(Purpose::Exact),
+                };
+                Box::new(Full::new(assembler, solver, self.krylov)?)
             }
         })
     }

@@ -1,6 +1,6 @@
 //! Factors of small sparse matrices within their envelopes, without pivoting.
 
-use crate::algebra::Csr;
+use crate::algebra::{Csr, Vectors};
 
 /// A pivot below this part of what it is a sum of is rounding: the unknown is left out.
 const NO_PIVOT: f64 = 1e-11;
@@ -72,7 +72,14 @@ impl Envelope {
 
     /// The factors L and U of the matrix between the unknowns of `list`: row by row, L with diagonal 1 in front of the
     /// inverse pivot, U behind it.
-    pub fn factor(spans: &[[u32; 2]], a: &Csr, list: &[u32], work: &mut Work, out: &mut [f32]) {
+    pub fn factor(
+        spans: &[[u32; 2]],
+        a: &Csr,
+        list: &[u32],
+        work: &mut Work,
+        vectors: Vectors,
+        out: &mut [f32],
+    ) {
         let Work { local, matrix, starts } = work;
         matrix.clear();
         matrix.resize(out.len(), 0.0);
@@ -87,31 +94,15 @@ impl Envelope {
         Work::entries(local, &a.pattern, list, |row, column, entry| {
             matrix[at(row, column)] = a.values[entry]
         });
-        // What diagonal entries are sums of, without signs.
-        let mut sizes: Vec<f64> = (0..spans.len()).map(|row| matrix[at(row, row)].abs()).collect();
-        for k in 0..spans.len() {
-            let end = spans[k][1] as usize;
-            let (above, below) = matrix.split_at_mut(at(k, end));
-            let pivot = &mut above[at(k, k)..];
-            let is_one = pivot[0].abs() > NO_PIVOT * sizes[k];
-            let inverse = if is_one { 1.0 / pivot[0] } else { 0.0 };
-            pivot[0] = inverse;
-            for row in (k + 1..end).filter(|&row| spans[row][0] as usize <= k) {
-                let first = at(row, k) - at(k, end);
-                let part = &mut below[first..first + end - k];
-                if part[0] == 0.0 {
-                    continue;
-                }
-                let factor = part[0] * inverse;
-                part[0] = factor;
-                sizes[row] += (factor * pivot[row - k]).abs();
-                part[1..].iter_mut().zip(&pivot[1..]).for_each(|(x, pivot)| *x -= factor * pivot);
-            }
-        }
+        vectors.run(
+            #[inline(always)]
+            || decompose(spans, starts, matrix),
+        );
         out.iter_mut().zip(&*matrix).for_each(|(out, x)| *out = *x as f32);
     }
 
     /// `x ← A⁻¹ x` by the `factors`.
+    #[inline(always)]
     pub fn solve(spans: &[[u32; 2]], factors: &[f32], x: &mut [f32]) {
         let mut start = 0;
         for (row, &[first, end]) in spans.iter().enumerate() {
@@ -129,13 +120,46 @@ impl Envelope {
     }
 }
 
-/// The sum of products, in eight parts.
+/// L and U in place of a matrix whose row `i` has its column `j` at `starts[i]` + j: row after row, each less those above.
+#[inline(always)]
+fn decompose(spans: &[[u32; 2]], starts: &[isize], matrix: &mut [f64]) {
+    let at = |row: usize, column: usize| (starts[row] + column as isize) as usize;
+    for row in 0..spans.len() {
+        let [first, end] = spans[row].map(|column| column as usize);
+        let (above, rest) = matrix.split_at_mut(at(row, first));
+        let here = &mut rest[..end - first];
+        // What the pivot is a sum of, without signs.
+        let mut size = here[row - first].abs();
+        for k in first..row {
+            let (last, begin) = (spans[k][1] as usize, at(k, k));
+            let upper = &above[begin..begin + last - k];
+            let part = &mut here[k - first..last - first];
+            let factor = part[0] * upper[0];
+            part[0] = factor;
+            if factor == 0.0 {
+                continue;
+            }
+            size += (factor * upper[row - k]).abs();
+            for i in 1..part.len() {
+                part[i] -= factor * upper[i];
+            }
+        }
+        let pivot = &mut here[row - first];
+        *pivot = if pivot.abs() > NO_PIVOT * size { 1.0 / *pivot } else { 0.0 };
+    }
+}
+
+/// Products that are summed side by side.
+const WIDTH: usize = 32;
+
+/// The sum of products, in parts.
+#[inline(always)]
 fn dot(one: &[f32], two: &[f32]) -> f32 {
-    let mut parts = [0.0_f32; 8];
-    let (ones, twos) = (one.chunks_exact(8), two.chunks_exact(8));
+    let mut parts = [0.0_f32; WIDTH];
+    let (ones, twos) = (one.chunks_exact(WIDTH), two.chunks_exact(WIDTH));
     let rest: f32 = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| a * b).sum();
     for (a, b) in ones.zip(twos) {
-        for i in 0..8 {
+        for i in 0..WIDTH {
             parts[i] += a[i] * b[i];
         }
     }
@@ -169,7 +193,7 @@ mod tests {
         let mut work = Work::new(n);
         let envelope = Envelope::new(&pattern, &list, &mut work);
         let mut factors = vec![0.0; envelope.size];
-        Envelope::factor(&envelope.spans, &a, &list, &mut work, &mut factors);
+        Envelope::factor(&envelope.spans, &a, &list, &mut work, Vectors::new(), &mut factors);
         let solution: Vec<f64> = (0..n).map(|i| if i == 0 { 0.0 } else { (i as f64).sin() }).collect();
         let mut product = vec![0.0; n];
         a.mul(&solution, &mut product);

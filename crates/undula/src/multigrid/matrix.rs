@@ -4,10 +4,10 @@ use crate::algebra::{Csr, Pattern};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Rows per task.
-const ROWS_PER_TASK: usize = 1024;
+/// Products that are summed side by side.
+const WIDTH: usize = 16;
 
-/// A matrix in 32 bits.
+/// A matrix in 32 bits. Rows of a node have the same columns, which are read once for them.
 #[derive(Clone, Debug)]
 pub struct Single {
     pattern: Arc<Pattern>,
@@ -20,9 +20,9 @@ impl Single {
         Single { pattern: Arc::clone(pattern), values: vec![0.0; pattern.nnz()] }
     }
 
-    /// Bytes of its entries and their columns.
+    /// Bytes of its entries and of the columns that are read.
     pub fn bytes(&self) -> usize {
-        8 * self.values.len()
+        4 * (self.values.len() + self.values.len() / 3)
     }
 
     /// Take the entries of `a`.
@@ -34,31 +34,106 @@ impl Single {
             .for_each(|(to, from)| *to = *from as f32);
     }
 
-    /// Row `row` of b − A x.
-    #[inline]
-    pub fn residual_of(&self, row: usize, b: &[f32], x: &[f32]) -> f32 {
-        let entries = self.pattern.row(row);
-        b[row] - product(&self.pattern.col[entries.clone()], &self.values[entries], x)
+    /// The rows `list` of b − A x, into `r`; to be called where vectors are in use.
+    #[inline(always)]
+    pub fn residual_of(&self, list: &[u32], b: &[f32], x: &[f32], r: &mut [f32]) {
+        let mut at = 0;
+        while at < list.len() {
+            let row = list[at] as usize;
+            let rows = row..self.pattern.end_of_alike(row);
+            let there = list[at..].iter().zip(rows).take_while(|(listed, row)| **listed as usize == *row);
+            let len = there.count();
+            self.rows(row..row + len, b, x, &mut r[at..at + len]);
+            at += len;
+        }
     }
 
-    /// `r ← b − A x`.
-    pub fn residual(&self, b: &[f32], x: &[f32], r: &mut [f32]) {
-        let rows = r.par_iter_mut().with_min_len(ROWS_PER_TASK).enumerate();
-        rows.for_each(|(row, r)| *r = self.residual_of(row, b, x));
+    /// Rows of b − A x that have the same columns.
+    #[inline(always)]
+    fn rows(&self, rows: std::ops::Range<usize>, b: &[f32], x: &[f32], r: &mut [f32]) {
+        let at = self.pattern.row(rows.start);
+        let (columns, b) = (&self.pattern.col[at.clone()], &b[rows.clone()]);
+        let values = &self.values[at.start..at.start + rows.len() * at.len()];
+        match rows.len() {
+            3 => subtract(b, product::<3>(columns, values, x), r),
+            2 => subtract(b, product::<2>(columns, values, x), r),
+            _ => subtract(b, product::<1>(columns, values, x), r),
+        }
     }
 }
 
-/// The product of a row with `x`, summed in eight parts.
-#[inline]
-fn product(columns: &[u32], values: &[f32], x: &[f32]) -> f32 {
-    let mut parts = [0.0_f32; 8];
-    let (heads, tails) = (columns.chunks_exact(8), values.chunks_exact(8));
-    let rest = heads.remainder().iter().zip(tails.remainder());
-    let rest: f32 = rest.map(|(&column, value)| value * x[column as usize]).sum();
-    for (columns, values) in heads.zip(tails) {
-        for i in 0..8 {
-            parts[i] += values[i] * x[columns[i] as usize];
+/// `r ← b − y`.
+#[inline(always)]
+fn subtract<const K: usize>(b: &[f32], y: [f32; K], r: &mut [f32]) {
+    for i in 0..K {
+        r[i] = b[i] - y[i];
+    }
+}
+
+/// The products of rows of the same columns with `x`.
+#[inline(always)]
+fn product<const K: usize>(columns: &[u32], values: &[f32], x: &[f32]) -> [f32; K] {
+    let rows: [&[f32]; K] = std::array::from_fn(|i| &values[i * columns.len()..(i + 1) * columns.len()]);
+    let mut parts = [[0.0_f32; WIDTH]; K];
+    let whole = columns.len() / WIDTH * WIDTH;
+    for at in (0..whole).step_by(WIDTH) {
+        let here = &columns[at..at + WIDTH];
+        let x: [f32; WIDTH] = std::array::from_fn(|l| x[here[l] as usize]);
+        for i in 0..K {
+            let row = &rows[i][at..at + WIDTH];
+            for l in 0..WIDTH {
+                parts[i][l] += row[l] * x[l];
+            }
         }
     }
-    parts.iter().sum::<f32>() + rest
+    let mut sums = parts.map(|parts| parts.iter().sum::<f32>());
+    for at in whole..columns.len() {
+        let x = x[columns[at] as usize];
+        for i in 0..K {
+            sums[i] += rows[i][at] * x;
+        }
+    }
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Groups of one, two and three rows, and more than three of the same columns.
+    #[test]
+    fn the_residual_is_that_of_the_matrix() {
+        let n = 90_u32;
+        let same = |row: u32| match row % 9 {
+            0..3 => 0,
+            3..5 => 3,
+            5 => 5,
+            _ => 6,
+        };
+        let columns = |row: u32| {
+            let of = row / 9 * 9 + same(row);
+            (0..n).filter(move |column| (column * 7 + of).is_multiple_of(2 + same(row))).chain([of])
+        };
+        let rows: Vec<Vec<u32>> = (0..n).map(|row| columns(row).collect()).collect();
+        let pattern = Arc::new(Pattern::from_rows(&rows));
+        let mut a = Csr::zeros(&pattern);
+        a.values.iter_mut().enumerate().for_each(|(at, value)| *value = (at as f64).sin());
+        let mut single = Single::zeros(&pattern);
+        single.take(&a);
+        let x: Vec<f64> = (0..n).map(|i| f64::from(i).cos()).collect();
+        let b: Vec<f64> = (0..n).map(|i| (0.1 * f64::from(i)).exp().recip()).collect();
+        let mut exact = vec![0.0; n as usize];
+        a.residual(&b, &x, &mut exact);
+        let short = |x: &[f64]| x.iter().map(|x| *x as f32).collect::<Vec<f32>>();
+        let all: Vec<u32> = (0..n).collect();
+        let mut r = vec![0.0; n as usize];
+        single.residual_of(&all, &short(&b), &short(&x), &mut r);
+        let close = |r: f32, exact: f64| assert!((f64::from(r) - exact).abs() < 1e-5, "{r} {exact}");
+        r.iter().zip(&exact).for_each(|(r, exact)| close(*r, *exact));
+        // A list of rows: a whole group, a part of one, rows that turn back.
+        let list = [9, 10, 11, 1, 2, 4, 3, 5, 6, 7, 8, 12, 13];
+        let mut r = vec![0.0; list.len()];
+        single.residual_of(&list, &short(&b), &short(&x), &mut r);
+        r.iter().zip(list).for_each(|(r, row)| close(*r, exact[row as usize]));
+    }
 }

@@ -7,9 +7,11 @@ mod lists;
 mod matrix;
 mod smoother;
 mod transfer;
+mod triangular;
 mod weights;
 
 pub use levels::{System, Tier, tiers};
+pub use triangular::{Part, Triangular};
 
 use crate::algebra::{
     Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Unknown,
@@ -25,16 +27,15 @@ const GALERKIN: f64 = 8.0;
 /// How a cycle is done.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Smoothing steps before and after the correction by the coarser level.
+    /// Smoothing steps after the correction by the coarser level.
     pub sweeps: usize,
-    /// Corrections by the coarser level in a cycle: 1 is a V-cycle, 2 a W-cycle.
-    pub corrections: usize,
 }
 
 impl Default for Settings {
-    /// One sweep over blocks that have several cells does more than two over single cells.
+    /// One sweep over blocks that have several cells does more than two over single cells. None goes before the
+    /// correction: with it GMRES needs as many iterations, of twice the cost.
     fn default() -> Settings {
-        Settings { sweeps: 1, corrections: 1 }
+        Settings { sweeps: 1 }
     }
 }
 
@@ -47,14 +48,6 @@ struct Level {
     coarser: Arc<Pattern>,
     x: Vec<f32>,
     b: Vec<f32>,
-    r: Vec<f32>,
-}
-
-impl Level {
-    /// Sweeps over all blocks, `back` to front or not.
-    fn smooth(&mut self, sweeps: usize, back: bool) {
-        (0..sweeps).for_each(|_| self.smoother.sweep(&self.matrix, &self.b, &mut self.x, back));
-    }
 }
 
 /// A multigrid cycle as the factors of a matrix.
@@ -65,52 +58,44 @@ pub struct Multigrid {
     /// The finest first.
     levels: Vec<Level>,
     coarsest: Box<dyn LinearSolver>,
-    /// Right-hand side and solution of the coarsest level.
-    coarse: [Vec<f64>; 2],
+    coarse: Coarse,
+}
+
+/// Vectors of the coarsest level.
+#[derive(Default)]
+struct Coarse {
+    /// Right-hand side, then solution.
+    single: Vec<f32>,
+    double: [Vec<f64>; 2],
 }
 
 impl Multigrid {
     /// From the `tiers` of the levels above the coarsest one, which `coarsest` solves.
     pub fn new(settings: Settings, tiers: Vec<Tier>, coarsest: Box<dyn LinearSolver>) -> Multigrid {
-        Multigrid { settings, tiers, levels: vec![], coarsest, coarse: Default::default() }
+        Multigrid { settings, tiers, levels: vec![], coarsest, coarse: Coarse::default() }
     }
 
-    /// The correction of level `l` for its right-hand side `b`, into its `x`.
+    /// The solution of level `l` for its right-hand side `b`, about, into its `x`: that of the next coarser level, then
+    /// sweeps.
     fn cycle(&mut self, l: usize) {
-        let Settings { sweeps, corrections } = self.settings;
-        if l == self.levels.len() {
-            let [b, x] = &mut self.coarse;
-            self.coarsest.apply(b, x);
-            return;
-        }
-        let level = &mut self.levels[l];
-        level.x.fill(0.0);
-        level.smooth(sweeps, false);
-        for _ in 0..corrections {
-            self.correct(l);
-        }
-        self.levels[l].smooth(sweeps, true);
-    }
-
-    /// Correct level `l` by the next coarser one.
-    fn correct(&mut self, l: usize) {
         let (finer, coarser) = self.levels.split_at_mut(l + 1);
-        let level = &mut finer[l];
-        level.matrix.residual(&level.b, &level.x, &mut level.r);
+        let Level { transfer, b, x, .. } = &mut finer[l];
+        x.fill(0.0);
         if let Some(next) = coarser.first_mut() {
-            level.transfer.restrict(&level.r, &mut next.b);
+            transfer.restrict(b, &mut next.b);
             self.cycle(l + 1);
             let (finer, coarser) = self.levels.split_at_mut(l + 1);
             finer[l].transfer.prolong(&coarser[0].x, &mut finer[l].x);
-            return;
+        } else {
+            let Coarse { single, double: [right, solution] } = &mut self.coarse;
+            transfer.restrict(b, single);
+            right.iter_mut().zip(&*single).for_each(|(to, from)| *to = f64::from(*from));
+            self.coarsest.apply(right, solution);
+            single.iter_mut().zip(&*solution).for_each(|(to, from)| *to = *from as f32);
+            transfer.prolong(single, x);
         }
-        let mut coarse = vec![0.0; self.coarse[0].len()];
-        level.transfer.restrict(&level.r, &mut coarse);
-        self.coarse[0].iter_mut().zip(&coarse).for_each(|(to, from)| *to = f64::from(*from));
-        self.cycle(l + 1);
-        coarse.iter_mut().zip(&self.coarse[1]).for_each(|(to, from)| *to = *from as f32);
-        let level = &mut self.levels[l];
-        level.transfer.prolong(&coarse, &mut level.x);
+        let Level { matrix, smoother, b, x, .. } = &mut self.levels[l];
+        (0..self.settings.sweeps).for_each(|_| smoother.sweep(matrix, b, x));
     }
 }
 
@@ -133,11 +118,11 @@ impl LinearSolver for Multigrid {
                 coarser: Arc::clone(&coarser),
                 x: vec![0.0; n],
                 b: vec![0.0; n],
-                r: vec![0.0; n],
             });
             (pattern, last) = (coarser, unknowns);
         }
-        self.coarse = [vec![0.0; pattern.n], vec![0.0; pattern.n]];
+        let n = pattern.n;
+        self.coarse = Coarse { single: vec![0.0; n], double: [vec![0.0; n], vec![0.0; n]] };
         self.coarsest.analyse(&pattern, &last)
     }
 
@@ -175,8 +160,9 @@ impl LinearSolver for Multigrid {
     }
 
     fn predicted(&self) -> Option<Cost> {
-        let sweeps = 2 * self.settings.sweeps;
-        let read = |level: &Level| (2 * sweeps + 1) * level.matrix.bytes() + sweeps * level.smoother.bytes();
+        let sweeps = self.settings.sweeps;
+        // Rows on the rims of blocks belong to several of them.
+        let read = |level: &Level| sweeps * (2 * level.matrix.bytes() + level.smoother.bytes());
         let read: usize = self.levels.iter().map(read).sum();
         let flops: f64 = self
             .levels

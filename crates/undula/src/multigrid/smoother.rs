@@ -4,7 +4,7 @@ use super::clusters::colours;
 use super::envelope::{Envelope, Work};
 use super::lists::Lists;
 use super::matrix::Single;
-use crate::algebra::{Csr, Pattern};
+use crate::algebra::{Csr, Pattern, Vectors};
 use rayon::prelude::*;
 
 /// Blocks of unknowns with the factors of their systems.
@@ -21,6 +21,7 @@ pub struct Smoother {
     colours: Vec<Vec<u32>>,
     /// Corrections of all blocks.
     work: Vec<f32>,
+    vectors: Vectors,
 }
 
 impl Smoother {
@@ -41,7 +42,8 @@ impl Smoother {
         }
         let colours = colours(&unknowns, pattern.n);
         let work = vec![0.0; unknowns.items().len()];
-        Smoother { factors: vec![0.0; starts[starts.len() - 1]], unknowns, spans, starts, colours, work }
+        let factors = vec![0.0; starts[starts.len() - 1]];
+        Smoother { factors, unknowns, spans, starts, colours, work, vectors: Vectors::new() }
     }
 
     /// Bytes of the factors.
@@ -56,7 +58,7 @@ impl Smoother {
 
     /// Factorise the blocks of `a`.
     pub fn factor(&mut self, a: &Csr) {
-        let Smoother { unknowns, spans, starts, factors, .. } = self;
+        let Smoother { unknowns, spans, starts, factors, vectors, .. } = self;
         let mut parts = vec![];
         let mut rest = &mut factors[..];
         for block in 0..unknowns.len() {
@@ -68,16 +70,15 @@ impl Smoother {
             || Work::new(a.pattern.n),
             |work, (block, out)| {
                 let (list, first) = (unknowns.get(block), unknowns.start(block));
-                Envelope::factor(&spans[first..first + list.len()], a, list, work, out);
+                Envelope::factor(&spans[first..first + list.len()], a, list, work, *vectors, out);
             },
         );
     }
 
-    /// Solve the blocks of `matrix` x = `b`, each with the others as they are; from the last to the first if `back`.
-    pub fn sweep(&mut self, matrix: &Single, b: &[f32], x: &mut [f32], back: bool) {
-        let Smoother { unknowns, spans, starts, factors, colours, work } = self;
-        for turn in 0..colours.len() {
-            let colour = &colours[if back { colours.len() - 1 - turn } else { turn }];
+    /// Solve the blocks of `matrix` x = `b`, each with the others as they are.
+    pub fn sweep(&mut self, matrix: &Single, b: &[f32], x: &mut [f32]) {
+        let Smoother { unknowns, spans, starts, factors, colours, work, vectors } = self;
+        for colour in &*colours {
             let mut parts = Vec::with_capacity(colour.len());
             let (mut rest, mut behind) = (&mut work[..], 0);
             for &block in colour {
@@ -90,11 +91,14 @@ impl Smoother {
             let seen = &*x;
             parts.par_iter_mut().with_min_len(4).for_each(|(block, correction)| {
                 let first = unknowns.start(*block);
-                for (to, &row) in correction.iter_mut().zip(unknowns.get(*block)) {
-                    *to = matrix.residual_of(row as usize, b, seen);
-                }
                 let spans = &spans[first..first + correction.len()];
-                Envelope::solve(spans, &factors[starts[*block]..starts[*block + 1]], correction);
+                vectors.run(
+                    #[inline(always)]
+                    || {
+                        matrix.residual_of(unknowns.get(*block), b, seen, correction);
+                        Envelope::solve(spans, &factors[starts[*block]..starts[*block + 1]], correction);
+                    },
+                );
             });
             for (block, correction) in parts {
                 unknowns.get(block).iter().zip(&*correction).for_each(|(&row, c)| x[row as usize] += c);

@@ -3,7 +3,7 @@
 //! Blocks are those of forward substitution, from the last to the first. Every number is computed by the same
 //! operations in the same order, whatever the number of threads.
 
-use super::arch::dispatch;
+use crate::algebra::vectors::dispatch;
 use super::factors::Lower;
 use super::kernels::{dots, flush};
 use super::real::Real;

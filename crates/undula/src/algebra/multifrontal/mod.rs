@@ -6,7 +6,6 @@
 //! their column; where there is none, as for pressures before the velocities they push, the unknown is
 //! delayed to the parent.
 
-mod arch;
 mod buffer;
 mod definite;
 mod dense;

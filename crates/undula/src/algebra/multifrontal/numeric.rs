@@ -1,7 +1,7 @@
 //! Assembly and elimination over the tree of fronts.
 
 use super::super::{Csr, Scaling};
-use super::arch::dispatch;
+use crate::algebra::vectors::dispatch;
 use super::buffer::Buffer;
 use super::front::{Front, Scratch};
 use super::kernels::flushed;

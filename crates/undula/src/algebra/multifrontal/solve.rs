@@ -4,7 +4,7 @@
 //! parent and read from it. So subtrees are independent, and sums are always taken in one order.
 //! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
-use super::arch::dispatch;
+use crate::algebra::vectors::dispatch;
 use super::definite;
 use super::dense;
 use super::factors::Factors;

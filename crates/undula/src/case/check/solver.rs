@@ -283,12 +283,8 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-/// `linearization`: the matrices that will be solved with; `mesh`: where they are of.
-pub(super) fn linear(
-    mut s: Section<'_, '_>,
-    linearization: Linearization,
-    mesh: Option<&MeshSpec>,
-) -> LinearSpec {
+/// `has_levels`: whether multigrid solves the systems that there will be; `mesh`: where they are of.
+pub(super) fn linear(mut s: Section<'_, '_>, has_levels: bool, mesh: Option<&MeshSpec>) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
         let message = format!(
             "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
@@ -304,8 +300,8 @@ pub(super) fn linear(
     let in_space = mesh.is_some_and(|mesh| mesh.dimension == 3);
     let usual = if in_space { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
     let mut solver = solver.unwrap_or(usual);
-    if solver == LinearSolverKind::Multigrid && linearization != Linearization::Condensed {
-        let note = "linear.solver has no effect: the whole Jacobian takes `multifrontal`";
+    if solver == LinearSolverKind::Multigrid && !has_levels {
+        let note = "linear.solver has no effect: in time the whole Jacobian takes `multifrontal`";
         s.checker.notes.borrow_mut().push(note.into());
         solver = LinearSolverKind::Multifrontal;
     }

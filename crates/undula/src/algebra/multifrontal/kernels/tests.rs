@@ -1,4 +1,4 @@
-use super::super::arch::dispatch;
+use crate::algebra::vectors::dispatch;
 use super::*;
 use crate::algebra::vector::pseudo_random_sign;
 use pulp::{Arch, Scalar};

@@ -17,3 +17,20 @@ pub(super) fn dispatch<W: WithSimd>(arch: Arch, work: W) -> W::Output {
     #[cfg(not(target_arch = "x86_64"))]
     arch.dispatch(work)
 }
+
+/// The vectors of this processor, for loops that the compiler takes to them.
+#[derive(Copy, Clone, Debug)]
+pub(crate) struct Vectors(Arch);
+
+impl Vectors {
+    /// Those that there are.
+    pub fn new() -> Vectors {
+        Vectors(Arch::new())
+    }
+
+    /// Run `work`, compiled for them; what it calls must be inlined.
+    #[inline(always)]
+    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        dispatch(self.0, work)
+    }
+}
