@@ -37,6 +37,8 @@ pub enum Command {
     Compare(CompareArgs),
     /// Plot histories and fields of a run
     Plot(PlotArgs),
+    /// Write a page about a run: results, histories, a player of the fields, the case; it needs no network
+    Report(ReportArgs),
     /// Compute a study: many runs, and a page with their tables, figures and statements
     Study(StudyArgs),
     /// Recompute the numerical studies of chapter 5 of the book, published numbers beside computed ones
@@ -73,7 +75,7 @@ pub struct RunArgs {
     /// Overwrite the run in the output directory, completed or not
     #[arg(long)]
     pub force: bool,
-    /// Print errors only
+    /// Print errors only; draw no pictures and write no report.html
     #[arg(short, long)]
     pub quiet: bool,
     /// Print the scaled residual after every Newton iteration
@@ -177,6 +179,16 @@ pub struct PlotArgs {
     /// What colours the surface of the bodies of a run in three dimensions; may be repeated [default: displacement]
     #[arg(long, value_name = "FIELD", require_equals = true, num_args = 0..=1, default_missing_value = "displacement")]
     pub surface: Vec<SurfaceField>,
+}
+
+/// `undula report`.
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Output directory of a run
+    pub dir: PathBuf,
+    /// File of the page [default: DIR/report.html]
+    #[arg(short, long, value_name = "FILE")]
+    pub output: Option<PathBuf>,
 }
 
 /// A plane across a coordinate.

@@ -16,6 +16,7 @@ mod new;
 mod page;
 mod plot;
 mod progress;
+mod report;
 mod run;
 mod study;
 
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Reproduce(args) => study::reproduce(&args),
         Command::Bench(args) => bench::run(&args),

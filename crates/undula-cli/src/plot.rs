@@ -2,19 +2,20 @@
 
 mod cell;
 pub mod colors;
-mod cube;
+pub mod cube;
 mod cut;
 pub mod figure;
 mod history;
 mod lines;
 mod picture;
-mod space;
+pub mod space;
 mod surface;
 
 use crate::args::{Plane, PlotArgs, SurfaceField, bad_input, print, say_notes};
 use crate::digits::fixed;
 use anyhow::Context;
-use picture::{View, solid_cells};
+use picture::View;
+pub use picture::solid_cells;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use surface::Surface;
