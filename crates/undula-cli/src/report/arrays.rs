@@ -36,8 +36,8 @@ pub fn bytes(values: impl Iterator<Item = u8>) -> anyhow::Result<Value> {
     packed("u8", &values.map(|n| [n]).collect::<Vec<_>>())
 }
 
-/// The values of one quantity at some moments, with 16 bits each: `low + n (high − low)/65534`, and `n = 65535` for what
-/// is not finite.
+/// The values of one quantity at some moments, with 16 bits each: `base + step (n − zero)`, and `n = 65535` for what is not
+/// finite. The step is 1/65533 of the range of all values.
 ///
 /// Of every moment the difference n to the moment before is taken, of that the difference d to the point before, and of
 /// that 2d or −2d − 1, all modulo 2¹⁶.
@@ -45,8 +45,11 @@ pub fn film(frames: &[Vec<f64>]) -> anyhow::Result<Value> {
     let finite = frames.iter().flatten().copied().filter(|x| x.is_finite());
     let (low, high) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
     let (low, high) = if low <= high { (low, high) } else { (0.0, 0.0) };
-    let unit = if high > low { LARGEST / (high - low) } else { 0.0 };
-    let code = |x: f64| if x.is_finite() { ((x - low) * unit).round() as u16 } else { NONE };
+    let step = (high - low) / (LARGEST - 1.0);
+    // Zero stays what it is.
+    let (base, zero) = if low < 0.0 && high > 0.0 { (0.0, (-low / step).ceil()) } else { (low, 0.0) };
+    let steps = |x: f64| if step > 0.0 { (x - base) / step } else { 0.0 };
+    let code = |x: f64| if x.is_finite() { (zero + steps(x)).round() as u16 } else { NONE };
     let mut before = vec![0; frames.first().map_or(0, Vec::len)];
     let mut codes = Vec::with_capacity(frames.len() * before.len());
     for frame in frames {
@@ -60,8 +63,9 @@ pub fn film(frames: &[Vec<f64>]) -> anyhow::Result<Value> {
     }
     let mut value = packed("film", &codes)?;
     value["frames"] = json!(frames.len());
-    value["low"] = json!(low);
-    value["high"] = json!(high);
+    value["base"] = json!(base);
+    value["step"] = json!(step);
+    value["zero"] = json!(zero);
     Ok(value)
 }
 

@@ -105,12 +105,12 @@ class Chart {
     context.strokeStyle = color('--line');
     context.fillStyle = color('--ink');
     context.textAlign = 'center';
-    for (const tick of ticks(...x, w / 80)) {
+    for (const tick of ticks(...x, w / 60)) {
       this.stroke(context, [[px(tick), top], [px(tick), top + h]]);
       context.fillText(digits(tick, 6), px(tick), top + h + 14);
     }
     context.textAlign = 'right';
-    for (const tick of ticks(...y, h / 30)) {
+    for (const tick of ticks(...y, h / 22)) {
       this.stroke(context, [[left, py(tick)], [left + w, py(tick)]]);
       context.fillText(digits(tick, 6), left - 6, py(tick) + 4);
     }

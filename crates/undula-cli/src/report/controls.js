@@ -6,11 +6,13 @@ function buildControls(player) {
   const {scene, into} = player, many = scene.times.length > 1;
   player.canvas = element('canvas', {tabindex: 0, role: 'img', 'aria-label': 'fields of the run'});
   player.stage = element('div', {class: 'stage'}, player.canvas);
-  const button = (text, label, click) => element('button', {type: 'button', 'aria-label': label, title: label, onclick: click}, text);
+  const button = (text, label, click) => {
+    return element('button', {type: 'button', 'aria-label': label, title: label, onclick: click}, text);
+  };
   player.buttons = {
-    back: button('⏴', 'one moment back (←)', () => { player.play(false); player.setFrame(player.frame - 1); }),
+    back: button('‹', 'one moment back (←)', () => { player.play(false); player.setFrame(player.frame - 1); }),
     play: button('▶', 'play', () => player.play()),
-    on: button('⏵', 'one moment on (→)', () => { player.play(false); player.setFrame(player.frame + 1); }),
+    on: button('›', 'one moment on (→)', () => { player.play(false); player.setFrame(player.frame + 1); }),
   };
   player.slider = element('input', {
     type: 'range', min: 0, max: scene.times.length - 1, value: player.frame, 'aria-label': 'moment',
@@ -24,7 +26,7 @@ function buildControls(player) {
       player.chosenMap = true;
       player.setMap(name);
     }),
-    range: choice('range of colours', [['all', 'range of all moments'], ['this', 'range of this moment']], 'all', kind => {
+    range: choice('range of colours', [['all', 'all moments'], ['this', 'this moment']], 'all', kind => {
       player.fixed = kind === 'all';
       player.request();
     }),
@@ -34,7 +36,7 @@ function buildControls(player) {
       player.request();
     }),
   };
-  player.meshBox = element('input', {type: 'checkbox', onchange: () => { player.mesh = player.meshBox.checked; player.request(); }});
+  player.meshBox = checkbox(false, on => { player.mesh = on; player.request(); });
   player.bar = element('div', {class: 'bar-of-colors'});
   player.ticks = element('div', {class: 'ticks'}, element('span'), element('span'), element('span'));
   player.legend = element('div', {class: 'legend'});
@@ -43,7 +45,8 @@ function buildControls(player) {
     player.lists.quantity, player.lists.map, ...(many ? [player.lists.range] : []),
     ...(player.moves ? [player.lists.times] : []),
     element('label', {}, player.meshBox, ' mesh'),
-    button('+', 'enlarge (+)', () => zoomBy(player, 1.5)), button('−', 'reduce (−)', () => zoomBy(player, 1 / 1.5)),
+    button('+', 'enlarge (+)', () => zoomBy(player, 1.5)),
+    button('−', 'reduce (−)', () => zoomBy(player, 1 / 1.5)),
     button('all', 'show all (0)', () => player.fit()),
   ];
   if (player.layers.some(layer => layer.solid.some(Boolean)) && player.box(true)) {
@@ -54,16 +57,23 @@ function buildControls(player) {
   into.replaceChildren(
     player.stage, player.readout,
     element('div', {class: 'colors'}, player.legend, element('div', {}, player.bar, player.ticks)),
-    ...(many ? [element('div', {class: 'controls'}, back, play, on, player.slider, player.time, player.lists.speed)] : []),
-    element('div', {class: 'controls'}, ...tools),
-    element('p', {class: 'data'}, player.deep
-      ? 'Drag to turn, with Shift to move; pinch, or turn the wheel after a click, to enlarge. Keys: space, ← →, + −, 0, m, q.'
-      : 'Drag to move; pinch, or turn the wheel after a click, to enlarge. Keys: space, ← →, + −, 0, b, m, q.'),
+    ...(many ? [controls(back, play, on, player.slider, player.time, player.lists.speed)] : []),
+    controls(...tools),
+    element('p', {class: 'data'}, `Drag to ${player.deep ? 'turn, with Shift to ' : ''}move; pinch, or turn the wheel `
+      + 'after a click, to enlarge. Keys: space plays, ← → step, + − enlarge and reduce, 0 shows all, b the bodies, '
+      + 'm the mesh, q the next quantity.'),
   );
 }
 
+const controls = (...parts) => element('div', {class: 'controls'}, ...parts);
+
+function checkbox(checked, change) {
+  const box = element('input', {type: 'checkbox', checked, onchange: () => change(box.checked)});
+  return box;
+}
+
 function layerBox(player, layer) {
-  const box = element('input', {type: 'checkbox', checked: true, onchange: () => { layer.shown = box.checked; player.request(); }});
+  const box = checkbox(true, on => { layer.shown = on; player.request(); });
   return element('label', {}, box, ` ${layer.name}`);
 }
 
@@ -100,7 +110,9 @@ function listenTo(player) {
     }
     player.request();
   });
-  for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, event => fingers.delete(event.pointerId));
+  for (const name of ['pointerup', 'pointercancel']) {
+    canvas.addEventListener(name, event => fingers.delete(event.pointerId));
+  }
   canvas.addEventListener('pointerleave', event => {
     if (event.pointerType === 'mouse') player.pointer = null;
     player.request();
@@ -134,14 +146,17 @@ function pinch(player, before, now, other) {
 
 function key(player, {key, shiftKey}) {
   const step = 40 * player.ratio, move = (dx, dy) => () => { player.view.pan(dx, dy); player.request(); };
-  const moved = {ArrowLeft: move(step, 0), ArrowRight: move(-step, 0), ArrowUp: move(0, step), ArrowDown: move(0, -step)};
+  const moved = {
+    ArrowLeft: move(step, 0), ArrowRight: move(-step, 0), ArrowUp: move(0, step), ArrowDown: move(0, -step),
+  };
   if (shiftKey && moved[key]) return moved[key];
   const to = frame => () => { player.play(false); player.setFrame(frame); };
   const next = () => player.setChoice((player.choices.indexOf(player.choice) + 1) % player.choices.length);
   return {
     ' ': () => player.play(), ArrowLeft: to(player.frame - 1), ArrowRight: to(player.frame + 1),
-    Home: to(0), End: to(player.scene.times.length - 1), '+': () => zoomBy(player, 1.5), '=': () => zoomBy(player, 1.5),
-    '-': () => zoomBy(player, 1 / 1.5), 0: () => player.fit(), b: () => player.fit(true), q: next,
+    Home: to(0), End: to(player.scene.times.length - 1),
+    '+': () => zoomBy(player, 1.5), '=': () => zoomBy(player, 1.5), '-': () => zoomBy(player, 1 / 1.5),
+    0: () => player.fit(), b: () => player.fit(true), q: next,
     m: () => { player.meshBox.click(); },
   }[key];
 }

@@ -37,11 +37,10 @@ async function unpack(array) {
 
 /** The values of one quantity at all moments. */
 class Film {
-  constructor({frames, low, high}, codes) {
+  constructor({frames, base, step, zero}, codes) {
     this.frames = frames;
     this.points = frames ? codes.length / frames : 0;
-    this.low = low;
-    this.unit = (high - low) / 65534;
+    Object.assign(this, {base, step, zero});
     for (let t = 0, i = 0; t < frames; t++) {
       for (let p = 0, left = 0; p < this.points; p++, i++) {
         const d = codes[i] >> 1 ^ -(codes[i] & 1);
@@ -52,13 +51,15 @@ class Film {
     this.codes = codes;
   }
 
-  /** Writes the values of a moment to `to`; NaN where there is none. */
+  /** The value at a point, NaN where there is none. */
+  value(frame, point) {
+    const code = this.codes[frame * this.points + point];
+    return code === 65535 ? NaN : this.base + this.step * (code - this.zero);
+  }
+
+  /** Writes the values of a moment to `to`. */
   read(frame, to) {
-    const {codes, low, unit, points} = this, from = frame * points;
-    for (let p = 0; p < points; p++) {
-      const code = codes[from + p];
-      to[p] = code === 65535 ? NaN : low + unit * code;
-    }
+    for (let p = 0; p < this.points; p++) to[p] = this.value(frame, p);
     return to;
   }
 }
@@ -67,7 +68,8 @@ class Film {
 function digits(x, count = 5) {
   if (!Number.isFinite(x)) return '–';
   const size = Math.abs(x);
-  const text = size && (size < 1e-4 || size >= 1e7) ? x.toExponential(count - 1) : String(Number(x.toPrecision(count)));
+  const small = size && (size < 1e-4 || size >= 1e7), rounded = Number(x.toPrecision(count));
+  const text = small ? rounded.toExponential() : String(rounded);
   return text.replace('e+', 'e').replaceAll('-', '−');
 }
 

@@ -31,7 +31,8 @@ class Layer {
     this.scratch = new Float32Array(n);
     // Which points belong to fluid cells, which to solid ones.
     this.within = {fluid: new Uint8Array(n), solid: new Uint8Array(n), all: new Uint8Array(n).fill(1)};
-    this.cells.forEach((p, i) => { this.within[this.solid[Math.floor(i / this.corners)] ? 'solid' : 'fluid'][p] = 1; });
+    const body = i => this.solid[Math.floor(i / this.corners)] ? 'solid' : 'fluid';
+    this.cells.forEach((p, i) => { this.within[body(i)][p] = 1; });
   }
 
   /** Moves the points to where they are at a moment, and for the picture `times` as far. */
@@ -89,17 +90,46 @@ class Layer {
     }
   }
 
-  /** The triangle at a pixel: corners, weights and depth; the nearest one, `null` where there is none. */
+  /** The cell at a pixel: corners with their weights, and depth; the nearest one, `null` where there is none. */
   find(px, py) {
-    const {x, y, z} = this.screen;
+    const {x, y, z} = this.screen, {cells, corners} = this;
     let found = null;
-    this.triangles((a, b, c, cell) => {
-      const ux = x[b] - x[a], uy = y[b] - y[a], wx = x[c] - x[a], wy = y[c] - y[a], area = ux * wy - wx * uy;
-      const s = ((px - x[a]) * wy - (py - y[a]) * wx) / area, t = ((py - y[a]) * ux - (px - x[a]) * uy) / area;
-      if (!(s >= 0 && t >= 0 && s + t <= 1)) return;
-      const depth = z[a] + s * (z[b] - z[a]) + t * (z[c] - z[a]);
-      if (!found || depth > found.depth) found = {corners: [a, b, c], weights: [1 - s - t, s, t], depth, cell, layer: this};
-    });
+    for (let i = 0, cell = 0; i < cells.length; i += corners, cell++) {
+      const points = cells.subarray(i, i + corners);
+      if (points.every(p => x[p] < px) || points.every(p => x[p] > px)) continue;
+      if (points.every(p => y[p] < py) || points.every(p => y[p] > py)) continue;
+      const weights = weightsAt(points, x, y, px, py);
+      if (!weights) continue;
+      const depth = weights.reduce((sum, weight, n) => sum + weight * z[points[n]], 0);
+      if (!found || depth > found.depth) found = {points, weights, depth, cell, layer: this};
+    }
     return found;
   }
+
+  /** A component or the size of a quantity between points with weights. */
+  between({points, weights}, frame, {quantity, component, factor}) {
+    const sum = film => weights.reduce((total, weight, n) => total + weight * film.value(frame, points[n]), 0);
+    const films = this.quantities[quantity];
+    return factor * (component === null ? Math.hypot(...films.map(sum)) : sum(films[component]));
+  }
+}
+
+/** Weights of the corners of a cell at a place, linear or bilinear; `null` if the place is outside of it. */
+function weightsAt(points, x, y, px, py) {
+  const [a, b, c, d] = points;
+  const triangle = points.length === 3;
+  const twist = triangle ? [0, 0] : [x[a] - x[b] - x[c] + x[d], y[a] - y[b] - y[c] + y[d]];
+  let r = 0.4, s = 0.4;
+  for (let n = 0; n < (triangle ? 1 : 8); n++) {
+    const fx = x[a] + r * (x[b] - x[a]) + s * (x[c] - x[a]) + r * s * twist[0] - px;
+    const fy = y[a] + r * (y[b] - y[a]) + s * (y[c] - y[a]) + r * s * twist[1] - py;
+    const rx = x[b] - x[a] + s * twist[0], ry = y[b] - y[a] + s * twist[1];
+    const sx = x[c] - x[a] + r * twist[0], sy = y[c] - y[a] + r * twist[1];
+    const area = rx * sy - sx * ry;
+    r -= (fx * sy - sx * fy) / area;
+    s -= (rx * fy - fx * ry) / area;
+  }
+  const low = -1e-6, high = 1 - low;
+  if (!(r >= low && s >= low && (triangle ? r + s <= high : r <= high && s <= high))) return null;
+  return triangle ? [1 - r - s, r, s] : [(1 - r) * (1 - s), r * (1 - s), (1 - r) * s, r * s];
 }

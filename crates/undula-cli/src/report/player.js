@@ -1,14 +1,19 @@
 'use strict';
 // The player of the fields.
 
+/** From blue to red, white between them. */
+const DIVERGING = [
+  [33, 102, 172], [103, 169, 207], [209, 229, 240], [247, 247, 247], [253, 219, 199], [239, 138, 98], [178, 24, 43],
+];
+
 /** A picture of a scene that moves. */
 class Player {
   constructor(into, scene, layers, maps) {
     Object.assign(this, {scene, layers, into});
-    const blue = [[33, 102, 172], [103, 169, 207], [209, 229, 240], [247, 247, 247], [253, 219, 199], [239, 138, 98], [178, 24, 43]];
-    this.maps = {...maps, 'blue-red': blue, grey: [[20, 20, 20], [240, 240, 240]]};
+    this.maps = {...maps, 'blue-red': DIVERGING, grey: [[20, 20, 20], [240, 240, 240]]};
     this.choices = scene.quantities.flatMap((about, quantity) => Player.choices(about, quantity));
-    Object.assign(this, {frame: scene.times.length - 1, playing: false, speed: 20, mesh: false, times: 1, fixed: true});
+    Object.assign(this, {playing: false, speed: 20, mesh: false, times: 1, fixed: true});
+    this.frame = scene.times.length - 1;
     this.choice = this.choices[0];
     this.map = null;
     this.known = new Map();
@@ -45,7 +50,8 @@ class Player {
         }
       }
     }
-    const sorted = Float32Array.from(found).sort(), tail = this.choice.component === null ? 0 : Math.floor(sorted.length / 500);
+    const sorted = Float32Array.from(found).sort();
+    const tail = this.choice.component === null ? 0 : Math.floor(sorted.length / 500);
     let [low, high] = sorted.length ? [sorted[tail], sorted[sorted.length - 1 - tail]] : [0, 1];
     if (this.choice.component === null) low = 0;
     if (!(high - low > 1e-6 * Math.max(Math.abs(low), Math.abs(high)))) [low, high] = [low - 0.5, high + 0.5];
@@ -78,7 +84,7 @@ class Player {
 
   play(on = !this.playing) {
     this.playing = on && this.scene.times.length > 1;
-    this.buttons.play.textContent = this.playing ? '⏸' : '▶';
+    this.buttons.play.textContent = this.playing ? '❚❚' : '▶';
     this.buttons.play.setAttribute('aria-label', this.playing ? 'pause' : 'play');
     if (!this.playing) return;
     let last = performance.now();
@@ -193,10 +199,10 @@ class Player {
     const found = this.layers.filter(layer => layer.shown).map(layer => layer.find(...this.pointer)).filter(Boolean);
     const hit = found.sort((a, b) => b.depth - a.depth)[0];
     if (!hit) return null;
-    const {layer, corners, weights, cell} = hit, {body} = this.choice;
-    const sum = values => weights.reduce((total, weight, n) => total + weight * values[corners[n]], 0);
+    const {layer, points, weights, cell} = hit, {body} = this.choice;
+    const sum = values => weights.reduce((total, weight, n) => total + weight * values[points[n]], 0);
     const has = body === 'all' || (body === 'solid') === (layer.solid[cell] === 1);
-    return {at: layer.at.map(sum), value: has ? sum(layer.values) : NaN};
+    return {at: layer.at.map(sum), value: has ? layer.between(hit, this.frame, this.choice) : NaN};
   }
 
   tell() {

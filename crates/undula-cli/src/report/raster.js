@@ -17,8 +17,8 @@ class Raster {
   }
 
   /**
-   * A triangle between the points `a`, `b`, `c` of the arrays x, y, z (pixels) and v (numbers of colours). `colors` has
-   * 256 of them from `from` on; a triangle without values is `plain`.
+   * A triangle between the points `a`, `b`, `c` of the arrays x, y, z (pixels) and v (numbers of colours). `colors`
+   * has 256 of them from `from` on; a triangle without values is `plain`.
    */
   triangle({x, y, z}, v, a, b, c, colors, from, plain) {
     const {width, height, pixels, depth} = this;
@@ -62,17 +62,19 @@ class Raster {
     }
   }
 
-  /** A line of some width in pixels, in [red, green, blue] with `alpha`; hidden by what is nearer by more than `bias`. */
+  /** A line, `wide` pixels, in [red, green, blue] with `alpha`; hidden by what is nearer by more than `bias`. */
   line({x, y, z}, a, b, [red, green, blue], alpha, wide, bias) {
     const {width, height, image: {data}, depth} = this;
     const steep = Math.abs(y[b] - y[a]) > Math.abs(x[b] - x[a]);
     const [s, t, lengths, widths] = steep ? [y, x, height, width] : [x, y, width, height];
     if (s[a] > s[b]) { const k = a; a = b; b = k; }
     const size = s[b] - s[a];
-    if (!(s[b] >= 0 && s[a] <= lengths) || Math.max(t[a], t[b]) < -wide || Math.min(t[a], t[b]) > widths + wide) return;
+    if (!(s[b] >= 0 && s[a] <= lengths)) return;
+    if (Math.max(t[a], t[b]) < -wide || Math.min(t[a], t[b]) > widths + wide) return;
     const slope = size > 0 ? (t[b] - t[a]) / size : 0, sinking = size > 0 && depth ? (z[b] - z[a]) / size : 0;
     const half = 0.5 * wide * Math.sqrt(1 + slope * slope);
-    const first = Math.max(0, Math.round(s[a])), last = Math.min(lengths, Math.max(Math.round(s[b]), Math.round(s[a]) + 1));
+    const begin = Math.round(s[a]), end = Math.max(Math.round(s[b]), begin + 1);
+    const first = Math.max(0, begin), last = Math.min(lengths, end);
     for (let i = first; i < last; i++) {
       const middle = t[a] + (i + 0.5 - s[a]) * slope;
       const near = depth ? z[a] + (i + 0.5 - s[a]) * sinking + bias : 0;

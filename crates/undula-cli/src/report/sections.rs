@@ -69,8 +69,8 @@ pub fn head(page: &mut Html, content: &Content, title: &str) {
         ),
     );
     if let Some(time) = content.results.history.column("time").filter(|time| time.len() > 1) {
-        let [first, last] = [time[0], time[time.len() - 1]].map(|t| significant(t, 6));
-        fact("time", format!("t = {first} to {last} s in {} steps", grouped(summary.steps as usize)));
+        let last = significant(time[time.len() - 1], 6);
+        fact("time", format!("up to t = {last} s in {} steps", grouped(summary.steps as usize)));
     }
     if let Some(start) = &summary.start {
         fact("start", start.clone());
@@ -155,7 +155,7 @@ pub fn histories(page: &mut Html, histories: Option<&(Value, Option<String>)>) {
     page.heading(2, Some("histories"), "Histories");
     page.raw(
         "<p class=\"data\">Drag to zoom, double-click for all; keys: + − ← → 0. Dashed: published range.</p>\
-         <div id=\"histories\" class=\"charts\"></div>",
+         <div id=\"history-charts\" class=\"charts\"></div>",
     );
     left.iter().for_each(|left| page.paragraph(left));
     let signals = value["signals"].as_array().map_or(&[][..], Vec::as_slice);
@@ -163,7 +163,7 @@ pub fn histories(page: &mut Html, histories: Option<&(Value, Option<String>)>) {
         page.heading(2, Some("periodic"), "Spectra and phase portraits");
         page.raw(
             "<p class=\"data\">Of what is periodic at the end. The spectrum is that of the last 20 periods, the portrait \
-             that of the last 5.</p><div id=\"periodic\"></div>",
+             that of the last 5.</p><div id=\"periodic-charts\"></div>",
         );
     }
 }
@@ -193,16 +193,14 @@ pub fn numbers(page: &mut Html, content: &Content) {
 pub fn published(page: &mut Html, content: &Content) {
     let Published::Table(comparison) = &content.published else { return };
     page.heading(2, Some("published"), "Published values");
-    let mut last = None;
-    let mut rows = vec![];
-    for row in &comparison.rows {
-        let key = (&row.functional, row.quantity);
-        let first = last != Some(key);
-        last = Some(key);
-        rows.push(beside(row, first));
-    }
     let head = ["functional", "", "unit", "computed", "published", "deviation", "uncertainty", "source"];
-    page.raw_table(&head, &rows, "numbers sources");
+    let (first, others): (Vec<&Row>, Vec<&Row>) = comparison.rows.iter().partition(|row| row.primary);
+    page.raw_table(&head, &first.into_iter().map(beside).collect::<Vec<_>>(), "numbers sources");
+    if !others.is_empty() {
+        page.raw(&format!("<details><summary>{} values of other sources</summary>", others.len()));
+        page.raw_table(&head, &others.into_iter().map(beside).collect::<Vec<_>>(), "numbers sources");
+        page.raw("</details>");
+    }
     if comparison.rows.iter().any(|row| row.quantity == "mean") {
         page.paragraph("Deviations of a mean are relative to the amplitude where that is larger.");
     }
@@ -211,8 +209,7 @@ pub fn published(page: &mut Html, content: &Content) {
     }
 }
 
-fn beside(row: &Row, first: bool) -> Vec<String> {
-    let once = |text: &str| if first { html::escape(text) } else { String::new() };
+fn beside(row: &Row) -> Vec<String> {
     let percent = |x: f64| format!("{:+.2} %", 100.0 * x).replace('-', "\u{2212}");
     let within = row.deviation.zip(row.uncertainty).map(|(d, u)| d.abs() <= u);
     let class = match within {
@@ -222,10 +219,10 @@ fn beside(row: &Row, first: bool) -> Vec<String> {
     };
     let deviation = row.deviation.map_or("–".into(), percent);
     vec![
-        once(&row.functional),
-        once(row.quantity),
-        once(&row.unit),
-        once(&row.computed.map_or("–".into(), |x| significant(x, 6))),
+        html::escape(&row.functional),
+        row.quantity.into(),
+        html::escape(&row.unit),
+        row.computed.map_or("–".into(), |x| significant(x, 6)),
         format!("<span class=\"published\">{}</span>", significant(row.published, 8)),
         format!("<span class=\"{class}\">{deviation}</span>"),
         row.uncertainty.map_or(String::new(), |x| format!("{} %", significant(100.0 * x, 2))),
@@ -265,7 +262,9 @@ pub fn solver(page: &mut Html, content: &Content, in_time: bool) {
         false => grouped(n as usize),
     };
     fact("Newton iterations", per_step(summary.newton_steps));
-    fact("linear iterations", per_step(summary.linear_iterations));
+    if summary.linear_iterations > 0 {
+        fact("linear iterations", per_step(summary.linear_iterations));
+    }
     fact("Jacobians", per_step(summary.jacobians));
     fact("factorizations", per_step(summary.factorizations));
     if let Some(rejected) = summary.rejected_steps {
@@ -273,7 +272,7 @@ pub fn solver(page: &mut Html, content: &Content, in_time: bool) {
     }
     page.table(&[], &rows, "facts");
     if in_time {
-        page.raw("<div id=\"counts\" class=\"charts\"></div>");
+        page.raw("<div id=\"count-charts\" class=\"charts\"></div>");
     }
     time(page, summary, steps);
 }
@@ -281,7 +280,7 @@ pub fn solver(page: &mut Html, content: &Content, in_time: bool) {
 /// Where the time went.
 fn time(page: &mut Html, summary: &Summary, steps: f64) {
     let whole = summary.wall_seconds;
-    if !(whole > 0.0) {
+    if whole.is_nan() || whole <= 0.0 {
         return;
     }
     let phases = &summary.phases;

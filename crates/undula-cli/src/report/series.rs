@@ -98,7 +98,7 @@ fn history(
 /// `mean ± amplitude, frequency` of what is periodic, or the last value.
 pub fn in_words(statistics: &Statistics, factor: f64, unit: &str) -> String {
     let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-    match (statistics.mean, statistics.amplitude) {
+    let text = match (statistics.mean, statistics.amplitude) {
         (Some(mean), Some(amplitude)) => {
             let [mean, amplitude] = [mean, amplitude].map(|x| significant(factor * x, 5));
             let frequency =
@@ -106,7 +106,8 @@ pub fn in_words(statistics: &Statistics, factor: f64, unit: &str) -> String {
             format!("{mean} ± {amplitude}{unit}{frequency}")
         }
         _ => format!("last {}{unit}", significant(factor * statistics.last, 6)),
-    }
+    };
+    text.replace('-', "\u{2212}")
 }
 
 /// The spectrum of the last periods of a signal, up to some multiples of its frequency.

@@ -15,7 +15,8 @@ class View {
     this.azimuth = azimuth;
     this.elevation = Math.max(-1.57, Math.min(1.57, elevation));
     const [s, c, t, d] = [Math.sin(azimuth), Math.cos(azimuth), Math.sin(this.elevation), Math.cos(this.elevation)];
-    this.axes = this.dimension === 2 ? [[1, 0, 0], [0, 1, 0], [0, 0, 1]] : [[c, 0, s], [t * s, d, -t * c], [-d * s, t, d * c]];
+    const turned = [[c, 0, s], [t * s, d, -t * c], [-d * s, t, d * c]];
+    this.axes = this.dimension === 2 ? [[1, 0, 0], [0, 1, 0], [0, 0, 1]] : turned;
   }
 
   /** Shows a box, `[[x, x], [y, y], [z, z]]`, in a picture of `width` and `height` pixels. */

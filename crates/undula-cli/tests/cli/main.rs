@@ -17,6 +17,7 @@ mod multigrid;
 mod outputs;
 mod pictures;
 mod pictures_space;
+mod report;
 mod space_cases;
 mod study;
 mod tables;
