@@ -5,10 +5,10 @@
     report.py out/fsi3
     report.py out/fsi3 --pictures shots        # pictures of the page, 400 and 1600 pixels wide, light and dark
 
-The page is opened from its file. Checked: no error in the console, no request to any network, all charts are drawn, the
-player plays and steps by keys, and what it tells under the pointer is what the field file has there, for every quantity,
-within 1 % of the value and 0.1 % of the largest one. How many moments a second are drawn is measured. The exit code is 1
-if anything is wrong. Of runs in space the values are not compared.
+The page is opened from its file. Checked: no error in the console, no request to any network, all charts are drawn,
+the player plays and steps by keys, and what it tells under the pointer is what the field file has there, for every
+quantity, within 1 % of the value and 0.1 % of the largest one. How many moments a second are drawn is measured. The
+exit code is 1 if anything is wrong. Of runs in space the values are not compared.
 """
 import argparse
 import base64
@@ -257,8 +257,8 @@ def compare(browser, directory, report):
 def tell(browser, x, y):
     """What stands below the picture while the pointer is at a place \\[m\\]."""
     to = browser.value(
-        f"(() => {{ const p = undula.player, to = {{x: [0], y: [0]}}; p.view.project([[{x}], [{y}]], to, p.canvas.width, "
-        "p.canvas.height); const box = p.canvas.getBoundingClientRect(); "
+        f"(() => {{ const p = undula.player, to = {{x: [0], y: [0]}}; p.view.project([[{x}], [{y}]], to, "
+        "p.canvas.width, p.canvas.height); const box = p.canvas.getBoundingClientRect(); "
         "return [box.left + to.x[0] / p.ratio, box.top + to.y[0] / p.ratio]; })()")
     browser.mouse("mouseMoved", *to)
     browser.settle()

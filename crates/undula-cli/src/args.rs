@@ -1,6 +1,11 @@
 //! The command line: its arguments, and the functions for output that all subcommands share.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+// For tests, too, which have this file elsewhere.
+#[path = "args/plot.rs"]
+mod plot;
+
+use clap::{Args, Parser, Subcommand};
+pub use plot::{AnimatedField, Plane, PlotArgs, SurfaceField};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
@@ -164,23 +169,6 @@ pub struct CompareArgs {
     pub reference: Option<PathBuf>,
 }
 
-/// `undula plot`.
-#[derive(Debug, Args)]
-pub struct PlotArgs {
-    /// Output directory of a run
-    pub dir: PathBuf,
-    /// Directory for the pictures [default: DIR/plots]
-    #[arg(short, long, value_name = "OUT")]
-    pub output: Option<PathBuf>,
-    /// Cut a run in three dimensions by this plane, such as x=0.2 [m]; z alone is the middle of the domain; may be
-    /// repeated [default: across the shortest side of the domain, in its middle]
-    #[arg(long, value_name = "PLANE", value_parser = plane)]
-    pub cut: Vec<Plane>,
-    /// What colours the surface of the bodies of a run in three dimensions; may be repeated [default: displacement]
-    #[arg(long, value_name = "FIELD", require_equals = true, num_args = 0..=1, default_missing_value = "displacement")]
-    pub surface: Vec<SurfaceField>,
-}
-
 /// `undula report`.
 #[derive(Debug, Args)]
 pub struct ReportArgs {
@@ -189,41 +177,6 @@ pub struct ReportArgs {
     /// File of the page [default: DIR/report.html]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-}
-
-/// A plane across a coordinate.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Plane {
-    /// The coordinate, 0 for x.
-    pub axis: usize,
-    /// Its value \[m\]; the middle of the domain where it is not said.
-    pub at: Option<f64>,
-}
-
-/// What colours the surface of the bodies.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SurfaceField {
-    /// Size of the displacement
-    Displacement,
-    /// Equivalent stress after von Mises
-    Stress,
-    /// Pressure of the fluid
-    Pressure,
-}
-
-/// A plane from text such as `x=0.2` or `y`.
-fn plane(text: &str) -> Result<Plane, String> {
-    let (name, place) = text.split_once('=').map_or((text, None), |(name, place)| (name, Some(place)));
-    let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.trim());
-    let at = place.map(|place| place.trim().parse::<f64>().ok().filter(|at| at.is_finite()));
-    match (axis, at) {
-        (Some(axis), None) => Ok(Plane { axis, at: None }),
-        (Some(axis), Some(Some(at))) => Ok(Plane { axis, at: Some(at) }),
-        (None, _) => Err(format!("`{name}` is no coordinate: expected x, y or z, such as x=0.2")),
-        _ => {
-            Err(format!("`{}` is no number: expected a place in m, such as {name}=0.2", place.unwrap_or("")))
-        }
-    }
 }
 
 /// How the runs of a study are computed.

@@ -1,5 +1,6 @@
 //! Pictures of a run: `undula plot DIR`, and the end of `undula run`.
 
+mod animate;
 mod cell;
 pub mod colors;
 pub mod cube;
@@ -26,6 +27,12 @@ use undula::results::computed::Results;
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     if let Err(error @ OutputError::NoRun { .. }) = RunDirectory::open(&args.dir) {
         return bad_input(error);
+    }
+    if let Some(file) = &args.animate {
+        return match animate::animate(&args.dir, file, args.field, args.rate) {
+            Err(error) if error.is::<NotDrawn>() => bad_input(error),
+            written => written.and_then(|()| print(&format!("{}\n", file.display()))),
+        };
     }
     let views = Views { cuts: args.cut.clone(), surfaces: args.surface.clone() };
     let written = match plot_views(&args.dir, args.output.as_deref(), &views) {

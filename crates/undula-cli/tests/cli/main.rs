@@ -1,5 +1,6 @@
 //! The program as a user meets it: the real binary, in directories of its own.
 
+mod animate;
 mod bench;
 mod commands;
 mod endings;
