@@ -4,7 +4,7 @@ use super::colors::{self, Rgb, SOLID};
 use super::figure::Image;
 use super::picture::{Film, View};
 use super::{NotDrawn, solid_cells};
-use crate::args::{AnimatedField, say_notes};
+use crate::args::{AnimatedField, say_notes, threads};
 use crate::digits::fixed;
 use anyhow::Context;
 use std::collections::HashMap;
@@ -69,20 +69,44 @@ pub fn animate(dir: &Path, file: &Path, field: Option<AnimatedField>, rate: u16)
         }
     }
     let case = Summary::read(run.summary()).map(|summary| summary.case).unwrap_or_default();
-    let mut palette = Palette::new(film.map());
-    let mut frames = vec![];
-    for (time, name) in &entries {
+    let draw = |(time, name): &(f64, String), palette: &mut Palette| -> anyhow::Result<Frame> {
         let snapshot = read_vtu(collection.resolve(name))?.0;
         let title = format!("{case},  t = {} s", fixed(*time, *time, 3));
         let image = film.image(&view(&snapshot)?, &title)?.context("a field that is gone")?;
-        frames.push(palette.frame(&image));
-    }
+        Ok(palette.frame(&image))
+    };
+    let frames = on_all_cores(&entries, |entries| {
+        let mut palette = Palette::new(film.map());
+        entries.iter().map(|entry| draw(entry, &mut palette)).collect()
+    })?;
+    let colors = Palette::new(film.map()).colors;
     let bytes = match format {
-        Format::Png => png(&frames, &palette.colors, rate)?,
-        Format::Gif => gif(&frames, &palette.colors, rate)?,
+        Format::Png => png(&frames, &colors, rate)?,
+        Format::Gif => gif(&frames, &colors, rate)?,
     };
     write_atomic(file, |out| out.write_all(&bytes))?;
     Ok(())
+}
+
+/// What `draw` makes of parts of `entries`, in their order.
+fn on_all_cores<T: Sync, R: Send>(
+    entries: &[T],
+    draw: impl Fn(&[T]) -> anyhow::Result<Vec<R>> + Sync,
+) -> anyhow::Result<Vec<R>> {
+    let part = entries.len().div_ceil(threads(None)).max(1);
+    let mut all = vec![];
+    std::thread::scope(|scope| {
+        let draw = &draw;
+        let parts: Vec<_> = entries.chunks(part).map(|part| scope.spawn(move || draw(part))).collect();
+        for part in parts {
+            match part.join() {
+                Ok(frames) => all.extend(frames?),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        Ok(())
+    })
+    .map(|()| all)
 }
 
 /// The entries, some left out evenly if there are too many.

@@ -9,7 +9,7 @@ mod view;
 use super::colors::{self, INK, PLASMA, Rgb, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
 pub use film::Film;
-use raster::{NOWHERE, Raster};
+use raster::{NOWHERE, Raster, SAMPLES};
 use std::path::{Path, PathBuf};
 use undula::output::FieldSnapshot;
 pub use view::{View, solid_cells};
@@ -29,6 +29,8 @@ struct Content {
     magnitude: bool,
     /// The least and the greatest colour where they do not follow from the picture.
     limits: Option<(f64, f64)>,
+    /// Samples per pixel and direction.
+    samples: usize,
 }
 
 /// Writes `speed.png` and `pressure.png`, or `deformation.png` if all is solid.
@@ -63,7 +65,7 @@ fn content(snapshot: &FieldSnapshot, name: &str, size: Option<f64>) -> Option<Co
     let magnitude = field.components > 1;
     let finite = values.iter().all(|v| v.is_finite());
     let label = labelled(symbol, &unit);
-    let content = Content { file, label, values, map, in_solid, magnitude, limits: None };
+    let content = Content { file, label, values, map, in_solid, magnitude, limits: None, samples: SAMPLES };
     finite.then_some(content)
 }
 
@@ -114,7 +116,7 @@ fn draw(
     figure.text((margin, 26.0), &title, 15, Anchor::Start, INK);
 
     let rasters: Vec<Raster> =
-        panels.iter().map(|panel| Raster::new(snapshot, &content.values, panel)).collect();
+        panels.iter().map(|panel| Raster::new(snapshot, &content.values, panel, content.samples)).collect();
     let range = content.limits.unwrap_or_else(|| range(content, &rasters[0], solid));
     let bar =
         Panel { left: margin + widest + 24.0, width: 16.0, x: (0.0, 1.0), y: range, ..panels[0].clone() };

@@ -3,7 +3,7 @@
 use super::super::colors::Rgb;
 use super::super::figure::Image;
 use super::{Box2, View, content, draw, frame_of, limits};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 /// Values that the range of colours is taken from.
 const VALUES: usize = 1_000_000;
@@ -19,13 +19,13 @@ pub struct Film {
     moments: usize,
     frame: Option<[Box2; 2]>,
     /// Least and greatest of the values, but for extremes.
-    range: OnceCell<(f64, f64)>,
+    range: OnceLock<(f64, f64)>,
 }
 
 impl Film {
     /// A film of `moments` moments of `velocity`, `pressure` or `deformation`.
     pub fn new(field: &'static str, moments: usize) -> Self {
-        Film { field, size: 0.0, values: vec![], moments, frame: None, range: OnceCell::new() }
+        Film { field, size: 0.0, values: vec![], moments, frame: None, range: OnceLock::new() }
     }
 
     /// Makes room for a moment; `false` if it does not have the field.
@@ -64,6 +64,8 @@ impl Film {
         let magnitude = shown.magnitude;
         let (low, high) = *self.range.get_or_init(|| limits(self.values.clone(), magnitude));
         shown.limits = Some((factor * low, factor * high));
+        // Pixels are halved, below.
+        shown.samples = 1;
         Ok(Some(draw(view, &shown, title, false, frame)?.halved()))
     }
 
