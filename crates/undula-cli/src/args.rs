@@ -36,7 +36,7 @@ pub enum Command {
     Cases,
     /// List the keys of a case with units, default values and meanings
     Keys(KeysArgs),
-    /// Copy a built-in case to a file, as a starting point
+    /// Copy a built-in case to a file, or write one for a mesh, as a starting point
     New(NewArgs),
     /// Compare results with published values or with another run
     Compare(CompareArgs),
@@ -50,6 +50,10 @@ pub enum Command {
     Reproduce(ReproduceArgs),
     /// Measure the time of a step, of its phases and of its kernels
     Bench(BenchArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Write manual pages, undula.1 and one for each subcommand
+    Man(ManArgs),
 }
 
 /// Which case, and what to change in it.
@@ -143,15 +147,37 @@ pub struct KeysArgs {
     /// Print Markdown, as in docs/keys.md
     #[arg(long)]
     pub markdown: bool,
+    /// Print the JSON Schema of case files, for editors
+    #[arg(long, conflicts_with_all = ["pattern", "markdown"])]
+    pub schema: bool,
+}
+
+/// `undula completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// `undula man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Directory of the pages
+    pub dir: PathBuf,
 }
 
 /// `undula new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
-    /// Built-in case to start from
-    pub name: String,
+    /// Built-in case to start from; with --mesh the file to write [default: that of the mesh, ending with .toml]
+    #[arg(required_unless_present = "mesh")]
+    pub name: Option<String>,
     /// File to write [default: NAME.toml]
+    #[arg(conflicts_with = "mesh")]
     pub file: Option<PathBuf>,
+    /// Start from this Gmsh file instead: a case with all of its regions and boundaries
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
     /// Overwrite the file if it exists
     #[arg(long)]
     pub force: bool,

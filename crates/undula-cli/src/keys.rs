@@ -1,6 +1,7 @@
 //! `undula keys`: the keys of a case with units, default values and the names of their values.
 
 use crate::args::{KeysArgs, bad_input, print};
+use crate::schema;
 use std::process::ExitCode;
 use undula::case::keys::{Found, nearest, search};
 
@@ -14,6 +15,9 @@ const LEAST: usize = 30;
 /// # Errors
 /// Standard output cannot be written.
 pub fn run(args: &KeysArgs) -> anyhow::Result<ExitCode> {
+    if args.schema {
+        return print(&format!("{:#}\n", schema::schema()));
+    }
     let pattern = args.pattern.as_deref().unwrap_or("");
     let found = search(pattern);
     if found.is_empty() {

@@ -18,6 +18,8 @@ mod plot;
 mod progress;
 mod report;
 mod run;
+mod schema;
+mod shell;
 mod study;
 
 use args::{Cli, Command};
@@ -40,6 +42,8 @@ fn main() -> ExitCode {
         Command::Study(args) => study::run(&args),
         Command::Reproduce(args) => study::reproduce(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::manual(&args),
     };
     result.unwrap_or_else(|error| {
         args::say(format_args!("error: {}", args::with_causes(&error)));

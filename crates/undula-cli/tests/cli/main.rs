@@ -20,6 +20,7 @@ mod pictures;
 mod pictures_space;
 mod report;
 mod space_cases;
+mod starters;
 mod study;
 mod tables;
 
