@@ -36,6 +36,8 @@ pub enum Command {
     Cases,
     /// List the keys of a case with units, default values and meanings
     Keys(KeysArgs),
+    /// Say what a word of the output or of a case means
+    Explain(ExplainArgs),
     /// Copy a built-in case to a file, or write one for a mesh, as a starting point
     New(NewArgs),
     /// Compare results with published values or with another run
@@ -150,6 +152,13 @@ pub struct KeysArgs {
     /// Print the JSON Schema of case files, for editors
     #[arg(long, conflicts_with_all = ["pattern", "markdown"])]
     pub schema: bool,
+}
+
+/// `undula explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// A word of a message, a column of history.csv, a name of summary.json, a key or a value
+    pub word: String,
 }
 
 /// `undula completions`.

@@ -30,7 +30,7 @@ pub fn run(args: &KeysArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// A line per key, and one per value below it; meanings that do not fit go on in the next line.
-fn aligned(found: &[Found]) -> String {
+pub fn aligned(found: &[Found]) -> String {
     let title = ["key", "unit", "default"];
     let keys = found.iter().map(|found| [found.key.key, found.key.unit, found.key.default]);
     let widths = keys.clone().fold(title.map(str::len), |widths: [usize; 3], cells| {

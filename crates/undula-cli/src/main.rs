@@ -8,6 +8,7 @@ mod cases;
 mod check;
 mod compare;
 mod digits;
+mod explain;
 mod inf_sup;
 mod jacobian;
 mod keys;
@@ -35,6 +36,7 @@ fn main() -> ExitCode {
         Command::Modes(args) => modes::run(&args),
         Command::Cases => cases::run(),
         Command::Keys(args) => keys::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),

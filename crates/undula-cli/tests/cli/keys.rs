@@ -140,3 +140,33 @@ fn completions_and_manual_pages_know_all_commands() {
     assert!(here.read("pages/undula-run.1").contains("threads"));
     assert!(here.read("pages/undula-plot.1").contains("animated PNG"));
 }
+
+#[test]
+fn words_of_the_output_and_keys_are_explained() {
+    let here = Place::new("explain");
+    let explain = |word: &str| here.run(&format!("explain {word}"), &[]);
+    explain("force_time").expect(0, &["history.csv", "t⁻ + θk"]);
+    explain("folding").expect(0, &["breakdown", "biharmonic"]);
+    explain("time.step").expect(0, &["step"]);
+    // A word of both.
+    explain("backflow").expect(0, &["outlet", "boundary.NAME.backflow"]);
+    explain("foldin").expect(2, &["did you mean `folding`"]);
+    explain("qwertzu").expect(2, &["nothing is known", "undula keys"]);
+    // Every column and every name of a summary, and every cause of a breakdown.
+    here.run("run fsi3 -o out --quiet", &SMALL).expect(0, &[]);
+    let history = here.read("out/history.csv");
+    let columns = ["time", "force_time", "min_J", "newton_steps", "jacobians"];
+    for column in columns {
+        assert!(history.lines().next().unwrap().split(',').any(|name| name == column), "{column}");
+    }
+    let names =
+        ["mass_balance", "swept_volume", "linear_iterations", "direct_fallbacks", "cpu_seconds", "phases"];
+    let summary = here.json("out/summary.json");
+    for name in names {
+        assert!(summary.get(name).is_some(), "{name}");
+    }
+    let causes = ["folding", "divergence", "slow", "singular", "not-finite", "solver", "backflow", "closed"];
+    for word in columns.iter().chain(&names).chain(&causes) {
+        explain(word).expect(0, &[]);
+    }
+}
