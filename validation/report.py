@@ -288,6 +288,7 @@ def play(browser, report):
         browser.key(" ")
         if browser.value("undula.player.playing"):
             report("the player does not stop")
+        browser.key("End")
         browser.settle()
         if frames > 2 and browser.value("undula.player.canvas.toDataURL()") == before:
             report("the picture stays the same")

@@ -83,12 +83,15 @@ fn page(run: &RunDirectory, directory: &Path) -> anyhow::Result<String> {
         _ => &[],
     };
     let histories = series::histories(&content.results, rows)?;
-    let fields = scene(run)?;
+    let mut fields = scene(run)?;
+    if let (Scene::Shown(scene, _), Some((_, overview))) = (&mut fields, &content.overview) {
+        scene["axes"] = json!(if overview.around_axis { ["r", "z", ""] } else { ["x", "y", "z"] });
+    }
     let title = sections::title(&content);
     let mut page = Html::styled(&title, STYLE);
     sections::head(&mut page, &content, &title);
     sections::warnings(&mut page, &content);
-    sections::fields(&mut page, &fields);
+    sections::fields(&mut page, &fields, histories.is_some());
     sections::histories(&mut page, histories.as_ref());
     sections::published(&mut page, &content);
     sections::numbers(&mut page, &content);

@@ -211,7 +211,8 @@ class Player {
       this.readout.textContent = '\u00a0';
       return;
     }
-    const at = found.at.map((x, d) => `${'xyz'[d]} = ${digits(x, 5)} m`).join(', ');
+    const axes = this.scene.axes ?? ['x', 'y', 'z'];
+    const at = found.at.map((x, d) => `${axes[d]} = ${digits(x, 5)} m`).join(', ');
     this.readout.textContent = `${at}: ${this.choice.symbol} = ${digits(found.value, 5)} ${this.choice.unit}`;
   }
 }

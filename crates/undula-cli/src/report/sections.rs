@@ -131,7 +131,7 @@ pub fn warnings(page: &mut Html, content: &Content) {
 }
 
 /// The player.
-pub fn fields(page: &mut Html, fields: &Scene) {
+pub fn fields(page: &mut Html, fields: &Scene, in_time: bool) {
     page.heading(2, Some("fields"), "Fields");
     match fields {
         Scene::None => page.paragraph("The run has written no fields."),
@@ -139,7 +139,7 @@ pub fn fields(page: &mut Html, fields: &Scene) {
         Scene::Shown(scene, left) => {
             page.raw("<div id=\"player\"><noscript>The fields are drawn by a script.</noscript></div>");
             left.iter().for_each(|left| page.paragraph(left));
-            if scene["times"].as_array().is_some_and(|times| times.len() == 1) && scene["written"] == 1 {
+            if in_time && scene["written"] == 1 {
                 page.raw(
                     "<p class=\"data\">The run has written one moment; <code>output.fields-interval</code> gives more, \
                      which can be played.</p>",
