@@ -2,10 +2,10 @@
 
 use super::names::MeshNames;
 use super::overview::{Boundary, Overview};
-use crate::case::Case;
 use crate::case::error::LoadError;
 use crate::case::key::quote;
 use crate::case::literal::string;
+use crate::case::{Case, Condition};
 use crate::error::Error;
 use crate::mesh::INTERFACE;
 use crate::mesh::gmsh::{AnyMesh, read_any};
@@ -33,6 +33,21 @@ enum Guess {
     Slip,
     Wall,
     Clamp,
+}
+
+impl Guess {
+    /// The name of its condition.
+    fn condition(self) -> &'static str {
+        match self {
+            // The only one with data of its own.
+            Guess::Inlet => "flux",
+            Guess::Outlet => Condition::DoNothing.name(),
+            Guess::Symmetry => Condition::Symmetry.name(),
+            Guess::Slip => Condition::Slip.name(),
+            Guess::Wall => Condition::NoSlip.name(),
+            Guess::Clamp => Condition::Clamped.name(),
+        }
+    }
 }
 
 /// What is known of a mesh.
@@ -68,9 +83,11 @@ pub fn starter(mesh: &Path, written: &str, name: &str) -> Result<String, Error> 
     // Its own measures need a case; walls all around are one.
     let mut first = regions(written, &fluid, &solid, dim);
     for (boundary, _) in &boundaries {
-        let wall = if fluid.is_empty() { "clamped" } else { "no-slip" };
-        let _ = write!(first, "[boundary.{}]\ncondition = \"{wall}\"\n", quote(boundary));
+        let wall = if fluid.is_empty() { Guess::Clamp } else { Guess::Wall };
+        let _ = write!(first, "[boundary.{}]\ncondition = \"{}\"\n", quote(boundary), wall.condition());
     }
+    // At rest the pressure of a fluid that is closed in would not be determined.
+    first += "[time]\nstep = 1\nend = 1\n";
     let place = mesh.with_file_name(format!("{name}.toml"));
     let case = Case::from_toml(&first, &place.to_string_lossy(), &[]);
     let case = case.map_err(|errors| Error::Load(LoadError::Invalid(errors)))?;
@@ -103,7 +120,7 @@ fn guess(name: &str, of_fluid: bool) -> Guess {
         () if !of_fluid => Guess::Clamp,
         () if has(&["inflow", "inlet"]) || name == "in" => Guess::Inlet,
         () if has(&["outflow", "outlet"]) || name == "out" => Guess::Outlet,
-        () if has(&["slip", "far"]) && !has(&["no-slip", "noslip"]) => Guess::Slip,
+        () if has(&["slip", "far"]) && !has(&[Condition::NoSlip.name(), "noslip"]) => Guess::Slip,
         () => Guess::Wall,
     }
 }
@@ -202,14 +219,7 @@ impl Known {
             format!("  # {} {unit}, of the {}", short(boundary.length), boundary.bodies)
         });
         let _ = writeln!(text, "[boundary.{}]{about}", quote(name));
-        let condition = match guess {
-            Guess::Inlet => "flux",
-            Guess::Outlet => "do-nothing",
-            Guess::Symmetry => "symmetry",
-            Guess::Slip => "slip",
-            Guess::Wall => "no-slip",
-            Guess::Clamp => "clamped",
-        };
+        let condition = guess.condition();
         let others = match guess {
             Guess::Clamp => "or traction-free, traction, displacement, spring",
             Guess::Outlet => "or pressure, resistance, windkessel",
