@@ -1,6 +1,11 @@
 //! The command line: its arguments, and the functions for output that all subcommands share.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+// For tests, too, which have this file elsewhere.
+#[path = "args/plot.rs"]
+mod plot;
+
+use clap::{Args, Parser, Subcommand};
+pub use plot::{AnimatedField, Plane, PlotArgs, SurfaceField};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::path::PathBuf;
@@ -31,18 +36,26 @@ pub enum Command {
     Cases,
     /// List the keys of a case with units, default values and meanings
     Keys(KeysArgs),
-    /// Copy a built-in case to a file, as a starting point
+    /// Say what a word of the output or of a case means
+    Explain(ExplainArgs),
+    /// Copy a built-in case to a file, or write one for a mesh, as a starting point
     New(NewArgs),
     /// Compare results with published values or with another run
     Compare(CompareArgs),
     /// Plot histories and fields of a run
     Plot(PlotArgs),
+    /// Write a page about a run: results, histories, a player of the fields, the case; it needs no network
+    Report(ReportArgs),
     /// Compute a study: many runs, and a page with their tables, figures and statements
     Study(StudyArgs),
     /// Recompute the numerical studies of chapter 5 of the book, published numbers beside computed ones
     Reproduce(ReproduceArgs),
     /// Measure the time of a step, of its phases and of its kernels
     Bench(BenchArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Write manual pages, undula.1 and one for each subcommand
+    Man(ManArgs),
 }
 
 /// Which case, and what to change in it.
@@ -73,7 +86,7 @@ pub struct RunArgs {
     /// Overwrite the run in the output directory, completed or not
     #[arg(long)]
     pub force: bool,
-    /// Print errors only
+    /// Print errors only; draw no pictures and write no report.html
     #[arg(short, long)]
     pub quiet: bool,
     /// Print the scaled residual after every Newton iteration
@@ -136,15 +149,44 @@ pub struct KeysArgs {
     /// Print Markdown, as in docs/keys.md
     #[arg(long)]
     pub markdown: bool,
+    /// Print the JSON Schema of case files, for editors
+    #[arg(long, conflicts_with_all = ["pattern", "markdown"])]
+    pub schema: bool,
+}
+
+/// `undula explain`.
+#[derive(Debug, Args)]
+pub struct ExplainArgs {
+    /// A word of a message, a column of history.csv, a name of summary.json, a key or a value
+    pub word: String,
+}
+
+/// `undula completions`.
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// `undula man`.
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Directory of the pages
+    pub dir: PathBuf,
 }
 
 /// `undula new`.
 #[derive(Debug, Args)]
 pub struct NewArgs {
-    /// Built-in case to start from
-    pub name: String,
+    /// Built-in case to start from; with --mesh the file to write [default: that of the mesh, ending with .toml]
+    #[arg(required_unless_present = "mesh")]
+    pub name: Option<String>,
     /// File to write [default: NAME.toml]
+    #[arg(conflicts_with = "mesh")]
     pub file: Option<PathBuf>,
+    /// Start from this Gmsh file instead: a case with all of its regions and boundaries
+    #[arg(long, value_name = "FILE")]
+    pub mesh: Option<PathBuf>,
     /// Overwrite the file if it exists
     #[arg(long)]
     pub force: bool,
@@ -162,56 +204,14 @@ pub struct CompareArgs {
     pub reference: Option<PathBuf>,
 }
 
-/// `undula plot`.
+/// `undula report`.
 #[derive(Debug, Args)]
-pub struct PlotArgs {
+pub struct ReportArgs {
     /// Output directory of a run
     pub dir: PathBuf,
-    /// Directory for the pictures [default: DIR/plots]
-    #[arg(short, long, value_name = "OUT")]
+    /// File of the page [default: DIR/report.html]
+    #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Cut a run in three dimensions by this plane, such as x=0.2 [m]; z alone is the middle of the domain; may be
-    /// repeated [default: across the shortest side of the domain, in its middle]
-    #[arg(long, value_name = "PLANE", value_parser = plane)]
-    pub cut: Vec<Plane>,
-    /// What colours the surface of the bodies of a run in three dimensions; may be repeated [default: displacement]
-    #[arg(long, value_name = "FIELD", require_equals = true, num_args = 0..=1, default_missing_value = "displacement")]
-    pub surface: Vec<SurfaceField>,
-}
-
-/// A plane across a coordinate.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Plane {
-    /// The coordinate, 0 for x.
-    pub axis: usize,
-    /// Its value \[m\]; the middle of the domain where it is not said.
-    pub at: Option<f64>,
-}
-
-/// What colours the surface of the bodies.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SurfaceField {
-    /// Size of the displacement
-    Displacement,
-    /// Equivalent stress after von Mises
-    Stress,
-    /// Pressure of the fluid
-    Pressure,
-}
-
-/// A plane from text such as `x=0.2` or `y`.
-fn plane(text: &str) -> Result<Plane, String> {
-    let (name, place) = text.split_once('=').map_or((text, None), |(name, place)| (name, Some(place)));
-    let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.trim());
-    let at = place.map(|place| place.trim().parse::<f64>().ok().filter(|at| at.is_finite()));
-    match (axis, at) {
-        (Some(axis), None) => Ok(Plane { axis, at: None }),
-        (Some(axis), Some(Some(at))) => Ok(Plane { axis, at: Some(at) }),
-        (None, _) => Err(format!("`{name}` is no coordinate: expected x, y or z, such as x=0.2")),
-        _ => {
-            Err(format!("`{}` is no number: expected a place in m, such as {name}=0.2", place.unwrap_or("")))
-        }
-    }
 }
 
 /// How the runs of a study are computed.

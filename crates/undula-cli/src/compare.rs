@@ -62,7 +62,7 @@ pub fn show(dir: &Path) -> anyhow::Result<()> {
 }
 
 /// What stands beside a run.
-enum Published {
+pub enum Published {
     /// The case asks for nothing.
     None,
     /// The case is another problem than the one that it names; in words.
@@ -71,7 +71,8 @@ enum Published {
     Table(Comparison),
 }
 
-fn published(run: &Results) -> Published {
+/// The published results of the case of `run`.
+pub fn published(run: &Results) -> Published {
     match run.case.as_ref().map_or(Beside::Nothing, Beside::of) {
         Beside::Nothing => Published::None,
         Beside::Departs(name, keys) => Published::Departs(in_words(name, &keys)),

@@ -1,6 +1,7 @@
 //! `undula keys`: the keys of a case with units, default values and the names of their values.
 
 use crate::args::{KeysArgs, bad_input, print};
+use crate::schema;
 use std::process::ExitCode;
 use undula::case::keys::{Found, nearest, search};
 
@@ -14,6 +15,9 @@ const LEAST: usize = 30;
 /// # Errors
 /// Standard output cannot be written.
 pub fn run(args: &KeysArgs) -> anyhow::Result<ExitCode> {
+    if args.schema {
+        return print(&format!("{:#}\n", schema::schema()));
+    }
     let pattern = args.pattern.as_deref().unwrap_or("");
     let found = search(pattern);
     if found.is_empty() {
@@ -26,7 +30,7 @@ pub fn run(args: &KeysArgs) -> anyhow::Result<ExitCode> {
 }
 
 /// A line per key, and one per value below it; meanings that do not fit go on in the next line.
-fn aligned(found: &[Found]) -> String {
+pub fn aligned(found: &[Found]) -> String {
     let title = ["key", "unit", "default"];
     let keys = found.iter().map(|found| [found.key.key, found.key.unit, found.key.default]);
     let widths = keys.clone().fold(title.map(str::len), |widths: [usize; 3], cells| {

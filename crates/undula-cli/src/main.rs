@@ -8,6 +8,7 @@ mod cases;
 mod check;
 mod compare;
 mod digits;
+mod explain;
 mod inf_sup;
 mod jacobian;
 mod keys;
@@ -16,7 +17,10 @@ mod new;
 mod page;
 mod plot;
 mod progress;
+mod report;
 mod run;
+mod schema;
+mod shell;
 mod study;
 
 use args::{Cli, Command};
@@ -32,12 +36,16 @@ fn main() -> ExitCode {
         Command::Modes(args) => modes::run(&args),
         Command::Cases => cases::run(),
         Command::Keys(args) => keys::run(&args),
+        Command::Explain(args) => explain::run(&args),
         Command::New(args) => new::run(&args),
         Command::Compare(args) => compare::run(&args),
         Command::Plot(args) => plot::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Study(args) => study::run(&args),
         Command::Reproduce(args) => study::reproduce(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Completions(args) => shell::completions(&args),
+        Command::Man(args) => shell::manual(&args),
     };
     result.unwrap_or_else(|error| {
         args::say(format_args!("error: {}", args::with_causes(&error)));

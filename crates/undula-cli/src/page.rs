@@ -1,7 +1,7 @@
 //! Pages: one HTML file with all of its styles and drawings, and tables of numbers (CSV) beside it.
 
 mod chart;
-mod html;
+pub mod html;
 
 pub use html::Html;
 
@@ -359,7 +359,7 @@ fn results(report: &Report) -> serde_json::Value {
 }
 
 /// Minutes where seconds are many.
-fn duration(seconds: f64) -> String {
+pub fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 120.0 => format!("{} s", significant(s, 3)),
         s if s < 7200.0 => format!("{} min", significant(s / 60.0, 3)),

@@ -1,20 +1,22 @@
 //! Pictures of a run: `undula plot DIR`, and the end of `undula run`.
 
+mod animate;
 mod cell;
 pub mod colors;
-mod cube;
+pub mod cube;
 mod cut;
 pub mod figure;
 mod history;
 mod lines;
 mod picture;
-mod space;
+pub mod space;
 mod surface;
 
 use crate::args::{Plane, PlotArgs, SurfaceField, bad_input, print, say_notes};
 use crate::digits::fixed;
 use anyhow::Context;
-use picture::{View, solid_cells};
+use picture::View;
+pub use picture::solid_cells;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use surface::Surface;
@@ -25,6 +27,12 @@ use undula::results::computed::Results;
 pub fn run(args: &PlotArgs) -> anyhow::Result<ExitCode> {
     if let Err(error @ OutputError::NoRun { .. }) = RunDirectory::open(&args.dir) {
         return bad_input(error);
+    }
+    if let Some(file) = &args.animate {
+        return match animate::animate(&args.dir, file, args.field, args.rate) {
+            Err(error) if error.is::<NotDrawn>() => bad_input(error),
+            written => written.and_then(|()| print(&format!("{}\n", file.display()))),
+        };
     }
     let views = Views { cuts: args.cut.clone(), surfaces: args.surface.clone() };
     let written = match plot_views(&args.dir, args.output.as_deref(), &views) {

@@ -3,7 +3,7 @@
 use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
 use crate::digits::fixed;
 use crate::progress::{Progress, StepInfo};
-use crate::{check, compare, plot};
+use crate::{check, compare, plot, report};
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -13,6 +13,7 @@ use undula::case::Case;
 use undula::error::Error;
 use undula::output::directory::{HISTORY, SUMMARY};
 use undula::output::{OutputError, Status, Summary};
+use undula::results::computed::case_of;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
 
@@ -199,11 +200,24 @@ fn finish(
     };
     if !args.quiet {
         show_results(summary, directory);
+        show_report(directory);
     }
     for file in [SUMMARY, HISTORY].map(|name| directory.join(name)) {
         anyhow::ensure!(file.exists(), "{}: was removed as soon as the run had ended", file.display());
     }
     Ok(code)
+}
+
+/// Writes the page about the run, unless its case wants none, and says where it is. It cannot spoil a finished run.
+fn show_report(directory: &Path) {
+    let wanted = case_of(directory).is_none_or(|case| case.output.report);
+    if !wanted {
+        return;
+    }
+    match report::write(directory, None) {
+        Ok(path) => show(&format!("report    {}\n", path.display())),
+        Err(error) => say(format_args!("note: no report: {}", with_causes(&error))),
+    }
 }
 
 /// Computed beside published values, and where the pictures lie. Neither can spoil a finished run.

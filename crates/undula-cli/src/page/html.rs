@@ -28,11 +28,16 @@ pub fn code(text: &str) -> String {
 impl Html {
     /// A page without content.
     pub fn new(title: &str) -> Self {
+        Self::styled(title, "")
+    }
+
+    /// The same with more styles.
+    pub fn styled(title: &str, style: &str) -> Self {
         let title = escape(title);
         let text = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-             <title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n<main>\n"
+             <title>{title}</title>\n<style>\n{STYLE}{style}</style>\n</head>\n<body>\n<main>\n"
         );
         Html { text }
     }
@@ -79,6 +84,19 @@ impl Html {
             let _ = writeln!(self.text, "<tr>{cells}</tr>");
         }
         self.text += "</tbody></table></div>\n";
+    }
+
+    /// Data for the scripts of the page.
+    pub fn data(&mut self, id: &str, value: &serde_json::Value) {
+        // Nothing within the data may end their element.
+        let text = value.to_string().replace('<', "\\u003c");
+        let _ =
+            writeln!(self.text, "<script type=\"application/json\" id=\"{}\">{text}</script>", escape(id));
+    }
+
+    /// A script.
+    pub fn script(&mut self, parts: &[&str]) {
+        let _ = writeln!(self.text, "<script>\n{}</script>", parts.concat());
     }
 
     /// A drawing.

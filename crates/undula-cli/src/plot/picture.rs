@@ -1,13 +1,15 @@
 //! Fields on the deformed mesh.
 
 mod edges;
+mod film;
 mod raster;
 mod streamlines;
 mod view;
 
 use super::colors::{self, INK, PLASMA, Rgb, VIRIDIS};
 use super::figure::{Anchor, Figure, Image, Panel, SCALE, labelled, readable, ticks};
-use raster::{NOWHERE, Raster};
+pub use film::Film;
+use raster::{NOWHERE, Raster, SAMPLES};
 use std::path::{Path, PathBuf};
 use undula::output::FieldSnapshot;
 pub use view::{View, solid_cells};
@@ -25,6 +27,10 @@ struct Content {
     in_solid: bool,
     /// Whether the colours begin at zero and end at the largest value.
     magnitude: bool,
+    /// The least and the greatest colour where they do not follow from the picture.
+    limits: Option<(f64, f64)>,
+    /// Samples per pixel and direction.
+    samples: usize,
 }
 
 /// Writes `speed.png` and `pressure.png`, or `deformation.png` if all is solid.
@@ -32,7 +38,7 @@ pub fn plot(view: &View, title: &str, into: &Path) -> anyhow::Result<Vec<PathBuf
     let mut written = Vec::new();
     for content in contents(&view.fields, &view.solid) {
         let path = into.join(format!("{}{}.png", content.file, view.suffix));
-        draw(view, &content, title, false)?.save(&path)?;
+        draw(view, &content, title, false, frame_of(view))?.save(&path)?;
         written.push(path);
     }
     Ok(written)
@@ -41,28 +47,35 @@ pub fn plot(view: &View, title: &str, into: &Path) -> anyhow::Result<Vec<PathBuf
 fn contents(snapshot: &FieldSnapshot, solid: &[bool]) -> Vec<Content> {
     let all_solid = solid.iter().all(|&s| s);
     let fields: &[&str] = if all_solid { &["deformation"] } else { &["velocity", "pressure"] };
-    fields.iter().filter_map(|field| content(snapshot, field)).collect()
+    fields.iter().filter_map(|field| content(snapshot, field, None)).collect()
 }
 
-/// The field of this name; `None` where there is none, or where it is not finite.
-fn content(snapshot: &FieldSnapshot, name: &str) -> Option<Content> {
-    let (file, symbol, unit, map, in_solid): (_, _, _, &'static [Rgb; 17], _) = match name {
-        "velocity" => ("speed", "|v|", "m/s", &VIRIDIS, true),
-        "pressure" => ("pressure", "p", "Pa", &PLASMA, false),
-        _ => ("deformation", "|u|", "m", &VIRIDIS, true),
-    };
+/// The field of this name in a unit for numbers up to `size`, by default its own; `None` where there is none, or where it
+/// is not finite.
+fn content(snapshot: &FieldSnapshot, name: &str, size: Option<f64>) -> Option<Content> {
+    let (file, symbol, unit, map, in_solid) = look_of(name);
     let field = snapshot.at_points(name)?;
     let tuples = field.values.chunks_exact(field.components.max(1));
     let mut values: Vec<f64> = tuples
         .map(|t| if t.len() == 1 { t[0] } else { t.iter().map(|x| x * x).sum::<f64>().sqrt() })
         .collect();
-    let size = values.iter().fold(0.0_f64, |size, v| size.max(v.abs()));
+    let size = size.unwrap_or_else(|| values.iter().fold(0.0_f64, |size, v| size.max(v.abs())));
     let (factor, unit) = readable(size, unit);
     values.iter_mut().for_each(|v| *v *= factor);
     let magnitude = field.components > 1;
     let finite = values.iter().all(|v| v.is_finite());
-    let content = Content { file, label: labelled(symbol, &unit), values, map, in_solid, magnitude };
+    let label = labelled(symbol, &unit);
+    let content = Content { file, label, values, map, in_solid, magnitude, limits: None, samples: SAMPLES };
     finite.then_some(content)
+}
+
+/// Name of the file, symbol, unit, colours of a field, and whether the solid has values.
+fn look_of(name: &str) -> (&'static str, &'static str, &'static str, &'static [Rgb; 17], bool) {
+    match name {
+        "velocity" => ("speed", "|v|", "m/s", &VIRIDIS, true),
+        "pressure" => ("pressure", "p", "Pa", &PLASMA, false),
+        _ => ("deformation", "|u|", "m", &VIRIDIS, true),
+    }
 }
 
 /// One field, with the streamlines of the velocity where they are asked for; `None` where there is no such field.
@@ -70,16 +83,26 @@ fn content(snapshot: &FieldSnapshot, name: &str) -> Option<Content> {
 /// # Errors
 /// As [`Figure::raster`].
 pub fn image(view: &View, field: &str, title: &str, with_streamlines: bool) -> anyhow::Result<Option<Image>> {
-    let Some(content) = content(&view.fields, field) else { return Ok(None) };
-    draw(view, &content, title, with_streamlines).map(Some)
+    let Some(content) = content(&view.fields, field, None) else { return Ok(None) };
+    draw(view, &content, title, with_streamlines, frame_of(view)).map(Some)
+}
+
+/// Ranges of x and y of all that a picture shows, and of the solid in it.
+fn frame_of(view: &View) -> [Box2; 2] {
+    [bounds(&view.fields, |_| true), bounds(&view.fields, |cell| view.solid[cell])]
 }
 
 /// The whole domain, and below it the surroundings of the solid if that is small.
-fn draw(view: &View, content: &Content, title: &str, with_streamlines: bool) -> anyhow::Result<Image> {
+fn draw(
+    view: &View,
+    content: &Content,
+    title: &str,
+    with_streamlines: bool,
+    [whole, body]: [Box2; 2],
+) -> anyhow::Result<Image> {
     let (snapshot, solid): (&FieldSnapshot, &[bool]) = (&view.fields, &view.solid);
-    let whole = bounds(snapshot, |_| true);
     let mut views = vec![whole];
-    views.extend(surroundings(whole, bounds(snapshot, |cell| solid[cell])));
+    views.extend(surroundings(whole, body));
     let air = 0.01 * (whole.0.1 - whole.0.0).max(whole.1.1 - whole.1.0);
     views[0] = ((whole.0.0 - air, whole.0.1 + air), (whole.1.0 - air, whole.1.1 + air));
 
@@ -93,8 +116,8 @@ fn draw(view: &View, content: &Content, title: &str, with_streamlines: bool) -> 
     figure.text((margin, 26.0), &title, 15, Anchor::Start, INK);
 
     let rasters: Vec<Raster> =
-        panels.iter().map(|panel| Raster::new(snapshot, &content.values, panel)).collect();
-    let range = range(content, &rasters[0], solid);
+        panels.iter().map(|panel| Raster::new(snapshot, &content.values, panel, content.samples)).collect();
+    let range = content.limits.unwrap_or_else(|| range(content, &rasters[0], solid));
     let bar =
         Panel { left: margin + widest + 24.0, width: 16.0, x: (0.0, 1.0), y: range, ..panels[0].clone() };
     for (n, panel) in panels.iter().enumerate() {

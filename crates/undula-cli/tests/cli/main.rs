@@ -1,5 +1,6 @@
 //! The program as a user meets it: the real binary, in directories of its own.
 
+mod animate;
 mod bench;
 mod commands;
 mod endings;
@@ -17,7 +18,9 @@ mod multigrid;
 mod outputs;
 mod pictures;
 mod pictures_space;
+mod report;
 mod space_cases;
+mod starters;
 mod study;
 mod tables;
 

@@ -226,6 +226,7 @@ static KEYS_BUT_DATA: &[Key] = &[
         "10",
         "checkpoint after so many minutes of wall-clock time; 0: not by time",
     ),
+    text("output.report", "true", "the run ends with a page about it, report.html (true or false)"),
     text(
         "output.leading",
         "first uy_*, else lift",

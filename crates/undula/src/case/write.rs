@@ -136,6 +136,7 @@ impl Case {
         out.choice("cells", &OUTPUT_CELLS, &self.output.curved);
         out.key("checkpoint-every", self.output.checkpoint_every.to_string());
         out.key("checkpoint-minutes", number(self.output.checkpoint_minutes));
+        out.key("report", self.output.report.to_string());
         if let Some(leading) = &self.output.leading {
             out.word("leading", leading);
         }

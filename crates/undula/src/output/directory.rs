@@ -19,7 +19,10 @@ pub const HISTORY: &str = "history.csv";
 pub const SUMMARY: &str = "summary.json";
 
 /// Files of a run besides its summary.
-const FILES: [&str; 5] = [CASE, HISTORY, "fields.pvd", MEANS, "breakdown.txt"];
+const FILES: [&str; 6] = [CASE, HISTORY, "fields.pvd", MEANS, "breakdown.txt", REPORT];
+
+/// The page about a run.
+const REPORT: &str = "report.html";
 
 /// Means over a window of time.
 const MEANS: &str = "mean.vtu";
@@ -36,6 +39,7 @@ const MEANS: &str = "mean.vtu";
 /// | `mean.vtu` | means over `output.window` |
 /// | `checkpoints/*.npz` | exact restart data, the last two |
 /// | `plots/*.png`, `plots/*.svg` | pictures |
+/// | `report.html` | a page about the run |
 #[derive(Debug)]
 pub struct RunDirectory {
     path: PathBuf,
@@ -154,6 +158,11 @@ impl RunDirectory {
     /// `plots/`.
     pub fn plots(&self) -> PathBuf {
         self.path.join("plots")
+    }
+
+    /// `report.html`.
+    pub fn report(&self) -> PathBuf {
+        self.path.join(REPORT)
     }
 
     /// Writes the resolved case.

@@ -63,6 +63,7 @@ fn without_choices(case: &Case) -> Case {
         curved: false,
         checkpoint_every: 0,
         checkpoint_minutes: 0.0,
+        report: true,
         leading: None,
     };
     case
@@ -163,7 +164,13 @@ mod tests {
     #[test]
     fn a_run_may_go_on_with_another_end_output_and_solver() {
         let former = identity(&case(&[]));
-        let free = ["time.end=99", "output.fields-every=3", "output.checkpoint-minutes=1", "name=other"];
+        let free = [
+            "time.end=99",
+            "output.fields-every=3",
+            "output.checkpoint-minutes=1",
+            "output.report=false",
+            "name=other",
+        ];
         let solvers = ["newton.tolerance=1e-9", "linear.solver=faer", "newton.rate-max=0.1"];
         assert_eq!(changes(&former, None, &case(&[&free[..], &solvers].concat())), [""; 0]);
         // The same written in another way.

@@ -3,8 +3,8 @@
 //! `mesh` makes or reads the mesh, `build` creates all else, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
 //! which it knows the `names`: `regions` looks at its regions, `bodies` at their connected parts, `enclosed` at the parts
 //! of the fluid that nothing opens, `ends` at the nodes of the solid, `supports` at rigid motions, `periodic` at boundaries that are one. `prestress` has the shape without stress. `functions` makes functions of expressions, `data` evaluates what is prescribed, `memory`
-//! estimates what it takes, `lengths` has the numbers that come from the mesh, and `overview` is what `undula check`
-//! prints.
+//! estimates what it takes, `lengths` has the numbers that come from the mesh, `overview` is what `undula check`
+//! prints, and `starter` is a case for a mesh of one's own.
 
 mod axis;
 mod bodies;
@@ -28,5 +28,6 @@ mod periodic;
 pub(crate) mod prestress;
 pub mod profile;
 mod regions;
+pub mod starter;
 mod supports;
 mod terms;

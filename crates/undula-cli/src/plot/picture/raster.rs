@@ -7,7 +7,7 @@ use super::Content;
 use std::collections::HashMap;
 use undula::output::FieldSnapshot;
 
-/// Samples per pixel and direction.
+/// Samples per pixel and direction of a picture.
 pub(super) const SAMPLES: usize = 2;
 
 /// No cell.
@@ -25,15 +25,17 @@ pub(super) struct Raster {
     pub width: usize,
     pub height: usize,
     pub samples: Vec<Sample>,
+    /// Samples per pixel and direction.
+    per_pixel: usize,
 }
 
 impl Raster {
     /// Every cell is cut into small straight-sided triangles, as fine as the picture needs.
-    pub fn new(snapshot: &FieldSnapshot, values: &[f64], panel: &Panel) -> Self {
-        let fine = SCALE * SAMPLES;
+    pub fn new(snapshot: &FieldSnapshot, values: &[f64], panel: &Panel, per_pixel: usize) -> Self {
+        let fine = SCALE * per_pixel;
         let (width, height) = (panel.width as usize * fine, panel.height as usize * fine);
-        let mut raster =
-            Raster { width, height, samples: vec![Sample { value: 0.0, cell: NOWHERE }; width * height] };
+        let samples = vec![Sample { value: 0.0, cell: NOWHERE }; width * height];
+        let mut raster = Raster { width, height, samples, per_pixel };
         let reference = Reference::of(snapshot);
         let mut tables: HashMap<usize, Pieces> = HashMap::new();
         for (number, cell) in snapshot.cells.chunks_exact(snapshot.points_per_cell()).enumerate() {
@@ -125,16 +127,17 @@ impl Raster {
             cell if solid[cell as usize] && !content.in_solid => SOLID,
             _ => colors::at(content.map, (f64::from(sample.value) - range.0) / (range.1 - range.0)),
         };
+        let per = self.per_pixel;
         let (left, top) = (panel.left as usize * SCALE, panel.top as usize * SCALE);
-        for y in 0..self.height / SAMPLES {
-            for x in 0..self.width / SAMPLES {
+        for y in 0..self.height / per {
+            for x in 0..self.width / per {
                 let mut sum = [0u32; 3];
-                for n in 0..SAMPLES * SAMPLES {
-                    let at = (SAMPLES * y + n / SAMPLES) * self.width + SAMPLES * x + n % SAMPLES;
+                for n in 0..per * per {
+                    let at = (per * y + n / per) * self.width + per * x + n % per;
                     let rgb = color(&self.samples[at]);
                     (0..3).for_each(|c| sum[c] += u32::from(rgb[c]));
                 }
-                let mean = sum.map(|s| ((s as f64) / (SAMPLES * SAMPLES) as f64).round() as u8);
+                let mean = sum.map(|s| ((s as f64) / (per * per) as f64).round() as u8);
                 image.multiply(left + x, top + y, mean);
             }
         }

@@ -90,7 +90,7 @@ pub(super) fn trace(snapshot: &FieldSnapshot, solid: &[bool], panel: &Panel) -> 
     let component = |d: usize| -> Vec<f64> {
         velocity.values.chunks_exact(velocity.components).map(|v| v.get(d).copied().unwrap_or(0.0)).collect()
     };
-    let flow = Flow { along: [0, 1].map(|d| Raster::new(snapshot, &component(d), panel)), solid };
+    let flow = Flow { along: [0, 1].map(|d| Raster::new(snapshot, &component(d), panel, SAMPLES)), solid };
     let count =
         |size: f64| [panel.width, panel.height].map(|length| (length / size).ceil().max(1.0) as usize);
     let ([columns, rows], squares) = (count(BETWEEN), count(SQUARE));

@@ -126,7 +126,7 @@ mod tests {
                 logarithmic: false,
             };
             let raster =
-                Raster::new(&view.fields, &view.fields.at_points("pressure").unwrap().values, &panel);
+                Raster::new(&view.fields, &view.fields.at_points("pressure").unwrap().values, &panel, 2);
             for (n, sample) in raster.samples.iter().enumerate() {
                 let [x, y] = [n % raster.width, raster.height - 1 - n / raster.width]
                     .map(|i| 2.0 * (i as f64 + 0.5) / raster.width as f64);

@@ -356,7 +356,7 @@ pub(super) fn output(
     let curved = s.choice("cells", &OUTPUT_CELLS, &[]).unwrap_or(false);
     let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
     let checkpoint_minutes = s.number("checkpoint-minutes", CHECKPOINT_MINUTES, NOT_NEGATIVE);
-    let leading = s.string("leading");
+    let (report, leading) = (s.boolean("report", true), s.string("leading"));
     if let Some(name) = &leading
         && !names.contains(name)
     {
@@ -375,6 +375,7 @@ pub(super) fn output(
         curved,
         checkpoint_every,
         checkpoint_minutes,
+        report,
         leading,
     }
 }

@@ -115,6 +115,8 @@ pub struct OutputSpec {
     /// Write a checkpoint after this many minutes by the clock on the wall (0: not by time). There is one at the end
     /// of every run in time, whatever ends it.
     pub checkpoint_minutes: f64,
+    /// Write a page about the run at its end.
+    pub report: bool,
     /// Signal whose period fixes the window of the statistics; `None`: the first `uy_*`, else `lift`.
     pub leading: Option<String>,
 }

@@ -1,0 +1,165 @@
+//! What the player draws in space: the surfaces of the bodies, and a cut that moves with the mesh.
+
+use super::layer::{Between, Layer, lines};
+use crate::plot::cube::{Cube, face_corners};
+use crate::plot::space::{Face, extents, faces};
+use std::collections::HashMap;
+use undula::output::FieldSnapshot;
+
+/// Names of the coordinates.
+const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// The layers of fields on straight hexahedra: bodies, if there are some, and a cut across the shortest side.
+pub fn layers(snapshot: &FieldSnapshot, solid: &[bool]) -> Vec<Layer> {
+    let mut found = vec![];
+    if solid.iter().any(|&solid| solid) {
+        found.push(surface(snapshot, solid));
+    }
+    found.extend(cut(snapshot, solid));
+    found
+}
+
+/// The number of the curved cell of which a straight one is a part.
+fn part(snapshot: &FieldSnapshot, cell: usize) -> f64 {
+    snapshot.in_cells("cell").map_or(cell as f64, |field| field.values[cell])
+}
+
+/// Faces of the bodies with fluid or nothing beside them.
+fn surface(snapshot: &FieldSnapshot, solid: &[bool]) -> Layer {
+    let bodies = (0..solid.len()).filter(|&cell| solid[cell]);
+    let others = (0..solid.len()).filter(|&cell| !solid[cell]);
+    let corners: [[usize; 4]; 6] = std::array::from_fn(|facet| face_corners(1, facet));
+    let (mut cells, mut parts) = (vec![], vec![]);
+    for Face { cell, facet, other } in faces(snapshot, bodies.chain(others)) {
+        if solid[cell] && other.is_none_or(|other| !solid[other]) {
+            cells.extend(corners[facet].map(|corner| snapshot.cells[8 * cell + corner]));
+            // The sides of a cell are apart.
+            parts.push(6.0 * part(snapshot, cell) + facet as f64);
+        }
+    }
+    let (inner, _) = lines(snapshot, &cells, 4, |face| (true, parts[face]));
+    let mut numbers: HashMap<u32, u32> = HashMap::new();
+    let mut points: Vec<Between> = vec![];
+    let mut local = |point: &u32| {
+        *numbers.entry(*point).or_insert_with(|| {
+            points.push((*point, *point, 0.0));
+            points.len() as u32 - 1
+        })
+    };
+    let cells: Vec<u32> = cells.iter().map(&mut local).collect();
+    let inner = inner.iter().map(|ends| [local(&ends[0]), local(&ends[1])]).collect();
+    let solid = vec![true; cells.len() / 4];
+    Layer { name: "bodies".into(), points, corners: 4, cells, solid, inner, outline: vec![] }
+}
+
+/// The cut across the shortest side of the domain, in its middle or where it meets cells.
+fn cut(snapshot: &FieldSnapshot, solid: &[bool]) -> Option<Layer> {
+    let ranges = extents(snapshot);
+    let extent = |d: usize| ranges[d].1 - ranges[d].0;
+    // Of equal sides the last one.
+    let axis = (0..3).rev().min_by(|&a, &b| extent(a).total_cmp(&extent(b)))?;
+    [0.5, 0.25, 0.75].into_iter().find_map(|part| {
+        let at = ranges[axis].0 + part * extent(axis);
+        let layer = Cutter::new(snapshot, axis, at).cut(solid);
+        (!layer.cells.is_empty()).then_some(layer)
+    })
+}
+
+/// Cuts hexahedra by the plane where a coordinate is `at`.
+struct Cutter<'a> {
+    snapshot: &'a FieldSnapshot,
+    axis: usize,
+    at: f64,
+    /// Heights of all points above the plane; none is zero.
+    heights: Vec<f64>,
+    /// Numbers of the points of the cut by the edges that they lie on.
+    numbers: HashMap<[u32; 2], u32>,
+    points: Vec<Between>,
+}
+
+impl<'a> Cutter<'a> {
+    fn new(snapshot: &'a FieldSnapshot, axis: usize, at: f64) -> Self {
+        let (low, high) = extents(snapshot)[axis];
+        // A point in the plane is a little above it: every edge is met within or not at all.
+        let least = 1e-9 * (high - low);
+        let height = |x: &[f64; 3]| if (x[axis] - at).abs() < least { least } else { x[axis] - at };
+        let heights = snapshot.points.iter().map(height).collect();
+        Cutter { snapshot, axis, at, heights, numbers: HashMap::new(), points: vec![] }
+    }
+
+    fn is_above(&self, point: u32) -> bool {
+        self.heights[point as usize] > 0.0
+    }
+
+    /// The point of the cut on the edge from `a` to `b`.
+    fn point(&mut self, a: u32, b: u32) -> u32 {
+        let [a, b] = [a.min(b), a.max(b)];
+        let [low, high] = [a, b].map(|p| self.heights[p as usize]);
+        *self.numbers.entry([a, b]).or_insert_with(|| {
+            self.points.push((a, b, low / (low - high)));
+            self.points.len() as u32 - 1
+        })
+    }
+
+    fn cut(mut self, solid: &[bool]) -> Layer {
+        let corners = |cell: usize| -> [u32; 8] {
+            std::array::from_fn(|corner| self.snapshot.cells[8 * cell + corner])
+        };
+        let meets = |cell: &usize| {
+            let above = corners(*cell).into_iter().filter(|&p| self.is_above(p)).count();
+            above > 0 && above < 8
+        };
+        let met: Vec<(usize, [u32; 8])> =
+            (0..solid.len()).filter(meets).map(|cell| (cell, corners(cell))).collect();
+        let mut layer = Layer { corners: 3, ..Layer::default() };
+        for (cell, nodes) in &met {
+            for tetrahedron in Cube::tetrahedra(std::array::from_fn(|corner| corner)) {
+                let before = layer.cells.len();
+                self.slice(tetrahedron.map(|corner| nodes[corner]), &mut layer.cells);
+                let count = (layer.cells.len() - before) / 3;
+                layer.solid.extend(std::iter::repeat_n(solid[*cell], count));
+            }
+        }
+        let cube = Cube::new(1, 1);
+        let triangles: [Vec<[usize; 3]>; 6] = std::array::from_fn(|facet| cube.face(facet));
+        for Face { cell, facet, other } in faces(self.snapshot, met.iter().map(|(cell, _)| *cell)) {
+            let inside = other.is_some_and(|other| solid[other] == solid[cell]);
+            if other.is_some_and(|other| inside && part(self.snapshot, other) == part(self.snapshot, cell)) {
+                continue;
+            }
+            let nodes: [u32; 8] = std::array::from_fn(|corner| self.snapshot.cells[8 * cell + corner]);
+            for triangle in &triangles[facet] {
+                let ends = self.trace(triangle.map(|corner| nodes[corner]));
+                (if inside { &mut layer.inner } else { &mut layer.outline }).extend(ends);
+            }
+        }
+        layer.name = format!("cut at {} = {} m", NAMES[self.axis], crate::digits::significant(self.at, 4));
+        layer.points = self.points;
+        layer
+    }
+
+    /// Adds the triangles in which the plane meets a tetrahedron.
+    fn slice(&mut self, tetrahedron: [u32; 4], cells: &mut Vec<u32>) {
+        let parts = tetrahedron.iter().partition(|&&p| self.is_above(p));
+        let (above, below): (Vec<u32>, Vec<u32>) = parts;
+        let ring: Vec<(u32, u32)> = match (&above[..], &below[..]) {
+            (&[a], &[b, c, d]) | (&[b, c, d], &[a]) => vec![(a, b), (a, c), (a, d)],
+            (&[a, b], &[c, d]) => vec![(a, c), (a, d), (b, d), (b, c)],
+            _ => return,
+        };
+        let ring: Vec<u32> = ring.into_iter().map(|(a, b)| self.point(a, b)).collect();
+        for n in 1..ring.len() - 1 {
+            cells.extend([ring[0], ring[n], ring[n + 1]]);
+        }
+    }
+
+    /// The line in which the plane meets a triangle.
+    fn trace(&mut self, triangle: [u32; 3]) -> Option<[u32; 2]> {
+        let parts = triangle.iter().partition(|&&p| self.is_above(p));
+        let (above, below): (Vec<u32>, Vec<u32>) = parts;
+        match (&above[..], &below[..]) {
+            (&[a], &[b, c]) | (&[b, c], &[a]) => Some([self.point(a, b), self.point(a, c)]),
+            _ => None,
+        }
+    }
+}
