@@ -302,6 +302,10 @@ impl<B: Backend> LinearSolver for Direct<B> {
         Ok(())
     }
 
+    fn largest_factor(&self) -> usize {
+        self.unknowns.len()
+    }
+
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
         self.check_pattern(a)?;
         (self.factored, self.norm) = (false, None);

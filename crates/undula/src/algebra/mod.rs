@@ -30,7 +30,7 @@ pub use multifrontal::{MultifrontalBackend, MultifrontalLu};
 pub use mumps::{MumpsBackend, MumpsLu, Ordering};
 pub use operator::LinearOperator;
 pub use scaling::Scaling;
-pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Unknown};
+pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Spent, Unknown};
 pub use vector::{dot, norm_inf};
 pub(crate) use vectors::Vectors;
 

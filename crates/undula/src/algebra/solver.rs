@@ -109,9 +109,30 @@ pub trait LinearSolver: Send {
         None
     }
 
+    /// Unknowns of the largest system that is factorised as a whole; 0 before the analysis.
+    fn largest_factor(&self) -> usize {
+        0
+    }
+
+    /// What the parts of its iterations have cost; empty where it has none.
+    fn spent(&self) -> Vec<Spent> {
+        vec![]
+    }
+
     /// Tells typical sizes of the unknowns for the factorisations to come: with them the pivots do not depend on the
     /// units in which the matrix is given.
     fn set_sizes(&mut self, _sizes: Sizes) {}
+}
+
+/// What a part of iterations has cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spent {
+    /// What it does.
+    pub part: &'static str,
+    /// Elapsed time \[s\].
+    pub seconds: f64,
+    /// Bytes that had to be read, about.
+    pub bytes: f64,
 }
 
 /// What a factorisation has cost; `None` where the backend does not tell.

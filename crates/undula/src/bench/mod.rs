@@ -22,7 +22,7 @@ pub use machine::{Machine, Rates};
 pub use matrices::write_matrices;
 #[doc(hidden)]
 pub use steps::Start;
-pub use steps::{Parts, Spread, Steps};
+pub use steps::{CyclePart, Parts, Spread, Steps};
 
 use crate::error::Error;
 use crate::output::{Unknowns, peak_memory, processor};

@@ -1,6 +1,7 @@
 //! Steps from one state, again and again.
 
 use super::{median, quantile};
+use crate::algebra::Spent;
 use crate::error::Error;
 use crate::nonlinear::{self, Counters};
 use crate::simulation::{Memory, Simulation};
@@ -79,6 +80,19 @@ pub struct Steps {
     pub factorizations: f64,
     /// Residuals per step to which factors were applied.
     pub linear_iterations: f64,
+    /// Parts of the cycles of multigrid in a step, first of the flow, then of the extension.
+    pub cycles: Vec<CyclePart>,
+}
+
+/// A part of the cycles in a step.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct CyclePart {
+    /// What it does.
+    pub part: &'static str,
+    /// Mean seconds of a step.
+    pub seconds: f64,
+    /// Bytes per second that it reads, about.
+    pub rate: f64,
 }
 
 /// Where every repetition starts.
@@ -127,6 +141,7 @@ pub(super) fn measure<const D: usize>(
     // What is made when first needed is made before the clock starts.
     start.restore(simulation)?;
     simulation.step()?;
+    let before = simulation.stepper.linear.spent();
     let (mut walls, mut means) = (Vec::with_capacity(steps * repeat), vec![]);
     let mut all = Counters::default();
     for _ in 0..repeat {
@@ -150,6 +165,7 @@ pub(super) fn measure<const D: usize>(
     let phases = Parts::from_array(std::array::from_fn(|i| {
         median(&means.iter().map(|mean| mean[i]).collect::<Vec<_>>())
     }));
+    let cycles = cycles(&before, &simulation.stepper.linear.spent(), (steps * repeat) as f64);
     let n = simulation.unknowns().total as f64;
     let per_step = |count: usize| count as f64 / (steps * repeat) as f64;
     Ok(Steps {
@@ -165,5 +181,16 @@ pub(super) fn measure<const D: usize>(
         jacobians: per_step(all.jacobians),
         factorizations: per_step(all.factorizations),
         linear_iterations: per_step(all.linear_iterations),
+        cycles,
     })
+}
+
+/// Parts of the cycles of `steps` steps.
+fn cycles(before: &[Spent], after: &[Spent], steps: f64) -> Vec<CyclePart> {
+    let part = |(before, after): (&Spent, &Spent)| {
+        let seconds = after.seconds - before.seconds;
+        let rate = if seconds > 0.0 { (after.bytes - before.bytes) / seconds } else { 0.0 };
+        CyclePart { part: after.part, seconds: seconds / steps, rate }
+    };
+    before.iter().zip(after).map(part).collect()
 }

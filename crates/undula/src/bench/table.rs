@@ -1,6 +1,6 @@
 //! A report for people.
 
-use super::{Kernels, Report, Steps, Timing};
+use super::{CyclePart, Kernels, Report, Steps, Timing};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Report {
@@ -54,6 +54,13 @@ fn write_steps(f: &mut Formatter<'_>, s: &Steps) -> Result {
     for ((name, seconds), (_, per_unknown)) in s.phases.named().into_iter().zip(s.per_unknown.named()) {
         let part = 100.0 * seconds / s.phases.wall;
         writeln!(f, "  {name:<20} {:9.3} {part:7.1} % {:12.2}", 1e3 * seconds, 1e9 * per_unknown)?;
+    }
+    if !s.cycles.is_empty() {
+        writeln!(f, "\nmultigrid in a step           ms      part         GB/s")?;
+    }
+    for CyclePart { part: name, seconds, rate } in &s.cycles {
+        let part = 100.0 * seconds / s.phases.wall;
+        writeln!(f, "  {name:<20} {:9.3} {part:7.1} % {:12.2}", 1e3 * seconds, 1e-9 * rate)?;
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
-use crate::multigrid::{self, Multigrid, System, tiers};
+use crate::multigrid::{self, System, tiers};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 use crate::system::{Assembler, CondensedSystem, StepView};
@@ -38,7 +38,7 @@ impl<const D: usize> Condensed<D> {
         let solver: Box<dyn LinearSolver> = match multigrid {
             Some(settings) => {
                 let places = System::Flow { given: &assembler.is_given(), places: &system.places };
-                Box::new(Multigrid::new(settings, tiers(&assembler.space, places), make(Purpose::Correction)))
+                multigrid::multigrid(settings, tiers(&assembler.space, places), make(Purpose::Correction))
             }
             None => make(Purpose::Correction),
         };
@@ -152,6 +152,11 @@ impl<const D: usize> Correction<D> for Condensed<D> {
             }
         }
         Ok(applied)
+    }
+
+    fn solvers(&self) -> Vec<&dyn LinearSolver> {
+        let extension = self.extension.iter().map(Extension::solver);
+        [self.factored.solver()].into_iter().chain(extension).collect()
     }
 
     fn work(&self) -> Work {

@@ -2,7 +2,7 @@
 
 use super::factors::Factored;
 use super::price::Work;
-use crate::algebra::SolverError;
+use crate::algebra::{LinearSolver, SolverError};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 use crate::system::{Assembler, StepView};
@@ -40,6 +40,9 @@ pub(super) trait Correction<const D: usize>: Send {
         r: &[f64],
         delta: &mut [f64],
     ) -> Result<usize, SolverError>;
+
+    /// What applies factors, or cycles.
+    fn solvers(&self) -> Vec<&dyn LinearSolver>;
 
     /// What renewals and iterations do, for their price.
     fn work(&self) -> Work;

@@ -2,7 +2,7 @@
 
 use super::factors::{MakeSolver, Purpose};
 use crate::algebra::{Cost, Gmres, GmresSettings, LinearSolver, SolverError};
-use crate::multigrid::{self, Multigrid, System, tiers};
+use crate::multigrid::{self, System, tiers};
 use crate::system::extension::ExtensionSystem;
 use crate::system::{Assembler, StepView};
 
@@ -47,7 +47,7 @@ impl<const D: usize> Extension<D> {
             let mut solver: Box<dyn LinearSolver> = match multigrid {
                 Some(settings) => {
                     let tiers = tiers(&assembler.space, System::Extension(&system.places));
-                    Box::new(Multigrid::new(settings, tiers, make(purpose)))
+                    multigrid::multigrid(settings, tiers, make(purpose))
                 }
                 None => make(purpose),
             };
@@ -67,6 +67,11 @@ impl<const D: usize> Extension<D> {
         let n = system.places.len();
         let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES), vec![1.0; n]));
         Ok(Some(Extension { system, solver, gmres, b: vec![0.0; n], x: vec![0.0; n] }))
+    }
+
+    /// What applies its factors.
+    pub(super) fn solver(&self) -> &dyn LinearSolver {
+        &*self.solver
     }
 
     /// What its factors cost.

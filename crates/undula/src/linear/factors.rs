@@ -108,6 +108,11 @@ impl Factored {
         krylov.solve(matrix, precondition, b, x)
     }
 
+    /// What applies its factors.
+    pub(super) fn solver(&self) -> &dyn LinearSolver {
+        &*self.solver
+    }
+
     /// What it does in a system of `unknowns`, which has an `extension` apart or not.
     pub(super) fn work(&self, unknowns: usize, extension: Option<Cost>) -> Work {
         let (rows, entries) = (self.matrix.pattern.n, self.matrix.pattern.nnz());

@@ -6,7 +6,7 @@ use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
-use crate::multigrid::{self, Multigrid, Part, System, Triangular, tiers};
+use crate::multigrid::{self, Part, System, Triangular, tiers};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, PsiOwner, Region};
 use crate::system::{Assembler, StepView};
@@ -76,16 +76,17 @@ pub(super) fn by_parts<const D: usize>(
     let extension: Vec<u32> = free(n_v, PsiOwner::Extension).filter(is_free).collect();
     // The velocity of the solid is no unknown of the flow.
     free(0, PsiOwner::Relation).for_each(|place| given[place as usize] = true);
-    let solver = |system: System<'_>| -> Option<Box<dyn LinearSolver>> {
+    let solver = |system: System<'_>, settings| {
         let is_there = match system {
             System::Flow { places, .. } | System::Extension(places) => !places.is_empty(),
         };
         let tiers = if is_there { tiers(space, system) } else { vec![] };
-        Some(Box::new(Multigrid::new(settings, tiers, make(Purpose::Correction))))
+        Some(multigrid::multigrid(settings, tiers, make(Purpose::Correction)))
     };
-    let of_flow = solver(System::Flow { given: &given, places: &flow });
-    let of_solid = solver(System::Extension(&moves));
-    let of_extension = solver(System::Extension(&extension));
+    let of_flow = solver(System::Flow { given: &given, places: &flow }, settings);
+    // A thin body bends by forces that are rounding of the single ones.
+    let of_solid = solver(System::Extension(&moves), multigrid::Settings { double: true, ..settings });
+    let of_extension = solver(System::Extension(&extension), settings);
     Box::new(Triangular::new(vec![
         Part { rows: moves.clone(), columns: nodal.clone(), solver: None },
         Part { rows: flow.clone(), columns: flow, solver: of_flow },
@@ -125,6 +126,10 @@ impl<const D: usize> Correction<D> for Full {
         let applied = self.factored.solve(&self.work, delta)?;
         scale_pressure(assembler, ratio, delta);
         Ok(applied)
+    }
+
+    fn solvers(&self) -> Vec<&dyn LinearSolver> {
+        vec![self.factored.solver()]
     }
 
     fn work(&self) -> Work {

@@ -19,7 +19,7 @@ pub use krylov::KrylovSettings;
 pub use projection::Closed;
 pub use scales::{BlockNorms, Scales};
 
-use crate::algebra::{Sizes, SolverError};
+use crate::algebra::{LinearSolver, Sizes, SolverError, Spent};
 use crate::multigrid;
 use crate::nonlinear::Seconds;
 use crate::physics::StepRule;
@@ -104,13 +104,29 @@ impl<const D: usize> Linear<D> {
 
     /// Let the direct solver take over for the rest of the run where multigrid has failed; `false` if it is not in use.
     pub fn leave_multigrid(&mut self) -> bool {
-        let is_left = self.active == Linearization::Condensed && self.multigrid.take().is_some();
+        let of_whole = self.made[0].as_mut().is_some_and(|made| !made.factored().is_exact());
+        let in_use = self.active == Linearization::Condensed || of_whole;
+        let is_left = in_use && self.multigrid.take().is_some();
         if is_left {
             self.has_left = true;
             self.krylov = None;
             self.made = [None, None];
         }
         is_left
+    }
+
+    /// Unknowns of the largest system that is factorised as a whole.
+    pub fn largest_factor(&self) -> usize {
+        self.solvers().map(LinearSolver::largest_factor).max().unwrap_or(0)
+    }
+
+    /// What the parts of cycles have cost, those of the extension behind those of the flow.
+    pub fn spent(&self) -> Vec<Spent> {
+        self.solvers().flat_map(LinearSolver::spent).collect()
+    }
+
+    fn solvers(&self) -> impl Iterator<Item = &dyn LinearSolver> {
+        self.made.iter().flatten().flat_map(|made| made.solvers())
     }
 
     /// Take the whole Jacobian for some steps; `false` if it is in use already.

@@ -1,5 +1,6 @@
 //! Factors of small sparse matrices within their envelopes, without pivoting.
 
+use super::number::Number;
 use crate::algebra::{Csr, Vectors};
 
 /// A pivot below this part of what it is a sum of is rounding: the unknown is left out.
@@ -72,13 +73,13 @@ impl Envelope {
 
     /// The factors L and U of the matrix between the unknowns of `list`: row by row, L with diagonal 1 in front of the
     /// inverse pivot, U behind it.
-    pub fn factor(
+    pub fn factor<T: Number>(
         spans: &[[u32; 2]],
         a: &Csr,
         list: &[u32],
         work: &mut Work,
         vectors: Vectors,
-        out: &mut [f32],
+        out: &mut [T],
     ) {
         let Work { local, matrix, starts } = work;
         matrix.clear();
@@ -98,12 +99,12 @@ impl Envelope {
             #[inline(always)]
             || decompose(spans, starts, matrix),
         );
-        out.iter_mut().zip(&*matrix).for_each(|(out, x)| *out = *x as f32);
+        out.iter_mut().zip(&*matrix).for_each(|(out, x)| *out = T::of(*x));
     }
 
     /// `x ← A⁻¹ x` by the `factors`.
     #[inline(always)]
-    pub fn solve(spans: &[[u32; 2]], factors: &[f32], x: &mut [f32]) {
+    pub fn solve<T: Number>(spans: &[[u32; 2]], factors: &[T], x: &mut [T]) {
         let mut start = 0;
         for (row, &[first, end]) in spans.iter().enumerate() {
             let first = first as usize;
@@ -120,6 +121,9 @@ impl Envelope {
     }
 }
 
+/// Rows of U that are subtracted from a row together.
+const TOGETHER: usize = 4;
+
 /// L and U in place of a matrix whose row `i` has its column `j` at `starts[i]` + j: row after row, each less those above.
 #[inline(always)]
 fn decompose(spans: &[[u32; 2]], starts: &[isize], matrix: &mut [f64]) {
@@ -130,22 +134,46 @@ fn decompose(spans: &[[u32; 2]], starts: &[isize], matrix: &mut [f64]) {
         let here = &mut rest[..end - first];
         // What the pivot is a sum of, without signs.
         let mut size = here[row - first].abs();
-        for k in first..row {
-            let (last, begin) = (spans[k][1] as usize, at(k, k));
-            let upper = &above[begin..begin + last - k];
-            let part = &mut here[k - first..last - first];
-            let factor = part[0] * upper[0];
-            part[0] = factor;
-            if factor == 0.0 {
-                continue;
+        let mut k = first;
+        while k < row {
+            let count = if k + TOGETHER <= row { TOGETHER } else { 1 };
+            // Later rows of U end later: these columns are in all of them.
+            let behind = spans[k][1] as usize;
+            let mut factors = [0.0; TOGETHER];
+            for i in 0..count {
+                let (pivot, last) = (k + i, spans[k + i][1] as usize);
+                let upper = &above[at(pivot, pivot)..at(pivot, pivot) + last - pivot];
+                let factor = here[pivot - first] * upper[0];
+                here[pivot - first] = factor;
+                size += (factor * upper[row - pivot]).abs();
+                factors[i] = factor;
+                subtract(factor, &upper[1..k + count - pivot], &mut here[pivot + 1 - first..]);
+                subtract(factor, &upper[behind - pivot..], &mut here[behind - first..]);
             }
-            size += (factor * upper[row - k]).abs();
-            for i in 1..part.len() {
-                part[i] -= factor * upper[i];
+            let upper = |i: usize| &above[at(k + i, k + count)..at(k + i, behind)];
+            let part = &mut here[k + count - first..behind - first];
+            if count == 1 {
+                subtract(factors[0], upper(0), part);
+            } else {
+                let rows: [&[f64]; TOGETHER] = std::array::from_fn(upper);
+                let rows = rows.map(|row| &row[..part.len()]);
+                for (i, x) in part.iter_mut().enumerate() {
+                    let sum = factors[0] * rows[0][i] + factors[1] * rows[1][i];
+                    *x -= sum + (factors[2] * rows[2][i] + factors[3] * rows[3][i]);
+                }
             }
+            k += count;
         }
         let pivot = &mut here[row - first];
         *pivot = if pivot.abs() > NO_PIVOT * size { 1.0 / *pivot } else { 0.0 };
+    }
+}
+
+/// `x ← x − factor y` as far as `y` goes.
+#[inline(always)]
+fn subtract(factor: f64, y: &[f64], x: &mut [f64]) {
+    if factor != 0.0 {
+        x.iter_mut().zip(y).for_each(|(x, y)| *x -= factor * y);
     }
 }
 
@@ -154,16 +182,18 @@ const WIDTH: usize = 32;
 
 /// The sum of products, in parts.
 #[inline(always)]
-fn dot(one: &[f32], two: &[f32]) -> f32 {
-    let mut parts = [0.0_f32; WIDTH];
+fn dot<T: Number>(one: &[T], two: &[T]) -> T {
+    let mut parts = [T::default(); WIDTH];
     let (ones, twos) = (one.chunks_exact(WIDTH), two.chunks_exact(WIDTH));
-    let rest: f32 = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| a * b).sum();
+    let rest = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| *a * *b);
+    let mut sum: T = rest.sum();
     for (a, b) in ones.zip(twos) {
         for i in 0..WIDTH {
             parts[i] += a[i] * b[i];
         }
     }
-    parts.iter().sum::<f32>() + rest
+    parts.iter().for_each(|part| sum += *part);
+    sum
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! Sparse matrices in 32 bits: those of the levels.
+//! Sparse matrices of the levels.
 
+use super::number::Number;
 use crate::algebra::{Csr, Pattern};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -7,22 +8,22 @@ use std::sync::Arc;
 /// Products that are summed side by side.
 const WIDTH: usize = 16;
 
-/// A matrix in 32 bits. Rows of a node have the same columns, which are read once for them.
+/// A matrix. Rows of a node have the same columns, which are read once for them.
 #[derive(Clone, Debug)]
-pub struct Single {
+pub struct Matrix<T> {
     pattern: Arc<Pattern>,
-    values: Vec<f32>,
+    values: Vec<T>,
 }
 
-impl Single {
+impl<T: Number> Matrix<T> {
     /// Zeros.
-    pub fn zeros(pattern: &Arc<Pattern>) -> Single {
-        Single { pattern: Arc::clone(pattern), values: vec![0.0; pattern.nnz()] }
+    pub fn zeros(pattern: &Arc<Pattern>) -> Matrix<T> {
+        Matrix { pattern: Arc::clone(pattern), values: vec![T::default(); pattern.nnz()] }
     }
 
     /// Bytes of its entries and of the columns that are read.
     pub fn bytes(&self) -> usize {
-        4 * (self.values.len() + self.values.len() / 3)
+        size_of::<T>() * self.values.len() + 4 * self.values.len() / 3
     }
 
     /// Take the entries of `a`.
@@ -31,12 +32,12 @@ impl Single {
             .par_iter_mut()
             .with_min_len(1 << 16)
             .zip(&a.values)
-            .for_each(|(to, from)| *to = *from as f32);
+            .for_each(|(to, from)| *to = T::of(*from));
     }
 
     /// The rows `list` of b − A x, into `r`; to be called where vectors are in use.
     #[inline(always)]
-    pub fn residual_of(&self, list: &[u32], b: &[f32], x: &[f32], r: &mut [f32]) {
+    pub fn residual_of(&self, list: &[u32], b: &[T], x: &[T], r: &mut [T]) {
         let mut at = 0;
         while at < list.len() {
             let row = list[at] as usize;
@@ -50,21 +51,21 @@ impl Single {
 
     /// Rows of b − A x that have the same columns.
     #[inline(always)]
-    fn rows(&self, rows: std::ops::Range<usize>, b: &[f32], x: &[f32], r: &mut [f32]) {
+    fn rows(&self, rows: std::ops::Range<usize>, b: &[T], x: &[T], r: &mut [T]) {
         let at = self.pattern.row(rows.start);
         let (columns, b) = (&self.pattern.col[at.clone()], &b[rows.clone()]);
         let values = &self.values[at.start..at.start + rows.len() * at.len()];
         match rows.len() {
-            3 => subtract(b, product::<3>(columns, values, x), r),
-            2 => subtract(b, product::<2>(columns, values, x), r),
-            _ => subtract(b, product::<1>(columns, values, x), r),
+            3 => subtract(b, product::<T, 3>(columns, values, x), r),
+            2 => subtract(b, product::<T, 2>(columns, values, x), r),
+            _ => subtract(b, product::<T, 1>(columns, values, x), r),
         }
     }
 }
 
 /// `r ← b − y`.
 #[inline(always)]
-fn subtract<const K: usize>(b: &[f32], y: [f32; K], r: &mut [f32]) {
+fn subtract<T: Number, const K: usize>(b: &[T], y: [T; K], r: &mut [T]) {
     for i in 0..K {
         r[i] = b[i] - y[i];
     }
@@ -72,13 +73,13 @@ fn subtract<const K: usize>(b: &[f32], y: [f32; K], r: &mut [f32]) {
 
 /// The products of rows of the same columns with `x`.
 #[inline(always)]
-fn product<const K: usize>(columns: &[u32], values: &[f32], x: &[f32]) -> [f32; K] {
-    let rows: [&[f32]; K] = std::array::from_fn(|i| &values[i * columns.len()..(i + 1) * columns.len()]);
-    let mut parts = [[0.0_f32; WIDTH]; K];
+fn product<T: Number, const K: usize>(columns: &[u32], values: &[T], x: &[T]) -> [T; K] {
+    let rows: [&[T]; K] = std::array::from_fn(|i| &values[i * columns.len()..(i + 1) * columns.len()]);
+    let mut parts = [[T::default(); WIDTH]; K];
     let whole = columns.len() / WIDTH * WIDTH;
     for at in (0..whole).step_by(WIDTH) {
         let here = &columns[at..at + WIDTH];
-        let x: [f32; WIDTH] = std::array::from_fn(|l| x[here[l] as usize]);
+        let x: [T; WIDTH] = std::array::from_fn(|l| x[here[l] as usize]);
         for i in 0..K {
             let row = &rows[i][at..at + WIDTH];
             for l in 0..WIDTH {
@@ -86,7 +87,7 @@ fn product<const K: usize>(columns: &[u32], values: &[f32], x: &[f32]) -> [f32; 
             }
         }
     }
-    let mut sums = parts.map(|parts| parts.iter().sum::<f32>());
+    let mut sums = parts.map(|parts| parts.iter().copied().sum::<T>());
     for at in whole..columns.len() {
         let x = x[columns[at] as usize];
         for i in 0..K {
@@ -118,7 +119,7 @@ mod tests {
         let pattern = Arc::new(Pattern::from_rows(&rows));
         let mut a = Csr::zeros(&pattern);
         a.values.iter_mut().enumerate().for_each(|(at, value)| *value = (at as f64).sin());
-        let mut single = Single::zeros(&pattern);
+        let mut single = Matrix::<f32>::zeros(&pattern);
         single.take(&a);
         let x: Vec<f64> = (0..n).map(|i| f64::from(i).cos()).collect();
         let b: Vec<f64> = (0..n).map(|i| (0.1 * f64::from(i)).exp().recip()).collect();

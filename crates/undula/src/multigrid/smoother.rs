@@ -3,30 +3,31 @@
 use super::clusters::colours;
 use super::envelope::{Envelope, Work};
 use super::lists::Lists;
-use super::matrix::Single;
+use super::matrix::Matrix;
+use super::number::Number;
 use crate::algebra::{Csr, Pattern, Vectors};
 use rayon::prelude::*;
 
 /// Blocks of unknowns with the factors of their systems.
 #[derive(Clone, Debug)]
-pub struct Smoother {
+pub struct Smoother<T> {
     /// Unknowns of each block, in the order of elimination.
     unknowns: Lists<u32>,
     /// Rows of each block in its factors.
     spans: Vec<[u32; 2]>,
     /// Where the factors of each block begin.
     starts: Vec<usize>,
-    factors: Vec<f32>,
+    factors: Vec<T>,
     /// Blocks of each colour: they have no unknown in common.
     colours: Vec<Vec<u32>>,
     /// Corrections of all blocks.
-    work: Vec<f32>,
+    work: Vec<T>,
     vectors: Vectors,
 }
 
-impl Smoother {
+impl<T: Number> Smoother<T> {
     /// Blocks with these unknowns, for matrices of `pattern`.
-    pub fn new(unknowns: Lists<u32>, pattern: &Pattern) -> Smoother {
+    pub fn new(unknowns: Lists<u32>, pattern: &Pattern) -> Smoother<T> {
         let envelopes: Vec<Envelope> = (0..unknowns.len())
             .into_par_iter()
             .map_init(
@@ -41,14 +42,14 @@ impl Smoother {
             spans.extend(rows);
         }
         let colours = colours(&unknowns, pattern.n);
-        let work = vec![0.0; unknowns.items().len()];
-        let factors = vec![0.0; starts[starts.len() - 1]];
+        let work = vec![T::default(); unknowns.items().len()];
+        let factors = vec![T::default(); starts[starts.len() - 1]];
         Smoother { factors, unknowns, spans, starts, colours, work, vectors: Vectors::new() }
     }
 
     /// Bytes of the factors.
     pub fn bytes(&self) -> usize {
-        4 * self.factors.len()
+        size_of::<T>() * self.factors.len()
     }
 
     /// Floating point operations of a factorisation, about.
@@ -76,7 +77,7 @@ impl Smoother {
     }
 
     /// Solve the blocks of `matrix` x = `b`, each with the others as they are.
-    pub fn sweep(&mut self, matrix: &Single, b: &[f32], x: &mut [f32]) {
+    pub fn sweep(&mut self, matrix: &Matrix<T>, b: &[T], x: &mut [T]) {
         let Smoother { unknowns, spans, starts, factors, colours, work, vectors } = self;
         for colour in &*colours {
             let mut parts = Vec::with_capacity(colour.len());
@@ -101,7 +102,7 @@ impl Smoother {
                 );
             });
             for (block, correction) in parts {
-                unknowns.get(block).iter().zip(&*correction).for_each(|(&row, c)| x[row as usize] += c);
+                unknowns.get(block).iter().zip(&*correction).for_each(|(&row, c)| x[row as usize] += *c);
             }
         }
     }

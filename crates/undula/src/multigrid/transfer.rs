@@ -1,6 +1,7 @@
 //! Prolongation of corrections from a coarser level, restriction of residuals to it, and the coarser matrix P ᵀ A P.
 
 use super::lists::Lists;
+use super::number::Number;
 use crate::algebra::{Csr, Pattern};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -55,22 +56,29 @@ impl Transfer {
         Transfer { rows, columns }
     }
 
+    /// Bytes of P.
+    pub fn bytes(&self) -> usize {
+        size_of::<(u32, f32)>() * self.rows.items().len()
+    }
+
     /// Number of unknowns of the finer level, and of the coarser one.
     pub fn sizes(&self) -> [usize; 2] {
         [self.rows.len(), self.columns.len()]
     }
 
     /// `x ← x + P c`.
-    pub fn prolong(&self, c: &[f32], x: &mut [f32]) {
+    pub fn prolong<T: Number>(&self, c: &[T], x: &mut [T]) {
         x.par_iter_mut().with_min_len(ROWS_PER_TASK).enumerate().for_each(|(fine, x)| {
-            *x += self.rows.get(fine).iter().map(|&(coarse, w)| w * c[coarse as usize]).sum::<f32>();
+            let weighted = |&(coarse, w): &(u32, f32)| T::of(f64::from(w)) * c[coarse as usize];
+            *x += self.rows.get(fine).iter().map(weighted).sum::<T>();
         });
     }
 
     /// `b ← Pᵀ r`.
-    pub fn restrict(&self, r: &[f32], b: &mut [f32]) {
+    pub fn restrict<T: Number>(&self, r: &[T], b: &mut [T]) {
         b.par_iter_mut().with_min_len(ROWS_PER_TASK).enumerate().for_each(|(coarse, b)| {
-            *b = self.columns.get(coarse).iter().map(|&(fine, w)| w * r[fine as usize]).sum::<f32>();
+            let weighted = |&(fine, w): &(u32, f32)| T::of(f64::from(w)) * r[fine as usize];
+            *b = self.columns.get(coarse).iter().map(weighted).sum::<T>();
         });
     }
 

@@ -2,7 +2,7 @@
 //! it, the extension that follows the solid. What an earlier one sees of a later one is left to GMRES outside.
 
 use crate::algebra::{
-    Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Unknown,
+    Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Spent, Unknown,
 };
 use std::sync::Arc;
 
@@ -168,6 +168,16 @@ impl LinearSolver for Triangular {
             ..sum
         });
         Some(sum)
+    }
+
+    fn largest_factor(&self) -> usize {
+        let solvers = self.made.iter().filter_map(|made| made.part.solver.as_ref());
+        solvers.map(|solver| solver.largest_factor()).max().unwrap_or(0)
+    }
+
+    fn spent(&self) -> Vec<Spent> {
+        let solvers = self.made.iter().filter_map(|made| made.part.solver.as_ref());
+        solvers.flat_map(|solver| solver.spent()).collect()
     }
 
     fn set_sizes(&mut self, sizes: Sizes) {

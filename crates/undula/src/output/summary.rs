@@ -39,6 +39,9 @@ pub struct Summary {
     pub linear_iterations: u64,
     /// Steps that were begun anew with the whole Jacobian and a direct solver.
     pub direct_fallbacks: u64,
+    /// Unknowns of the largest system that is factorised as a whole: with multigrid that of the coarsest level.
+    #[serde(default)]
+    pub largest_factor_unknowns: usize,
     /// Threads used.
     pub threads: usize,
     /// Elapsed time \[s\].
@@ -295,7 +298,7 @@ mod tests {
         let value = serde_json::to_value(Summary::default()).unwrap();
         let keys: Vec<_> = value.as_object().unwrap().keys().map(String::as_str).collect();
         let mut contract = "status case cells unknowns steps newton_steps jacobians factorizations threads \
-            wall_seconds cpu_seconds linear_iterations direct_fallbacks phases peak_memory_bytes mass_balance swept_volume functionals version commit date \
+            wall_seconds cpu_seconds linear_iterations direct_fallbacks largest_factor_unknowns phases peak_memory_bytes mass_balance swept_volume functionals version commit date \
             processor case_hash mesh_hash"
             .split_whitespace()
             .collect::<Vec<_>>();

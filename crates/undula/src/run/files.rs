@@ -231,6 +231,7 @@ impl<const D: usize> Run<D> {
             },
             linear_iterations: newton.counters.linear_iterations as u64,
             direct_fallbacks: newton.counters.fallbacks as u64,
+            largest_factor_unknowns: simulation.stepper.linear.largest_factor(),
             cpu_seconds: processor_seconds(),
             peak_memory_bytes: peak_memory(),
             mass_balance: simulation.balance.as_ref().and_then(Balance::mass),

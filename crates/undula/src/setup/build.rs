@@ -203,9 +203,11 @@ impl Case {
         let krylov = |gmres| KrylovSettings { gmres, scales };
         let by_multigrid = self.takes_multigrid(&space);
         let gmres = self.linear.krylov.or(by_multigrid.then_some(WITH_MULTIGRID));
+        let double = self.linear.precision == Precision::Double;
+        let levels = multigrid::Settings { double, ..Default::default() };
         let linear = Linear::new(self.newton.linearization, make)
             .with_krylov(gmres.map(krylov))
-            .with_multigrid(by_multigrid.then(multigrid::Settings::default));
+            .with_multigrid(by_multigrid.then_some(levels));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),

@@ -159,9 +159,10 @@ impl<const D: usize> Stepper<D> {
             self.follow_boundary(given, &before_state);
         }
         let solved = self.solve_load(least, &before_state);
-        self.linear.active = active;
         let of_linear = solved.as_ref().is_err_and(|ended| ended.reason.is_of_linear_iteration());
-        if of_linear && self.linear.leave_multigrid() {
+        let leaves = of_linear && self.linear.leave_multigrid();
+        self.linear.active = active;
+        if leaves {
             self.newton.counters.fallbacks += 1;
             self.new = before_state;
             return self.stationary_at(load, before, earlier, least);
