@@ -12,7 +12,10 @@ use undula::setup::overview::Inflow;
 
 /// What the page is called.
 pub fn title(content: &Content) -> String {
+    let case = content.results.case.as_ref();
+    // A run that goes on has an empty summary.
     let name = &content.results.summary.case;
+    let name = case.filter(|_| name.is_empty()).map_or(name, |case| &case.name);
     match content.results.case.as_ref().map(|case| case.title.as_str()).filter(|title| !title.is_empty()) {
         Some(title) => format!("{name}: {title}"),
         None => name.clone(),
