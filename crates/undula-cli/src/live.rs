@@ -125,6 +125,8 @@ impl Shared {
                 Ok(page) => send(stream, "200 OK", &page),
                 Err(_) => send(stream, "503 Service Unavailable", BEGINS),
             },
+            // Browsers ask for it.
+            Some(("/favicon.ico", _)) => send(stream, "204 No Content", ""),
             Some(("/events", after)) => self.listen(stream, after.parse().unwrap_or(0)),
             _ => send(stream, "404 Not Found", "There is nothing here."),
         }

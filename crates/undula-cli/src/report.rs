@@ -88,7 +88,8 @@ pub fn text(directory: &Path, live: bool) -> anyhow::Result<String> {
         _ => &[],
     };
     let histories = series::histories(&content.results, rows)?;
-    let mut fields = scene(run)?;
+    let reference = content.results.case.as_ref().is_some_and(|case| !case.output.deformed);
+    let mut fields = scene(run, reference)?;
     if let (Scene::Shown(scene, _), Some((_, overview))) = (&mut fields, &content.overview) {
         scene["axes"] = json!(if overview.around_axis { ["r", "z", ""] } else { ["x", "y", "z"] });
     }

@@ -73,7 +73,9 @@ pub fn head(page: &mut Html, content: &Content, title: &str) {
     );
     if let Some(time) = content.results.history.column("time").filter(|time| time.len() > 1) {
         let last = significant(time[time.len() - 1], 6);
-        fact("time", format!("up to t = {last} s in {} steps", grouped(summary.steps as usize)));
+        // The summary of a run that goes on is that of its last checkpoint.
+        let steps = content.results.history.column("step").and_then(|steps| steps.last().copied());
+        fact("time", format!("up to t = {last} s in {} steps", grouped(steps.unwrap_or(0.0) as usize)));
     }
     if let Some(start) = &summary.start {
         fact("start", start.clone());
