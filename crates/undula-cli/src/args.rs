@@ -86,6 +86,9 @@ pub struct RunArgs {
     /// Overwrite the run in the output directory, completed or not
     #[arg(long)]
     pub force: bool,
+    /// Serve the page of the run on this machine while it goes on, at http://127.0.0.1:PORT/ [default: a free port]
+    #[arg(long, value_name = "PORT", require_equals = true, num_args = 0..=1, default_missing_value = "0")]
+    pub live: Option<u16>,
     /// Print errors only; draw no pictures and write no report.html
     #[arg(short, long)]
     pub quiet: bool,

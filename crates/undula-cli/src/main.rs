@@ -12,6 +12,7 @@ mod explain;
 mod inf_sup;
 mod jacobian;
 mod keys;
+mod live;
 mod modes;
 mod new;
 mod page;

@@ -57,7 +57,7 @@ pub fn run(args: &ReportArgs) -> anyhow::Result<ExitCode> {
 pub fn write(directory: &Path, to: Option<&Path>) -> anyhow::Result<PathBuf> {
     let run = RunDirectory::open(directory)?;
     let path = to.map_or_else(|| run.report(), Path::to_path_buf);
-    let text = page(&run, directory)?;
+    let text = text(directory, false)?;
     write_atomic(&path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
     Ok(path)
 }
@@ -73,7 +73,12 @@ struct Content<'a> {
     published: Published,
 }
 
-fn page(run: &RunDirectory, directory: &Path) -> anyhow::Result<String> {
+/// The page of the run in `directory`; one that is `live` asks its server for news.
+///
+/// # Errors
+/// If a file of the run cannot be read.
+pub fn text(directory: &Path, live: bool) -> anyhow::Result<String> {
+    let run = &RunDirectory::open(directory)?;
     let results = Results::read(directory)?;
     let published = published(&results);
     let toml = std::fs::read_to_string(run.case()).unwrap_or_default();
@@ -83,7 +88,8 @@ fn page(run: &RunDirectory, directory: &Path) -> anyhow::Result<String> {
         _ => &[],
     };
     let histories = series::histories(&content.results, rows)?;
-    let mut fields = scene(run)?;
+    let reference = content.results.case.as_ref().is_some_and(|case| !case.output.deformed);
+    let mut fields = scene(run, reference)?;
     if let (Scene::Shown(scene, _), Some((_, overview))) = (&mut fields, &content.overview) {
         scene["axes"] = json!(if overview.around_axis { ["r", "z", ""] } else { ["x", "y", "z"] });
     }
@@ -104,8 +110,13 @@ fn page(run: &RunDirectory, directory: &Path) -> anyhow::Result<String> {
     };
     let histories = histories.map_or(Value::Null, |(value, _)| value);
     let maps = json!({ "viridis": map(&VIRIDIS), "plasma": map(&PLASMA) });
-    page.data("report-data", &json!({ "scene": scene, "histories": histories, "maps": maps }));
+    let step = content.results.history.column("step").and_then(|steps| steps.last().copied()).unwrap_or(0.0);
+    let data = json!({ "scene": scene, "histories": histories, "maps": maps, "step": step });
+    page.data("report-data", &data);
     page.script(&SCRIPTS);
+    if live {
+        page.script(&[include_str!("report/live.js")]);
+    }
     Ok(page.finish())
 }
 

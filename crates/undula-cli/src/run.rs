@@ -2,6 +2,7 @@
 
 use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
 use crate::digits::fixed;
+use crate::live::Live;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot, report};
 use std::io::ErrorKind;
@@ -37,12 +38,25 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         quiet: args.quiet,
         verbose: args.verbose,
         stop: interrupt_flag()?,
+        live: None,
     };
+    if let Some(port) = args.live {
+        match Live::start(&directory, port) {
+            Ok(live) => {
+                say(format_args!("live page {}", live.url));
+                display.live = Some(live);
+            }
+            Err(error) => return bad_input(format_args!("--live={port}: {error}; name another port")),
+        }
+    }
     let result = match case.mesh.dimension {
         3 => undula::run::run_in_space(case, &options, &mut display),
         _ => undula::run::run(case, &options, &mut display),
     };
     let progress = display.progress.take();
+    if let Some(live) = display.live.take() {
+        live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
+    }
     match result {
         Ok(summary) => finish(progress, &summary, &directory, args, end.is_some()),
         Err(error) => {
@@ -73,6 +87,7 @@ struct Display {
     quiet: bool,
     verbose: bool,
     stop: Arc<AtomicBool>,
+    live: Option<Live>,
 }
 
 impl<const D: usize> Observer<D> for Display {
@@ -114,6 +129,9 @@ impl<const D: usize> Observer<D> for Display {
     }
 
     fn after_step(&mut self, simulation: &Simulation<D>, row: &Row) -> Flow {
+        if let Some(live) = &self.live {
+            live.row(row);
+        }
         let names = simulation.names();
         let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
         let info = StepInfo {

@@ -6,7 +6,7 @@ use super::quantity::Quantity;
 use super::space;
 use crate::plot::solid_cells;
 use serde_json::{Value, json};
-use undula::output::{Collection, FieldSnapshot, RunDirectory, read_vtu};
+use undula::output::{Collection, Field, FieldSnapshot, RunDirectory, read_vtu};
 
 /// Bytes of all moments before they are deflated.
 const RAW: usize = 10 << 20;
@@ -17,17 +17,26 @@ const LONGEST: usize = 9_000_000;
 /// More moments than these are not worth the room.
 const MOMENTS: usize = 400;
 
-/// Points of fields that are too large for a page.
+/// Points that a page shows at most.
 const POINTS: usize = 700_000;
 
+/// Points of a mesh in space whose surface a page shows.
+const LARGEST: usize = 5_000_000;
+
+/// Points of all moments that are read, for which a second or two is enough.
+const READ: usize = 10_000_000;
+
 /// Some moments of a run.
-pub struct Film {
+struct Film {
     /// Times \[s\].
-    pub times: Vec<f64>,
-    /// Fields at these times, all on straight cells and on the same ones.
-    pub moments: Vec<FieldSnapshot>,
+    times: Vec<f64>,
+    /// Fields at these times, at the points that are shown.
+    moments: Vec<FieldSnapshot>,
     /// Moments that the run has written.
-    pub written: usize,
+    written: usize,
+    quantities: Vec<Quantity>,
+    /// Whether files have the points of the reference domain.
+    reference: bool,
 }
 
 /// The fields of a run on a page.
@@ -40,34 +49,97 @@ pub enum Scene {
     Shown(Value, Option<String>),
 }
 
-/// The fields of the run in `run`, of as many of its moments as a page has room for.
+/// The fields of the run in `run`, of as many of its moments as a page has room for; `reference` says that its files have
+/// the points of the reference domain.
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn scene(run: &RunDirectory) -> anyhow::Result<Scene> {
+pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
     if !run.collection().is_file() {
         return Ok(Scene::None);
     }
     let collection = Collection::read(run.collection())?;
     let Some((_, last)) = collection.entries().last() else { return Ok(Scene::None) };
     let last = read_vtu(collection.resolve(last))?.0.linear_cells();
-    let points = last.points.len();
-    if points > POINTS {
-        let limit = format!("a page has room for {POINTS}");
-        return Ok(Scene::TooLarge(format!(
-            "The fields have {points} points, {limit}: ParaView shows them."
-        )));
+    let (points, dim) = (last.points.len(), last.kind.dim());
+    let limit = if dim == 2 { POINTS } else { LARGEST };
+    let too_large = |points: usize, limit: usize| {
+        let text =
+            format!("The fields have {points} points, a page has room for {limit}: ParaView shows them.");
+        Ok(Scene::TooLarge(text))
+    };
+    if points > limit {
+        return too_large(points, limit);
     }
     let solid = solid_cells(&last);
-    let layers = match last.kind.dim() {
-        2 => vec![Layer::plane(&last, &solid)],
-        _ => space::layers(&last, &solid),
-    };
+    let mut layers = if dim == 2 { vec![Layer::plane(&last, &solid)] } else { space::layers(&last, &solid) };
     let shown: usize = layers.iter().map(|layer| layer.points.len()).sum();
-    let numbers: usize = Quantity::all(&last).iter().map(|quantity| quantity.components.len()).sum();
-    let room = RAW / (2 * shown * (numbers + 1)).max(1);
-    let film = Film::read(&collection, last, room.clamp(1, MOMENTS))?;
-    fitted(film, &layers)
+    if shown == 0 {
+        return Ok(Scene::None);
+    }
+    if shown > POINTS {
+        return too_large(shown, POINTS);
+    }
+    let used = used_points(&mut layers);
+    let quantities = Quantity::all(&last);
+    let numbers: usize = quantities.iter().map(|quantity| quantity.components.len()).sum();
+    let room = (RAW / (2 * shown * (numbers + 1)).max(1)).min(READ / points.max(1));
+    let (times, moments) = read(&collection, &last, &used, room.clamp(1, MOMENTS))?;
+    let written = collection.entries().len();
+    fitted(Film { times, moments, written, quantities, reference }, &layers)
+}
+
+/// The points that `layers` lie between, in order; the layers then have numbers among these.
+fn used_points(layers: &mut [Layer]) -> Vec<u32> {
+    let mut used: Vec<u32> = layers.iter().flat_map(|l| l.points.iter().flat_map(|p| [p.0, p.1])).collect();
+    used.sort_unstable();
+    used.dedup();
+    let number = |point: u32| used.binary_search(&point).unwrap_or(0) as u32;
+    for point in layers.iter_mut().flat_map(|layer| &mut layer.points) {
+        (point.0, point.1) = (number(point.0), number(point.1));
+    }
+    used
+}
+
+/// Times and fields of at most `count` moments of `collection`, whose last one is `last`, at the points that are `used`.
+fn read(
+    collection: &Collection,
+    last: &FieldSnapshot,
+    used: &[u32],
+    count: usize,
+) -> anyhow::Result<(Vec<f64>, Vec<FieldSnapshot>)> {
+    let (entries, mut found) = (collection.entries(), (vec![], vec![]));
+    for n in spread(entries.len(), count) {
+        let (time, file) = &entries[n];
+        if n + 1 == entries.len() {
+            found.0.push(*time);
+            found.1.push(at_points(last, used));
+            continue;
+        }
+        let moment = read_vtu(collection.resolve(file))?.0.linear_cells();
+        // A run that goes on with another case may have other cells; its last ones count.
+        if moment.cells == last.cells && names(&moment) == names(last) {
+            found.0.push(*time);
+            found.1.push(at_points(&moment, used));
+        }
+    }
+    Ok(found)
+}
+
+/// Fields at some of the points, without cells.
+fn at_points(snapshot: &FieldSnapshot, used: &[u32]) -> FieldSnapshot {
+    let of = |field: &Field| {
+        let n = field.components;
+        let values = used.iter().flat_map(|&p| &field.values[n * p as usize..n * (p as usize + 1)]);
+        Field::new(field.name.clone(), n, values.copied().collect())
+    };
+    FieldSnapshot {
+        kind: snapshot.kind,
+        degree: snapshot.degree,
+        points: used.iter().map(|&p| snapshot.points[p as usize]).collect(),
+        point_data: snapshot.point_data.iter().map(of).collect(),
+        ..FieldSnapshot::default()
+    }
 }
 
 /// Leaves moments out until all fits.
@@ -101,31 +173,12 @@ fn spread(n: usize, count: usize) -> Vec<usize> {
 }
 
 impl Film {
-    /// At most `count` moments of `collection`, whose last one is `last`.
-    fn read(collection: &Collection, last: FieldSnapshot, count: usize) -> anyhow::Result<Film> {
-        let entries = collection.entries();
-        let mut film = Film { times: vec![], moments: vec![], written: entries.len() };
-        for n in spread(entries.len(), count) {
-            let (time, file) = &entries[n];
-            let moment = match n + 1 == entries.len() {
-                true => last.clone(),
-                false => read_vtu(collection.resolve(file))?.0.linear_cells(),
-            };
-            // A run that goes on with another case may have other cells; its last ones count.
-            if moment.cells == last.cells && names(&moment) == names(&last) {
-                film.times.push(*time);
-                film.moments.push(moment);
-            }
-        }
-        Ok(film)
-    }
-
     /// All for the player.
     fn to_json(&self, layers: &[Layer]) -> anyhow::Result<Value> {
         let first = &self.moments[0];
         let dim = first.kind.dim();
         let base = self.base();
-        let quantities = Quantity::all(first);
+        let quantities = &self.quantities;
         let moves = quantities.iter().position(|quantity| quantity.name == "deformation");
         let mut drawn = vec![];
         for layer in layers {
@@ -138,7 +191,7 @@ impl Film {
             drawn.push(value);
         }
         let mut about: Vec<Value> = quantities.iter().map(Quantity::to_json).collect();
-        for (about, quantity) in about.iter_mut().zip(&quantities) {
+        for (about, quantity) in about.iter_mut().zip(quantities) {
             let (factor, unit) = self.readable(quantity);
             about["factor"] = json!(factor);
             about["unit"] = json!(unit);
@@ -153,8 +206,7 @@ impl Film {
     fn base(&self) -> Vec<[f64; 3]> {
         let first = &self.moments[0];
         let Some(u) = first.at_points("deformation") else { return first.points.clone() };
-        // Files with a mesh that is not deformed have the same points at all times.
-        if self.moments.len() > 1 && self.moments.iter().all(|moment| moment.points == first.points) {
+        if self.reference {
             return first.points.clone();
         }
         let moved = |(n, x): (usize, &[f64; 3])| {

@@ -7,14 +7,15 @@ async function showHistories({time, force_time, signals, counts, window}) {
   for (const [into, all] of [['history-charts', signals], ['count-charts', counts]]) {
     const place = document.getElementById(into);
     if (!place) continue;
-    for (const [n, {name, label, unit, about, values, force, published = []}] of all.entries()) {
+    for (const [n, {name, label, unit, factor = 1, about, values, force, published = []}] of all.entries()) {
       const y = await unpack(values), x = times[force];
       const labels = ['t [s]', labelled(label, unit)];
       const ink = CURVES[n % CURVES.length];
-      new Chart(place, {name, x, y, labels, about, lines: published, group, ink});
-      found.push({name, x, y, unit});
+      const chart = new Chart(place, {name, x, y, labels, about, lines: published, group, ink});
+      found.push({name, x, y, unit, chart, factor, force});
     }
   }
+  globalThis.undula.histories = found;
   const place = document.getElementById('periodic-charts');
   if (place) await showPeriodic(place, signals, found, window);
 }
@@ -65,15 +66,16 @@ function showContents() {
   document.querySelector('h1').after(element('nav', {'aria-label': 'contents'}, ...links));
 }
 
-/** For programs: the player, and a promise that all is there. */
-globalThis.undula = {
-  ready: (async () => {
-    showContents();
-    if (!globalThis.DecompressionStream) {
-      document.getElementById('player')?.replaceChildren('This browser is too old for the pictures of this page.');
-      return;
-    }
-    if (report.histories) await showHistories(report.histories);
-    if (report.scene) await showFields(report.scene, report.maps);
-  })(),
-};
+async function fillPage() {
+  showContents();
+  if (!globalThis.DecompressionStream) {
+    document.getElementById('player')?.replaceChildren('This browser is too old for the pictures of this page.');
+    return;
+  }
+  if (report.histories) await showHistories(report.histories);
+  if (report.scene) await showFields(report.scene, report.maps);
+}
+
+/** For programs: the player, the histories, and a promise that all is there. */
+globalThis.undula = {};
+globalThis.undula.ready = fillPage();

@@ -12,7 +12,10 @@ use undula::setup::overview::Inflow;
 
 /// What the page is called.
 pub fn title(content: &Content) -> String {
+    let case = content.results.case.as_ref();
+    // A run that goes on has an empty summary.
     let name = &content.results.summary.case;
+    let name = case.filter(|_| name.is_empty()).map_or(name, |case| &case.name);
     match content.results.case.as_ref().map(|case| case.title.as_str()).filter(|title| !title.is_empty()) {
         Some(title) => format!("{name}: {title}"),
         None => name.clone(),
@@ -70,7 +73,9 @@ pub fn head(page: &mut Html, content: &Content, title: &str) {
     );
     if let Some(time) = content.results.history.column("time").filter(|time| time.len() > 1) {
         let last = significant(time[time.len() - 1], 6);
-        fact("time", format!("up to t = {last} s in {} steps", grouped(summary.steps as usize)));
+        // The summary of a run that goes on is that of its last checkpoint.
+        let steps = content.results.history.column("step").and_then(|steps| steps.last().copied());
+        fact("time", format!("up to t = {last} s in {} steps", grouped(steps.unwrap_or(0.0) as usize)));
     }
     if let Some(start) = &summary.start {
         fact("start", start.clone());

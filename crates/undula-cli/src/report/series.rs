@@ -86,7 +86,7 @@ fn history(
         _ => vec![],
     };
     let mut value = json!({
-        "name": signal.name, "label": signal.name, "unit": unit, "values": doubles(&shown)?,
+        "name": signal.name, "label": signal.name, "unit": unit, "factor": factor, "values": doubles(&shown)?,
         "about": in_words(statistics, factor, &unit), "published": lines, "force": signal.times != time,
     });
     if let (Some(frequency), Some(window)) = (statistics.frequency, window) {

@@ -13,6 +13,7 @@ mod initial;
 mod input;
 mod jacobian;
 mod keys;
+mod live;
 mod modes;
 mod multigrid;
 mod outputs;

@@ -17,7 +17,7 @@ fn a_mesh_gives_a_case_with_its_regions_and_boundaries() {
         (
             "../../examples/hydrofoil.msh",
             [
-                "[boundary.inflow]  # 8 m, of the fluid",
+                "[boundary.inflow]  # 3 m, of the fluid",
                 "condition = \"flux\"",
                 "[boundary.hub]",
                 "condition = \"clamped\"",

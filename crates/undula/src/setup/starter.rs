@@ -177,7 +177,7 @@ impl Known {
             .zip(lower.iter().zip(upper))
             .map(|(x, (a, b))| format!("{x} from {} to {} m", short(*a), short(*b)))
             .collect();
-        let _ = write!(text, "#\n# {}; is it not in metres, give mesh.scale.\n", sides.join(", "));
+        let _ = write!(text, "#\n# {}. If that is not in metres, give mesh.scale.\n", sides.join(", "));
         for (region, cells, _) in &self.overview.regions {
             let body = if self.solid.contains(region) { "solid" } else { "fluid" };
             let _ = writeln!(text, "# Region {region}: {cells} cells, taken for {body}.");
