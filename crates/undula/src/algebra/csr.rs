@@ -198,7 +198,8 @@ impl Csr {
             let mut row = 0;
             while row < y.len() {
                 let end = y.len().min(self.pattern.end_of_alike(first + row) - first);
-                let mut put = |sums: &[f64]| y[row..end].iter_mut().zip(sums).for_each(|(y, sum)| put(y, *sum));
+                let mut put =
+                    |sums: &[f64]| y[row..end].iter_mut().zip(sums).for_each(|(y, sum)| put(y, *sum));
                 match end - row {
                     3 => put(&self.sums::<3>(first + row, x)),
                     2 => put(&self.sums::<2>(first + row, x)),

@@ -92,7 +92,11 @@ struct Coarse<T> {
 }
 
 /// A multigrid cycle from the `tiers` of the levels above the coarsest one, which `coarsest` solves.
-pub fn multigrid(settings: Settings, tiers: Vec<Tier>, coarsest: Box<dyn LinearSolver>) -> Box<dyn LinearSolver> {
+pub fn multigrid(
+    settings: Settings,
+    tiers: Vec<Tier>,
+    coarsest: Box<dyn LinearSolver>,
+) -> Box<dyn LinearSolver> {
     if settings.double {
         Box::new(Multigrid::<f64>::new(settings, tiers, coarsest))
     } else {

@@ -5,16 +5,7 @@ use std::ops::{AddAssign, Mul, Sub, SubAssign};
 
 /// `f32` or `f64`.
 pub trait Number:
-    Copy
-    + Default
-    + Send
-    + Sync
-    + AddAssign
-    + SubAssign
-    + Sum
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + 'static
+    Copy + Default + Send + Sync + AddAssign + SubAssign + Sum + Sub<Output = Self> + Mul<Output = Self> + 'static
 {
     /// Rounds.
     fn of(x: f64) -> Self;

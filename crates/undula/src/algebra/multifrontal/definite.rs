@@ -3,11 +3,11 @@
 //! Blocks are those of forward substitution, from the last to the first. Every number is computed by the same
 //! operations in the same order, whatever the number of threads.
 
-use crate::algebra::vectors::dispatch;
 use super::factors::Lower;
 use super::kernels::{dots, flush};
 use super::real::Real;
 use super::sizes::{BLOCK, Sizes};
+use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;

@@ -3,12 +3,12 @@
 //! Columns are taken in blocks, rows of large fronts in chunks that run in parallel. Every number is
 //! computed by the same operations in the same order, however it is cut.
 
-use crate::algebra::vectors::dispatch;
 use super::factors::{Lower, Upper};
 use super::kernels::{flush, gemv_sub, gemv_transposed_sub, substitute_lower, substitute_upper};
 use super::prefetch::prefetch;
 use super::real::Real;
 use super::sizes::{BLOCK, Sizes};
+use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use std::ops::Range;

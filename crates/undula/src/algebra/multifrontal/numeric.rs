@@ -1,13 +1,13 @@
 //! Assembly and elimination over the tree of fronts.
 
 use super::super::{Csr, Scaling};
-use crate::algebra::vectors::dispatch;
 use super::buffer::Buffer;
 use super::front::{Front, Scratch};
 use super::kernels::flushed;
 use super::real::Real;
 use super::sizes::{SLACK, Sizes, padded, stored};
 use super::symbolic::{Entry, Run, Shape, Symbolic};
+use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};
 

@@ -4,7 +4,6 @@
 //! parent and read from it. So subtrees are independent, and sums are always taken in one order.
 //! Where a right-hand side is zero in a whole subtree, there is nothing to do on the way up.
 
-use crate::algebra::vectors::dispatch;
 use super::definite;
 use super::dense;
 use super::factors::Factors;
@@ -14,6 +13,7 @@ use super::prefetch::prefetch;
 use super::real::Real;
 use super::sizes::{SLACK, padded};
 use super::symbolic::{Run, Shape, Symbolic};
+use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Simd, WithSimd};
 
 /// One pass over the tree.

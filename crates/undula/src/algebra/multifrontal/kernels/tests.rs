@@ -1,6 +1,6 @@
-use crate::algebra::vectors::dispatch;
 use super::*;
 use crate::algebra::vector::pseudo_random_sign;
+use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Scalar};
 
 /// All kernels against plain loops, for sizes around the lengths of vectors.
