@@ -114,7 +114,8 @@ fn check_tells_extents_regions_boundaries_and_the_flow() {
         "inflow    inflow: mean velocity up to 2 m/s, largest 3 m/s",
         "Re = 200 with that mean and 0.1 m, the diameter of the cylinder",
         "CFL = ",
-        " MB of memory for a run",
+        " MB of memory for a run, about 0.00",
+        " s of a processor for a step",
     ];
     for velocity in ["space.velocity=Q2", "space.velocity=P2"] {
         here.run("check fsi3", &["mesh.refine=0", velocity]).expect(0, &told);

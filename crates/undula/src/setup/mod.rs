@@ -3,7 +3,7 @@
 //! `mesh` makes or reads the mesh, `build` creates all else, `functionals` the functionals. Before that, `fit` compares the case with its mesh, of
 //! which it knows the `names`: `regions` looks at its regions, `bodies` at their connected parts, `enclosed` at the parts
 //! of the fluid that nothing opens, `ends` at the nodes of the solid, `supports` at rigid motions, `periodic` at boundaries that are one. `prestress` has the shape without stress. `functions` makes functions of expressions, `data` evaluates what is prescribed, `memory`
-//! estimates what it takes, `lengths` has the numbers that come from the mesh, `overview` is what `undula check`
+//! and `seconds` estimate what it takes, `lengths` has the numbers that come from the mesh, `overview` is what `undula check`
 //! prints, and `starter` is a case for a mesh of one's own.
 
 mod axis;
@@ -28,6 +28,7 @@ mod periodic;
 pub(crate) mod prestress;
 pub mod profile;
 mod regions;
+mod seconds;
 pub mod starter;
 mod supports;
 mod terms;

@@ -33,10 +33,20 @@ pub struct Overview {
     pub unknowns: [usize; 3],
     /// About as many bytes as a run needs.
     pub memory: f64,
+    /// About as many seconds of a processor as a step takes; `None` where there are no steps.
+    pub seconds: Option<f64>,
     /// What looks wrong but can be computed.
     pub warnings: Vec<String>,
     /// What should be known: regions that are left out, parts of the fluid that are closed in.
     pub notes: Vec<String>,
+}
+
+/// One digit: no more is known.
+fn rounded(seconds: f64) -> f64 {
+    let unit = 10f64.powf(seconds.max(1e-6).log10().floor());
+    let parts = (seconds / unit).round();
+    // Units of 0.1, 0.01 and so on have no exact number, their inverses do.
+    if unit < 1.0 { parts / (1.0 / unit).round() } else { parts * unit }
 }
 
 /// A boundary by name.
@@ -102,6 +112,7 @@ impl Case {
             inflow: self.inflow(space, size(f64::min, f64::INFINITY)),
             unknowns: [space.n_v(), space.n_u(), space.n_p()],
             memory: self.expected_bytes(mesh.n_cells(), mesh.n_cells()),
+            seconds: self.expected_seconds(space),
             warnings: self.looks_like_millimetres(&extents).into_iter().collect(),
             notes: vec![],
         }
@@ -274,7 +285,10 @@ impl fmt::Display for Overview {
         let [smallest, largest] = self.sizes.map(short);
         writeln!(f, "          {} cells, sizes from {smallest} to {largest} m", self.cells)?;
         writeln!(f, "          {} unknowns: velocity {v}, deformation {u}, pressure {p}", v + u + p)?;
-        writeln!(f, "          about {} of memory for a run", size(self.memory))?;
+        let seconds =
+            self.seconds.map(|seconds| format!(", about {} s of a processor for a step", rounded(seconds)));
+        let memory = size(self.memory);
+        writeln!(f, "          about {memory} of memory for a run{}", seconds.unwrap_or_default())?;
         for (name, cells, area) in &self.regions {
             writeln!(f, "region    {name}: {cells} cells, {} {of_region}", short(*area))?;
         }
