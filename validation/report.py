@@ -312,6 +312,46 @@ def play(browser, report):
     return 1000 / spent
 
 
+def gestures(browser, report):
+    """Charts are zoomed by dragging; two fingers enlarge the fields on a phone."""
+    if browser.value("!!undula.histories"):
+        box = browser.value(
+            "(() => { const c = undula.histories[0].chart.canvas; c.scrollIntoView({block: 'center'}); "
+            "const b = c.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
+        y = box[1] + box[3] / 2
+        ends = [box[0] + 62 + part * (box[2] - 72) for part in (0.25, 0.5)]
+        browser.mouse("mousePressed", ends[0], y, "left")
+        browser.mouse("mouseMoved", ends[1], y, "left")
+        browser.mouse("mouseReleased", ends[1], y, "left")
+        first, last, low, high = browser.value(
+            "(() => { const c = undula.histories[0].chart, r = c.group.range ?? [NaN, NaN]; "
+            "return [c.x[0], c.x[c.x.length - 1], ...r]; })()")
+        right = [first + part * (last - first) for part in (0.25, 0.5)]
+        if low is None or abs(low - right[0]) + abs(high - right[1]) > 0.02 * (last - first):
+            report(f"dragging shows {low} to {high}, expected {right}")
+        told = browser.value("undula.histories[0].chart.readout.textContent")
+        if "t =" not in told:
+            report(f"no value is told under the pointer: {told}")
+        browser.value("undula.histories[0].chart.group.zoom(null)")
+    if browser.value("!!undula.player"):
+        x, y = browser.value(
+            "(() => { const c = undula.player.canvas; c.scrollIntoView({block: 'center'}); "
+            "const b = c.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=True, maxTouchPoints=2)
+        before = browser.value("undula.player.view.scale")
+        fingers = lambda d: [{"x": x - d, "y": y, "id": 0}, {"x": x + d, "y": y, "id": 1}]
+        browser.ask("Input.dispatchTouchEvent", type="touchStart", touchPoints=fingers(20))
+        for d in (30, 45, 60):
+            browser.ask("Input.dispatchTouchEvent", type="touchMove", touchPoints=fingers(d))
+        browser.ask("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+        browser.settle()
+        factor = browser.value("undula.player.view.scale") / before
+        browser.ask("Emulation.setTouchEmulationEnabled", enabled=False)
+        if not 2 < factor < 4:
+            report(f"two fingers enlarge by {factor}, expected 3")
+        browser.value("undula.player.fit()")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("directory", help="directory of a run with report.html")
@@ -341,6 +381,7 @@ def main():
                 print(f"{compare(browser, arguments.directory, report)} values compared")
         for width, dark in [(400, False), (400, True), (1600, False), (1600, True)]:
             browser.open(page, width, ratio=2 if width < 600 else 1, dark=dark)
+            gestures(browser, report)
             if browser.value("document.documentElement.scrollWidth") > width:
                 report(f"the page is wider than {width} pixels")
             if arguments.pictures:

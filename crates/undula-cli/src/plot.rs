@@ -4,7 +4,7 @@ mod animate;
 mod cell;
 pub mod colors;
 pub mod cube;
-mod cut;
+pub mod cut;
 pub mod figure;
 mod history;
 mod lines;

@@ -72,7 +72,10 @@ pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
         return too_large(points, limit);
     }
     let solid = solid_cells(&last);
-    let mut layers = if dim == 2 { vec![Layer::plane(&last, &solid)] } else { space::layers(&last, &solid) };
+    // Cuts are made there, so that they do not depend on the moment.
+    let still = FieldSnapshot { points: undeformed(&last, reference), ..last.clone() };
+    let mut layers =
+        if dim == 2 { vec![Layer::plane(&still, &solid)] } else { space::layers(&still, &solid) };
     let shown: usize = layers.iter().map(|layer| layer.points.len()).sum();
     if shown == 0 {
         return Ok(Scene::None);
@@ -87,6 +90,18 @@ pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
     let (times, moments) = read(&collection, &last, &used, room.clamp(1, MOMENTS))?;
     let written = collection.entries().len();
     fitted(Film { times, moments, written, quantities, reference }, &layers)
+}
+
+/// The positions \[m\] that `deformation` moves, where there is one; else those of the points. Files of `reference` have them.
+fn undeformed(snapshot: &FieldSnapshot, reference: bool) -> Vec<[f64; 3]> {
+    let Some(u) = snapshot.at_points("deformation").filter(|_| !reference) else {
+        return snapshot.points.clone();
+    };
+    let moved = |(n, x): (usize, &[f64; 3])| {
+        let at = |d: usize| u.values.get(u.components * n + d).filter(|_| d < u.components);
+        std::array::from_fn(|d| x[d] - at(d).copied().unwrap_or(0.0))
+    };
+    snapshot.points.iter().enumerate().map(moved).collect()
 }
 
 /// The points that `layers` lie between, in order; the layers then have numbers among these.
@@ -177,7 +192,7 @@ impl Film {
     fn to_json(&self, layers: &[Layer]) -> anyhow::Result<Value> {
         let first = &self.moments[0];
         let dim = first.kind.dim();
-        let base = self.base();
+        let base = undeformed(first, self.reference);
         let quantities = &self.quantities;
         let moves = quantities.iter().position(|quantity| quantity.name == "deformation");
         let mut drawn = vec![];
@@ -200,20 +215,6 @@ impl Film {
             "dimension": dim, "times": self.times, "written": self.written,
             "quantities": about, "moves": moves, "layers": drawn,
         }))
-    }
-
-    /// The positions \[m\] that `deformation` moves, where there is one; else those of the first moment.
-    fn base(&self) -> Vec<[f64; 3]> {
-        let first = &self.moments[0];
-        let Some(u) = first.at_points("deformation") else { return first.points.clone() };
-        if self.reference {
-            return first.points.clone();
-        }
-        let moved = |(n, x): (usize, &[f64; 3])| {
-            let at = |d: usize| u.values.get(u.components * n + d).filter(|_| d < u.components);
-            std::array::from_fn(|d| x[d] - at(d).copied().unwrap_or(0.0))
-        };
-        first.points.iter().enumerate().map(moved).collect()
     }
 
     /// How far the points of a layer are from `base`, by coordinate; `null` if they do not move.

@@ -153,6 +153,8 @@ class Player {
     for (const layer of this.layers) {
       layer.move(this.frame, this.times);
       this.view.project(layer.drawn, layer.screen, raster.width, raster.height);
+      // A cut may lie in the side of a body.
+      if (layer.isBody) layer.screen.z.forEach((z, p, all) => { all[p] = z + 2 * this.ratio; });
       layer.read(this.frame, this.choice);
       for (let p = 0; p < layer.count; p++) layer.colors[p] = (layer.values[p] - low) * scale;
       if (layer.shown) this.fill(layer);

@@ -105,7 +105,8 @@ pub fn warnings(page: &mut Html, content: &Content) {
     let mut found: Vec<String> = vec![];
     if let Some(breakdown) = &summary.breakdown {
         let at = significant(breakdown.time, 6);
-        found.push(format!("breakdown at t = {at} s: {} {}", breakdown.reason, breakdown.remedy));
+        let remedy = if breakdown.remedy.is_empty() { "" } else { "\n" };
+        found.push(format!("breakdown at t = {at} s: {}{remedy}{}", breakdown.reason, breakdown.remedy));
     }
     if let Some(part) = summary.mass_balance.filter(|&part| part > Summary::BALANCED) {
         found.push(format!(
@@ -114,10 +115,9 @@ pub fn warnings(page: &mut Html, content: &Content) {
         ));
     }
     if summary.direct_fallbacks > 0 {
-        found.push(format!(
-            "{} steps were begun anew with the whole Jacobian and a direct solver.",
-            summary.direct_fallbacks
-        ));
+        let n = summary.direct_fallbacks;
+        let steps = if n == 1 { "step was" } else { "steps were" };
+        found.push(format!("{n} {steps} begun anew with the whole Jacobian and a direct solver."));
     }
     if let Some((case, overview)) = &content.overview {
         found.extend(case.notes().iter().cloned());

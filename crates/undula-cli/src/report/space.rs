@@ -163,3 +163,57 @@ impl<'a> Cutter<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::layer::between;
+    use super::*;
+    use crate::plot::cut::tests::hexahedra;
+
+    fn place(layer: &Layer, mesh: &FieldSnapshot, point: u32) -> [f64; 3] {
+        std::array::from_fn(|d| between(&layer.points[point as usize], |p| mesh.points[p][d]))
+    }
+
+    fn length(layer: &Layer, mesh: &FieldSnapshot, lines: &[[u32; 2]]) -> f64 {
+        let ends = lines.iter().map(|ends| ends.map(|p| place(layer, mesh, p)));
+        ends.map(|[a, b]| (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()).sum()
+    }
+
+    /// Through cells, and through their sides, of a cube of which one half is solid.
+    #[test]
+    fn cuts_are_flat_whole_and_have_the_lines_of_the_cells() {
+        for n in [3, 4] {
+            let mesh = hexahedra(1, [n; 3], |x| x);
+            let solid: Vec<bool> = (0..n.pow(3)).map(|cell| 2 * (cell % n) < n).collect();
+            let layer = cut(&mesh, &solid).unwrap();
+            assert_eq!(layer.name, "cut at z = 0.5 m");
+            assert_eq!(layer.cells.len(), 3 * layer.solid.len());
+            let (mut area, mut of_solid) = (0.0, 0.0);
+            for (corners, &solid) in layer.cells.chunks_exact(3).zip(&layer.solid) {
+                let [a, b, c] = [0, 1, 2].map(|i| place(&layer, &mesh, corners[i]));
+                assert!([a, b, c].iter().all(|x| (x[2] - 0.5).abs() < 1e-8));
+                let part = 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])).abs();
+                area += part;
+                of_solid += if solid { part } else { 0.0 };
+            }
+            let half = n.div_ceil(2) as f64 / n as f64;
+            assert!((area - 1.0).abs() < 1e-7 && (of_solid - half).abs() < 1e-7, "{area} {of_solid}");
+            // All around, and between the halves; the others within.
+            assert!((length(&layer, &mesh, &layer.outline) - 5.0).abs() < 1e-6);
+            assert!((length(&layer, &mesh, &layer.inner) - (2 * n - 3) as f64).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn surfaces_of_bodies_have_all_faces_and_edges_once() {
+        let n = 4;
+        let mesh = hexahedra(1, [n; 3], |x| x);
+        let solid: Vec<bool> = (0..n.pow(3)).map(|cell| 2 * (cell % n) < n).collect();
+        let layer = surface(&mesh, &solid);
+        assert_eq!(layer.cells.len(), 4 * 2 * (4 * 4 + 2 * 4 + 2 * 4));
+        // Corners of the faces of a box of 2 x 4 x 4 cells.
+        assert_eq!(layer.points.len(), 3 * 5 * 5 - 3 * 3);
+        // Each of the 64 faces has four edges, each edge two faces.
+        assert_eq!((layer.inner.len(), layer.outline.len()), (128, 0));
+    }
+}
