@@ -33,20 +33,24 @@ def arrays_of(data):
     return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
 
 
-# Cells that Undula writes: quadrilaterals and hexahedra of degree 1, 2, above, triangles of degree 1, 2, 3.
+# Cells that Undula writes: quadrilaterals and hexahedra of degree 1, 2, above, triangles and tetrahedra of degree 1, 2, 3.
 QUADRILATERALS = {vtk.VTK_QUAD, vtk.VTK_BIQUADRATIC_QUAD, vtk.VTK_LAGRANGE_QUADRILATERAL}
 TRIANGLES = {vtk.VTK_TRIANGLE, vtk.VTK_QUADRATIC_TRIANGLE, vtk.VTK_LAGRANGE_TRIANGLE}
+TETRAHEDRA = {vtk.VTK_TETRA, vtk.VTK_QUADRATIC_TETRA, vtk.VTK_LAGRANGE_TETRAHEDRON}
 HEXAHEDRA = {vtk.VTK_HEXAHEDRON, vtk.VTK_TRIQUADRATIC_HEXAHEDRON, vtk.VTK_LAGRANGE_HEXAHEDRON}
 
 
 def gauss(cell):
-    """Points and weights on the reference cell; on triangles those of a square with one side collapsed."""
+    """Points and weights on the reference cell; on simplices those of a square or cube collapsed."""
     at, weight = np.polynomial.legendre.leggauss(5)
     line = list(zip(0.5 * (at + 1), 0.5 * weight))
     for s, of_s in line:
         side = 1 - s if cell.GetCellType() in TRIANGLES else 1
         for r, of_r in line:
-            if cell.GetCellDimension() == 2:
+            if cell.GetCellType() in TETRAHEDRA:
+                yield from (((r * (1 - s) * (1 - t), s * (1 - t), t), of_r * of_s * of_t * (1 - s) * (1 - t) ** 2)
+                            for t, of_t in line)
+            elif cell.GetCellDimension() == 2:
                 yield (r * side, s, 0.0), of_r * of_s * side
             else:
                 yield from (((r, s, t), of_r * of_s * of_t) for t, of_t in line)
@@ -93,7 +97,7 @@ def check(time, path, args):
         wrong.append(f"time {stored} in the file, {time} in the collection")
     if len(types) != 1:
         return wrong + [f"{len(types)} cell types"]
-    if not types.keys() <= QUADRILATERALS | TRIANGLES | HEXAHEDRA:
+    if not types.keys() <= QUADRILATERALS | TRIANGLES | TETRAHEDRA | HEXAHEDRA:
         return wrong + [f"cells that Undula does not write: {types}"]
 
     nodes = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)

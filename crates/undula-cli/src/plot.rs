@@ -11,6 +11,7 @@ mod lines;
 mod picture;
 pub mod space;
 mod surface;
+mod tetrahedra;
 
 use crate::args::{Plane, PlotArgs, SurfaceField, bad_input, print, say_notes};
 use crate::digits::fixed;
@@ -20,6 +21,7 @@ pub use picture::solid_cells;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use surface::Surface;
+use tetrahedra::as_hexahedra;
 use undula::output::{Collection, FieldSnapshot, History, OutputError, RunDirectory, Summary, read_vtu};
 use undula::results::computed::Results;
 
@@ -57,7 +59,7 @@ pub fn picture_at(dir: &Path, time: Option<f64>, field: &str) -> anyhow::Result<
     let Some((at, file)) = collection.entries().iter().rev().find(|(at, _)| is_before(*at)) else {
         return Ok(None);
     };
-    let (snapshot, _) = read_vtu(collection.resolve(file))?;
+    let snapshot = as_hexahedra(read_vtu(collection.resolve(file))?.0);
     let title = format!("t = {} s", fixed(*at, *at, 3));
     let view = match snapshot.kind.dim() {
         2 => View::whole(&snapshot),
@@ -151,7 +153,7 @@ fn last_fields(run: &RunDirectory) -> anyhow::Result<Option<(Option<f64>, FieldS
     let collection = Collection::read(run.collection())?;
     let Some((time, file)) = collection.entries().last() else { return Ok(None) };
     let path = collection.resolve(file);
-    let (snapshot, _) = read_vtu(&path)?;
+    let snapshot = as_hexahedra(read_vtu(&path)?.0);
     let transient = collection.entries().len() > 1 || *time > 0.0;
     Ok(Some((transient.then_some(*time), snapshot, path)))
 }

@@ -89,8 +89,8 @@ pub fn lagrange(degree: usize, s: f64) -> Vec<f64> {
     (0..=degree).map(one).collect()
 }
 
-/// The factor of a barycentric coordinate in the basis of a triangle: 1 at s = m/degree, 0 at the nodes before.
-fn factor(degree: usize, m: usize, s: f64) -> f64 {
+/// The factor of a barycentric coordinate in the basis of a simplex: 1 at s = m/degree, 0 at the nodes before.
+pub fn factor(degree: usize, m: usize, s: f64) -> f64 {
     (0..m).map(|l| (degree as f64 * s - l as f64) / (l + 1) as f64).product()
 }
 

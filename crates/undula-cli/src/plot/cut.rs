@@ -196,11 +196,21 @@ impl<'a> Cutter<'a> {
                     ring.pop();
                 }
                 for n in 1..ring.len().max(2) - 1 {
-                    self.fields.cells.extend([ring[0], ring[n], ring[n + 1]]);
+                    let corners = [ring[0], ring[n], ring[n + 1]];
+                    if self.has_area(corners) {
+                        self.fields.cells.extend(corners);
+                    }
                 }
             }
         }
         (self.fields.cells.len() - before) / 3
+    }
+
+    /// Whether a triangle is more than a line: pieces of collapsed cells may have no volume.
+    fn has_area(&self, corners: [u32; 3]) -> bool {
+        let [a, b, c] = corners.map(|p| self.fields.points[p as usize]);
+        let twice = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);
+        twice.abs() > self.unit * self.unit
     }
 
     /// The lines in which the plane meets a face of a cell.
@@ -226,6 +236,8 @@ impl<'a> Cutter<'a> {
 
 #[cfg(test)]
 pub mod tests {
+    use super::super::tetrahedra::as_hexahedra;
+    use super::super::tetrahedra::tests::cube;
     use super::*;
     use std::f64::consts::PI;
 
@@ -297,6 +309,29 @@ pub mod tests {
                 assert!(at("deformation").iter().zip(exact).all(|(a, b)| (a - b).abs() < 2e-3));
                 let velocity = [0.25 * x, y - 0.25, x * y];
                 assert!(at("velocity").iter().zip(velocity).all(|(a, b)| (a - b).abs() < tolerance));
+            }
+        }
+    }
+
+    #[test]
+    fn cuts_of_tetrahedra_are_those_of_their_cube() {
+        for degree in 1..=3 {
+            let mesh = as_hexahedra(cube(degree));
+            for axis in 0..3 {
+                let cut = Cut::new(&mesh, &[false; 6], Plane { axis, at: 0.3 }, 100.0);
+                assert!((area(&cut) - 1.0).abs() < 1e-9, "{degree} {axis}: {}", area(&cut));
+                assert!((length(&cut.outline) - 4.0).abs() < 1e-9, "{}", length(&cut.outline));
+                // x = y and where z = 0.3 meets the other planes: one diagonal, two pairs of lines.
+                let inner = 2f64.sqrt() + 2.0 * (1.0 + 0.0);
+                assert!((length(&cut.inner) - inner).abs() < 1e-9, "{}", length(&cut.inner));
+                let values = &cut.fields.at_points("pressure").unwrap().values;
+                let [u, v] = across(axis);
+                for (x, value) in cut.fields.points.iter().zip(values) {
+                    let mut at = [0.3; 3];
+                    (at[u], at[v]) = (x[0], x[1]);
+                    let exact = (at[0] + 2.0 * at[1] - at[2]).powi(degree as i32);
+                    assert!((value - exact).abs() < 1e-9, "{value} {exact}");
+                }
             }
         }
     }

@@ -37,9 +37,12 @@ impl Places {
         x.map(|c| (c / self.unit).round() as i64)
     }
 
-    /// The middle of the corners of a face.
-    fn face(self, corners: [[f64; 3]; 4]) -> Place {
-        self.of(std::array::from_fn(|d| 0.25 * corners.iter().map(|x| x[d]).sum::<f64>()))
+    /// The middle of the different corners of a face; none if it has no area.
+    fn face(self, corners: [[f64; 3]; 4]) -> Option<Place> {
+        let is_new = |n: &usize| (0..*n).all(|before| self.of(corners[before]) != self.of(corners[*n]));
+        let different: Vec<[f64; 3]> = (0..4).filter(is_new).map(|n| corners[n]).collect();
+        let mean = |d: usize| different.iter().map(|x| x[d]).sum::<f64>() / different.len() as f64;
+        (different.len() > 2).then(|| self.of(std::array::from_fn(mean)))
     }
 }
 
@@ -54,7 +57,7 @@ pub struct Face {
     pub other: Option<usize>,
 }
 
-/// The faces of some cells, in the order in which the first of their cells is met.
+/// The faces of some cells, in the order in which the first of their cells is met; those without area are left out.
 pub fn faces(snapshot: &FieldSnapshot, cells: impl Iterator<Item = usize>) -> Vec<Face> {
     let (n, places) = (snapshot.points_per_cell(), Places::new(snapshot));
     let corners: [[usize; 4]; 6] = std::array::from_fn(|facet| face_corners(snapshot.degree, facet));
@@ -63,7 +66,8 @@ pub fn faces(snapshot: &FieldSnapshot, cells: impl Iterator<Item = usize>) -> Ve
     for cell in cells {
         let nodes = &snapshot.cells[cell * n..(cell + 1) * n];
         for (facet, corners) in corners.iter().enumerate() {
-            let at = places.face(corners.map(|corner| snapshot.points[nodes[corner] as usize]));
+            let corners = corners.map(|corner| snapshot.points[nodes[corner] as usize]);
+            let Some(at) = places.face(corners) else { continue };
             match numbers.get(&at) {
                 Some(&number) => faces[number].other = Some(cell),
                 None => {

@@ -185,7 +185,8 @@ fn lines(snapshot: &FieldSnapshot, outer: &[Face], patches: &[Patch], places: Pl
     // An edge, and the patches beside it.
     let mut edges: Vec<(&Vec<Vector>, Vec<usize>)> = vec![];
     for (n, patch) in patches.iter().enumerate() {
-        for side in &patch.sides {
+        // Sides of triangular faces may be points.
+        for side in patch.sides.iter().filter(|side| places.of(side[0]) != places.of(side[side.len() - 1])) {
             let middle = places.of(plus(side[0], side[side.len() - 1]).map(|x| 0.5 * x));
             let number = *numbers.entry(middle).or_insert(edges.len());
             if number == edges.len() {

@@ -6,20 +6,21 @@ use crate::element::Shape;
 /// Space of velocity and deformation.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum VelocityElement {
-    /// Continuous, of degree k in each coordinate of a quadrilateral.
+    /// Continuous, of degree k in each coordinate of a quadrilateral or hexahedron.
     Q(usize),
-    /// Continuous, of total degree k on triangles.
+    /// Continuous, of total degree k on triangles or tetrahedra.
     P(usize),
-    /// P2, the velocity with a cubic bubble on every triangle of the fluid.
+    /// P2, the velocity with a cubic bubble on every triangle of the fluid; on tetrahedra one on every face, and one of
+    /// degree 4 inside.
     P2Bubble,
 }
 
 /// Space of the pressure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PressureElement {
-    /// Continuous, of degree k in each coordinate of a quadrilateral.
+    /// Continuous, of degree k in each coordinate of a quadrilateral or hexahedron.
     Q(usize),
-    /// Continuous, of total degree k on triangles.
+    /// Continuous, of total degree k on triangles or tetrahedra.
     P(usize),
     /// Discontinuous, of total degree k in the reference-domain coordinates of the cell.
     Pdc(usize),
@@ -31,10 +32,14 @@ pub static VELOCITIES: [Choice<VelocityElement>; 8] = [
     choice("Q2", VelocityElement::Q(2), "continuous, biquadratic on quadrilaterals"),
     choice("Q3", VelocityElement::Q(3), "continuous, bicubic on quadrilaterals"),
     choice("Q4", VelocityElement::Q(4), "continuous, of degree 4 in each coordinate of a quadrilateral"),
-    choice("P1", VelocityElement::P(1), "continuous, linear on triangles"),
-    choice("P2", VelocityElement::P(2), "continuous, quadratic on triangles"),
-    choice("P3", VelocityElement::P(3), "continuous, cubic on triangles"),
-    choice("P2-bubble", VelocityElement::P2Bubble, "P2 with a cubic bubble on every triangle of the fluid"),
+    choice("P1", VelocityElement::P(1), "continuous, linear on triangles or tetrahedra"),
+    choice("P2", VelocityElement::P(2), "continuous, quadratic on triangles or tetrahedra"),
+    choice("P3", VelocityElement::P(3), "continuous, cubic on triangles or tetrahedra"),
+    choice(
+        "P2-bubble",
+        VelocityElement::P2Bubble,
+        "P2 with bubbles on the fluid: triangles, or tetrahedra and their faces",
+    ),
 ];
 
 /// Pressures by the names they have in a case.
@@ -47,8 +52,8 @@ pub static PRESSURES: [Choice<PressureElement>; 10] = [
     choice("Q2", PressureElement::Q(2), "continuous, biquadratic on quadrilaterals"),
     choice("Q3", PressureElement::Q(3), "continuous, bicubic on quadrilaterals"),
     choice("Q4", PressureElement::Q(4), "continuous, of degree 4 in each coordinate of a quadrilateral"),
-    choice("P1", PressureElement::P(1), "continuous, linear on triangles"),
-    choice("P2", PressureElement::P(2), "continuous, quadratic on triangles"),
+    choice("P1", PressureElement::P(1), "continuous, linear on triangles or tetrahedra"),
+    choice("P2", PressureElement::P(2), "continuous, quadratic on triangles or tetrahedra"),
 ];
 
 /// What is known of the inf-sup condition (5.24) of a pair.
@@ -76,11 +81,18 @@ impl VelocityElement {
         }
     }
 
-    /// Shape of the cells.
-    pub fn shape(self) -> Shape {
-        match self {
-            VelocityElement::Q(_) => Shape::Quadrilateral,
-            _ => Shape::Triangle,
+    /// Whether the cells are simplices.
+    pub fn is_simplicial(self) -> bool {
+        !matches!(self, VelocityElement::Q(_))
+    }
+
+    /// Shape of the cells in `dim` dimensions.
+    pub fn shape(self, dim: usize) -> Shape {
+        match (self.is_simplicial(), dim) {
+            (false, 3) => Shape::Hexahedron,
+            (false, _) => Shape::Quadrilateral,
+            (true, 3) => Shape::Tetrahedron,
+            (true, _) => Shape::Triangle,
         }
     }
 
@@ -105,7 +117,25 @@ impl VelocityElement {
         }
     }
 
-    /// Whether it makes a useful pair with `pressure`.
+    /// Whether it makes a useful pair with `pressure` in `dim` dimensions: on tetrahedra some do not that do on triangles,
+    /// for want of functions on the faces (P2) and inside (P3).
+    pub fn stability_in(self, dim: usize, pressure: PressureElement) -> Stability {
+        match (self, pressure) {
+            (VelocityElement::P(k @ (2 | 3)), PressureElement::Pdc(m))
+                if dim == 3 && (m, k) == (k - 2, k) =>
+            {
+                Stability::Refused(format!(
+                    "is not stable with the velocity {} on tetrahedra: take P2-bubble with it, or {} with {}",
+                    self.name(),
+                    self.name(),
+                    self.pressure().name()
+                ))
+            }
+            _ => self.stability(pressure),
+        }
+    }
+
+    /// Whether it makes a useful pair with `pressure` in the plane.
     pub fn stability(self, pressure: PressureElement) -> Stability {
         use PressureElement::{P, Pdc, Q};
         use VelocityElement as V;
@@ -120,7 +150,7 @@ impl VelocityElement {
             (V::Q(_), P(_)) | (V::P(_) | V::P2Bubble, Q(_)) => Stability::Refused(format!(
                 "lives on other cells than the velocity {}, which needs {}; {} goes with it",
                 self.name(),
-                self.shape().name(),
+                if self.is_simplicial() { "triangles or tetrahedra" } else { "quadrilaterals or hexahedra" },
                 self.pressure().name()
             )),
             (V::Q(k), Q(m)) | (V::P(k), P(m)) if m < k => Stability::Stable,
@@ -183,6 +213,13 @@ mod tests {
             let stability = velocity.stability(pressure);
             assert!(matches!(stability, Stability::Refused(_)), "{velocity:?} {pressure:?}: {stability:?}");
         }
+        for (velocity, pressure) in
+            [(V::P(2), Pdc(0)), (V::P(3), Pdc(1)), (V::P(2), Pdc(1)), (V::P(3), Pdc(2))]
+        {
+            assert!(matches!(velocity.stability_in(3, pressure), Stability::Refused(_)), "{velocity:?}");
+        }
+        assert_eq!(V::P(3).stability_in(3, Pdc(0)), Stability::Stable);
+        assert_eq!(V::P2Bubble.stability_in(3, Pdc(1)), Stability::Stable);
         assert_eq!(V::P(3).stability(Pdc(1)), Stability::Stable);
         assert_eq!(V::P(2).stability(Pdc(0)), Stability::Stable);
         assert_eq!(V::P(2).stability(P(2)), Stability::Equal);

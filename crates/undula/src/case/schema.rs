@@ -108,7 +108,7 @@ pub struct SpaceSpec {
     pub velocity: VelocityElement,
     /// Pressure.
     pub pressure: PressureElement,
-    /// Gauss points per direction; on triangles the rule exact to the same degree, 2 n − 1.
+    /// Gauss points per direction; on triangles and tetrahedra the rule exact to the same degree, 2 n − 1.
     pub quadrature: usize,
 }
 

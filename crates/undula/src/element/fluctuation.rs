@@ -13,29 +13,30 @@ pub struct Fluctuation {
     pub children: Vec<Vec<usize>>,
 }
 
-/// The basis that is projected: that of the nodes of degree `degree`, and behind it perhaps the bubble of a triangle.
+/// The basis that is projected: that of the nodes of degree `degree`, and behind it perhaps the bubbles of a simplex.
 #[derive(Copy, Clone, Debug)]
 pub struct Fine {
     /// Shape of the cells.
     pub shape: Shape,
     /// Degree.
     pub degree: usize,
-    /// Whether there is a bubble.
+    /// Whether there are bubbles.
     pub bubble: bool,
 }
 
 impl Fine {
     fn n_basis(self) -> usize {
-        self.shape.n_nodes(self.degree) + usize::from(self.bubble)
+        self.shape.n_nodes(self.degree) + if self.bubble { lagrange::n_bubbles(self.shape) } else { 0 }
     }
 
     /// Values and gradients at `xi`.
     fn basis(self, xi: &[f64; 3]) -> (Vec<f64>, Vec<[f64; 3]>) {
         let (mut value, mut grad) = lagrange::basis(self.shape, self.degree, xi);
         if self.bubble {
-            let (bubble, [x, y]) = lagrange::bubble([xi[0], xi[1]]);
-            value.push(bubble);
-            grad.push([x, y, 0.0]);
+            for (bubble, slope) in lagrange::bubbles(self.shape, xi) {
+                value.push(bubble);
+                grad.push(slope);
+            }
         }
         (value, grad)
     }
@@ -63,8 +64,12 @@ impl Fluctuation {
 
     /// π is the L² projection to the same degree k on the coarser mesh; the children of a patch are those of a refined
     /// cell in the order of [`Shape::in_parent`]. Functions are numbered like the nodes of degree 2 k, bubbles behind.
+    ///
+    /// # Panics
+    /// On tetrahedra, whose children are not alike.
     pub fn on_patch(of: Fine, rule: &Quadrature) -> Fluctuation {
         let (shape, k) = (of.shape, of.degree);
+        assert!(shape != Shape::Tetrahedron, "children of one shape");
         let child = |child: usize| {
             let node = |a: usize| shape.number(2 * k, shape.in_parent(k, child, shape.lattice(k, a)));
             let bubble = of.bubble.then(|| shape.n_nodes(2 * k) + child);
@@ -153,9 +158,9 @@ mod tests {
 
     #[test]
     fn nothing_is_left_of_the_smaller_space() {
-        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
+        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron] {
             for (degree, bubble) in [(1, false), (2, false), (3, false), (2, true)] {
-                if !bubble || shape == Shape::Triangle {
+                if !bubble || shape.is_simplex() {
                     nothing_is_left_of(Fine { shape, degree, bubble });
                 }
             }
@@ -167,7 +172,7 @@ mod tests {
         let rule = Quadrature::cell(shape, 2);
         let power = |x: f64, n: usize| x.powi(n as i32);
         // The other exponent of a monomial of degree n.
-        let other = |n: usize| if shape == Shape::Triangle { 0 } else { n };
+        let other = |n: usize| if shape.is_simplex() { 0 } else { n };
         let cell = Fluctuation::on_cell(of, &rule);
         let on_cell = |a: usize| lagrange::node(shape, k, a);
         let small = |a: usize| power(on_cell(a)[0], other(k - 1)) * power(on_cell(a)[1], k - 1) + 3.0;
@@ -177,6 +182,9 @@ mod tests {
         };
         assert!(in_cell(&small) < 1e-12, "{of:?}");
         assert!(in_cell(&|a| power(on_cell(a)[1], k)) > 0.1);
+        if shape == Shape::Tetrahedron {
+            return;
+        }
         let patch = Fluctuation::on_patch(of, &rule);
         let on_patch = |a: usize| shape.lattice(2 * k, a).map(|i| i as f64 / (2 * k) as f64);
         let small = |a: usize| power(on_patch(a)[0], other(k)) * power(on_patch(a)[1], k) - 2.0;

@@ -53,7 +53,7 @@ mod tests {
 
     #[test]
     fn hessians_are_differences_of_gradients() {
-        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
+        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron] {
             for k in 1..5 {
                 let xi = [0.3, 0.41, 0.22];
                 let exact = hessians(shape, k, &xi);

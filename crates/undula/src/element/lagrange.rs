@@ -1,4 +1,4 @@
-//! Nodal bases on equidistant nodes: Q_k on tensor-product cells, P_k on triangles.
+//! Nodal bases on equidistant nodes: Q_k on tensor-product cells, P_k on simplices; and their bubbles.
 
 use super::Shape;
 
@@ -27,6 +27,9 @@ pub fn basis_1d(k: usize, x: f64) -> (Vec<f64>, Vec<f64>) {
 pub fn basis(shape: Shape, k: usize, xi: &[f64]) -> (Vec<f64>, Vec<[f64; 3]>) {
     if shape == Shape::Triangle {
         return triangle(k, [xi[0], xi[1]]);
+    }
+    if shape == Shape::Tetrahedron {
+        return tetrahedron(k, [xi[0], xi[1], xi[2]]);
     }
     let factors: Vec<_> = (0..shape.dim()).map(|d| basis_1d(k, xi[d])).collect();
     let n = shape.n_nodes(k);
@@ -64,6 +67,84 @@ fn triangle(k: usize, [x, y]: [f64; 2]) -> (Vec<f64>, Vec<[f64; 3]>) {
         (u * v * w, [v * (u_x * w - u * w_s), u * (v_y * w - v * w_s), 0.0])
     };
     (0..Shape::Triangle.n_nodes(k)).map(node).unzip()
+}
+
+/// The P_k basis of a tetrahedron at `xi`, in the same way.
+fn tetrahedron(k: usize, [x, y, z]: [f64; 3]) -> (Vec<f64>, Vec<[f64; 3]>) {
+    let node = |a: usize| {
+        let [i, j, l] = Shape::Tetrahedron.lattice(k, a);
+        let last = (k - i - j - l, 1.0 - x - y - z);
+        let [(s, s_x), (t, t_y), (u, u_z), (v, v_s)] =
+            [(i, x), (j, y), (l, z), last].map(|(n, s)| factor(k, n, s));
+        let slope = [t * u * (s_x * v - s * v_s), s * u * (t_y * v - t * v_s), s * t * (u_z * v - u * v_s)];
+        (s * t * u * v, slope)
+    };
+    (0..Shape::Tetrahedron.n_nodes(k)).map(node).unzip()
+}
+
+/// Number of bubbles beside the quadratic basis of a simplex: that of a triangle; those of the faces of a tetrahedron
+/// and of its inside.
+pub const fn n_bubbles(shape: Shape) -> usize {
+    match shape {
+        Shape::Triangle => 1,
+        Shape::Tetrahedron => 5,
+        _ => 0,
+    }
+}
+
+/// The bubbles of a simplex at `xi` with their gradients: the cubic one of a triangle; of a tetrahedron the cubic ones
+/// 27 Π_{i≠l} λ_i of the faces l, which are 0 on the other faces, and 256 λ_0 λ_1 λ_2 λ_3.
+pub fn bubbles(shape: Shape, xi: &[f64; 3]) -> Vec<(f64, [f64; 3])> {
+    match shape {
+        Shape::Triangle => {
+            let (value, [x, y]) = bubble([xi[0], xi[1]]);
+            vec![(value, [x, y, 0.0])]
+        }
+        Shape::Tetrahedron => (0..5).map(|l| product_of_barycentric(l, xi)).collect(),
+        _ => vec![],
+    }
+}
+
+/// Second derivatives of [`bubbles`].
+pub fn bubble_hessians(shape: Shape, xi: &[f64; 3]) -> Vec<[[f64; 3]; 3]> {
+    match shape {
+        Shape::Triangle => vec![bubble_hessian([xi[0], xi[1]])],
+        Shape::Tetrahedron => (0..5).map(|l| hessian_of_barycentric(l, xi)).collect(),
+        _ => vec![],
+    }
+}
+
+/// The barycentric coordinates that are factors of bubble `l` of a tetrahedron with their gradients, and its scale.
+fn factors(l: usize, xi: &[f64; 3]) -> (Vec<(f64, [f64; 3])>, f64) {
+    let first = (1.0 - xi.iter().sum::<f64>(), [-1.0; 3]);
+    let unit = |d: usize| std::array::from_fn(|e| if d == e { 1.0 } else { 0.0 });
+    let others = (0..3).map(|d| (xi[d], unit(d)));
+    let list = std::iter::once(first).chain(others).enumerate().filter(|(i, _)| *i != l);
+    (list.map(|(_, factor)| factor).collect(), if l < 4 { 27.0 } else { 256.0 })
+}
+
+fn product_of_barycentric(l: usize, xi: &[f64; 3]) -> (f64, [f64; 3]) {
+    let (list, scale) = factors(l, xi);
+    let mut found = (scale, [0.0; 3]);
+    for (value, slope) in list {
+        (0..3).for_each(|d| found.1[d] = found.1[d] * value + found.0 * slope[d]);
+        found.0 *= value;
+    }
+    found
+}
+
+fn hessian_of_barycentric(l: usize, xi: &[f64; 3]) -> [[f64; 3]; 3] {
+    let (list, scale) = factors(l, xi);
+    let mut found = [[0.0; 3]; 3];
+    for i in 0..list.len() {
+        for j in (0..list.len()).filter(|&j| j != i) {
+            let rest: f64 = (0..list.len()).filter(|&m| m != i && m != j).map(|m| list[m].0).product();
+            for d in 0..3 {
+                (0..3).for_each(|e| found[d][e] += scale * rest * list[i].1[d] * list[j].1[e]);
+            }
+        }
+    }
+    found
 }
 
 /// The cubic bubble 27 λ_0 λ_1 λ_2 of a triangle at `xi` and its gradient: 1 at the centre, 0 on all edges.
@@ -114,8 +195,37 @@ mod tests {
     }
 
     #[test]
+    fn bubbles_of_tetrahedra_stand_on_their_faces_alone() {
+        let shape = Shape::Tetrahedron;
+        for node in 0..shape.n_nodes(5) {
+            let at = shape.lattice(5, node).map(|i| i as f64 / 5.0);
+            for (l, (value, _)) in bubbles(shape, &at).into_iter().enumerate() {
+                let others = (0..4).filter(|f| *f != l).any(|f| shape.on_facet(5, node, f));
+                assert!(!others || value.abs() < 1e-14, "{l} at {at:?}: {value}");
+            }
+        }
+        let thirds = [[1.0 / 3.0; 3], [0.0, 1.0 / 3.0, 1.0 / 3.0]];
+        assert!((bubbles(shape, &thirds[0])[0].0 - 1.0).abs() < 1e-14);
+        assert!((bubbles(shape, &thirds[1])[1].0 - 1.0).abs() < 1e-14);
+        assert!((bubbles(shape, &[0.25; 3])[4].0 - 1.0).abs() < 1e-14);
+        let (at, h) = ([0.3, 0.21, 0.17], 1e-6);
+        for e in 0..3 {
+            let moved =
+                |s: f64| bubbles(shape, &std::array::from_fn(|d| at[d] + if d == e { s } else { 0.0 }));
+            let (plus, minus) = (moved(h), moved(-h));
+            let here = bubbles(shape, &at);
+            for (l, hessian) in bubble_hessians(shape, &at).into_iter().enumerate() {
+                assert!((here[l].1[e] - (plus[l].0 - minus[l].0) / (2.0 * h)).abs() < 1e-7);
+                for d in 0..3 {
+                    assert!((hessian[d][e] - (plus[l].1[d] - minus[l].1[d]) / (2.0 * h)).abs() < 1e-7);
+                }
+            }
+        }
+    }
+
+    #[test]
     fn nodality_partition_of_unity_and_gradients() {
-        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Hexahedron] {
+        for shape in [Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron] {
             for k in 1..5 {
                 for a in 0..shape.n_nodes(k) {
                     let (value, _) = basis(shape, k, &node(shape, k, a));

@@ -31,16 +31,18 @@ impl BasisTable {
         BasisTable { n_basis, n_points, dim, value, grad }
     }
 
-    /// The same with the cubic bubble of a triangle as last function.
-    pub fn with_bubble(&self, rule: &Quadrature) -> BasisTable {
-        let (n, dim) = (self.n_basis, self.dim);
+    /// The same with the bubbles of `shape` behind, see [`lagrange::bubbles`].
+    pub fn with_bubbles(&self, shape: Shape, rule: &Quadrature) -> BasisTable {
+        let dim = self.dim;
         let (mut value, mut grad) = (vec![], vec![]);
         for (q, point) in rule.points.iter().enumerate() {
-            let (v, g) = lagrange::bubble([point[0], point[1]]);
-            value.extend(self.value(q).iter().chain(&[v]));
-            grad.extend(self.grad(q).iter().chain(&g));
+            let bubbles = lagrange::bubbles(shape, point);
+            value.extend(self.value(q).iter().copied().chain(bubbles.iter().map(|(v, _)| *v)));
+            grad.extend(self.grad(q));
+            bubbles.iter().for_each(|(_, g)| grad.extend(&g[..dim]));
         }
-        BasisTable { n_basis: n + 1, n_points: self.n_points, dim, value, grad }
+        let n_basis = self.n_basis + lagrange::n_bubbles(shape);
+        BasisTable { n_basis, n_points: self.n_points, dim, value, grad }
     }
 
     /// Values at point `q`, `[basis]`.

@@ -201,7 +201,8 @@ fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
     let mut origin = None;
     let mut faces = vec![];
     for facet in &FluidBoundary::new(space).facets {
-        let on_cell = space.mesh.shape.facet_nodes(space.nodes.degree, facet.side.local as usize);
+        let (on_cell, nodes): (Vec<usize>, Vec<u32>) =
+            space.facet_functions(&facet.facet()).into_iter().unzip();
         let of = |p: crate::sampling::FacetPoint<D>| {
             let from = *origin.get_or_insert(p.x);
             let along = |a: &usize| {
@@ -221,7 +222,6 @@ fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
             .into_iter()
             .map(of)
             .collect();
-        let nodes = space.facet_nodes(&facet.facet());
         faces.push(Face { nodes, points, at_solid: facet.at_solid });
     }
     faces

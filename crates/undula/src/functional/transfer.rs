@@ -1,7 +1,8 @@
 //! A solution on the spaces of another mesh.
 
 use super::fields::{Fields, PointFields};
-use crate::element::{Quadrature, lagrange};
+use crate::element::lagrange::n_bubbles;
+use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::Tensor;
 use crate::mesh::{Locator, MeshError};
 use crate::space::{FsiSpace, PressureKind, PsiOwner, Region, State};
@@ -80,26 +81,37 @@ fn nodes<const D: usize>(source: &Source<'_, D>, to: &FsiSpace<D>, new: &mut Sta
     Ok(())
 }
 
-/// v at the centres of cells with a bubble: its coefficient is what the nodal basis leaves, over the bubble there.
+/// v at the centres of bubbles, those of faces first: its coefficient is what the functions before leave, over the bubble
+/// there.
 fn bubbles<const D: usize>(
     source: &Source<'_, D>,
     to: &FsiSpace<D>,
     new: &mut State,
 ) -> Result<(), MeshError> {
     let mesh = &to.mesh;
-    let centre = mesh.reference_centre();
-    let padded = std::array::from_fn(|d| if d < D { centre[d] } else { 0.0 });
-    let table = to.nodes.table(mesh.shape, &Quadrature { points: vec![padded], weights: vec![1.0] });
+    let points = centres_of_bubbles(mesh.shape);
+    let weights = vec![1.0; points.len()];
+    let table = to.nodes.table(mesh.shape, &Quadrature { points: points.clone(), weights });
+    let first = mesh.shape.n_nodes(to.nodes.degree);
     for cell in (0..mesh.n_cells()).filter(|&cell| to.nodes.has_bubble(cell)) {
-        let found = source.at(mesh.map(cell, centre), to.regions[cell])?;
-        let Some((&bubble, others)) = to.nodes.cell(cell).split_last() else { continue };
-        for i in 0..D {
-            let nodal: f64 =
-                others.iter().zip(table.value(0)).map(|(&node, b)| b * new.v[D * node as usize + i]).sum();
-            new.v[D * bubble as usize + i] = (found.velocity[i] - nodal) / table.value(0)[others.len()];
+        for (q, xi) in points.iter().enumerate() {
+            let found = source.at(mesh.map(cell, std::array::from_fn(|d| xi[d])), to.regions[cell])?;
+            let (others, behind) = to.nodes.cell(cell).split_at(first + q);
+            for i in 0..D {
+                let before = others.iter().zip(table.value(q));
+                let before: f64 = before.map(|(&node, b)| b * new.v[D * node as usize + i]).sum();
+                new.v[D * behind[0] as usize + i] = (found.velocity[i] - before) / table.value(q)[first + q];
+            }
         }
     }
     Ok(())
+}
+
+/// Where the bubbles of a simplex are 1, in their order.
+fn centres_of_bubbles(shape: Shape) -> Vec<[f64; 3]> {
+    let third = |face: usize| std::array::from_fn(|d| if d + 1 == face { 0.0 } else { 1.0 / 3.0 });
+    let faces = (0..n_bubbles(shape).saturating_sub(1)).map(third);
+    faces.chain((n_bubbles(shape) > 0).then(|| shape.centre())).collect()
 }
 
 fn continuous<const D: usize>(

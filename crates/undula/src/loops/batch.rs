@@ -57,11 +57,11 @@ impl<const D: usize, const L: usize> Batches<D, L> {
     ) -> Batches<D, L> {
         let mesh = &space.mesh;
         let rule = Quadrature::cell(mesh.shape, quadrature);
-        // Cells with a bubble have one node more.
+        // Cells with bubbles have more nodes.
         let bubble = list.first().is_some_and(|&cell| space.nodes.has_bubble(cell));
         let mut table = BasisTable::lagrange(mesh.shape, space.nodes.degree, &rule);
         if bubble {
-            table = table.with_bubble(&rule);
+            table = table.with_bubbles(mesh.shape, &rule);
         }
         let (n_basis, n_points) = (table.n_basis, table.n_points);
         let n_pressure = if with_pressure { space.pressure.per_cell } else { 0 };

@@ -7,7 +7,8 @@ use crate::math::Tensor;
 impl<const D: usize> Mesh<D> {
     /// Whether det DX > 0 in all of `cell` because DX is nowhere far from its value A in the middle: det A > 0, and
     /// A⁻¹ DX − 1 is below 1 in the norm of row sums. Column j of DX lies between differences of the Bernstein
-    /// coefficients of X along ξ_j. `false` says nothing, and is the answer for triangles.
+    /// coefficients of X along ξ_j; of a tetrahedron of degree 2 DX is linear, and furthest from A at a vertex. `false`
+    /// says nothing, and is the answer for triangles.
     pub(super) fn is_nearly_affine(&self, cell: usize) -> bool {
         if self.shape == Shape::Triangle {
             return false;
@@ -16,6 +17,9 @@ impl<const D: usize> Mesh<D> {
         let (det, cofactor) = (middle.det(), middle.cofactor());
         if det.is_nan() || det <= 0.0 {
             return false;
+        }
+        if self.shape == Shape::Tetrahedron {
+            return self.degree == 1 || self.is_nearly_affine_at_vertices(cell, &cofactor, det);
         }
         let n = self.degree + 1;
         let points = self.bernstein_points(cell);
@@ -33,6 +37,19 @@ impl<const D: usize> Mesh<D> {
             rows.iter_mut().zip(largest).for_each(|(row, largest)| *row += largest);
         }
         rows.iter().all(|row| *row < 1.0 - 1e-9)
+    }
+
+    /// Whether A⁻¹ DX − 1 is below 1 at all vertices of a tetrahedron, A⁻¹ being `cofactor`ᵀ/`det`.
+    fn is_nearly_affine_at_vertices(&self, cell: usize, cofactor: &Tensor<f64, D>, det: f64) -> bool {
+        (0..=D).all(|vertex| {
+            let xi = std::array::from_fn(|d| if d + 1 == vertex { 1.0 } else { 0.0 });
+            let gradient = self.map_gradient(cell, xi);
+            let entry = |row: usize, axis: usize| {
+                let value = (0..D).map(|d| cofactor.0[d][row] * gradient[d][axis]).sum::<f64>() / det;
+                (value - f64::from(u8::from(row == axis))).abs()
+            };
+            (0..D).all(|row| (0..D).map(|axis| entry(row, axis)).sum::<f64>() < 1.0 - 1e-9)
+        })
     }
 
     /// Bernstein coefficients of the map of a tensor-product cell, in the order of its nodes.

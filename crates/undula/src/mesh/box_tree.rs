@@ -102,11 +102,12 @@ fn outside<const D: usize>(x: [f64; D], (lower, upper): &Bounds<D>) -> f64 {
 }
 
 /// The factor by which the image of the Lagrange map of degree 1 or 2 leaves the box of its nodes at most (Lebesgue
-/// constant): 5/4 per variable for degree 2, 5/3 on a triangle.
+/// constant): 5/4 per variable for degree 2, 5/3 on a triangle, 2 on a tetrahedron.
 pub(crate) fn spread(shape: Shape, degree: usize) -> f64 {
     match (shape, degree) {
         (_, 1) => 1.0,
         (Shape::Triangle, _) => 5.0 / 3.0,
+        (Shape::Tetrahedron, _) => 2.0,
         _ => 1.25_f64.powi(shape.dim() as i32),
     }
 }

@@ -3,6 +3,7 @@
 use super::box_tree::{BoxTree, image_bounds};
 use super::geometry::{distance, lagrange, lagrange_slope};
 use super::{Mesh, MeshError};
+use crate::element::{Shape, lagrange as nodal};
 
 /// Samples along a curved edge from which its nearest point is sought; half as many per direction of a surface.
 const SAMPLES: usize = 8;
@@ -38,17 +39,24 @@ impl<const D: usize> FacetDistance<D> {
     }
 }
 
-/// The Lagrange map of one facet.
+/// The Lagrange map of one facet. That of a triangle is taken as one of a square, whose side s = 1 is a vertex, see
+/// [`collapsed`].
 #[derive(Clone, Debug)]
 pub(crate) struct FacetMap<const D: usize> {
     degree: usize,
     nodes: Vec<[f64; D]>,
+    /// Whether it is a flat triangle.
+    flat: bool,
 }
 
 impl<const D: usize> FacetMap<D> {
     pub(crate) fn new(mesh: &Mesh<D>, cell: usize, local: usize) -> Self {
-        let nodes = mesh.facet_nodes(cell, local).into_iter().map(|n| mesh.nodes[n as usize]).collect();
-        FacetMap { degree: mesh.degree, nodes }
+        let nodes: Vec<_> =
+            mesh.facet_nodes(cell, local).into_iter().map(|n| mesh.nodes[n as usize]).collect();
+        let triangular = mesh.shape == Shape::Tetrahedron;
+        let flat = triangular && mesh.degree == 1;
+        let nodes = if triangular && !flat { collapsed(mesh.degree, &nodes) } else { nodes };
+        FacetMap { degree: mesh.degree, nodes, flat }
     }
 
     pub(crate) fn bounds(&self) -> ([f64; D], [f64; D]) {
@@ -58,6 +66,9 @@ impl<const D: usize> FacetMap<D> {
 
     /// Distance from `x` to the facet.
     pub(crate) fn distance(&self, x: [f64; D]) -> f64 {
+        if self.flat {
+            return to_triangle([self.nodes[0], self.nodes[1], self.nodes[2]], x);
+        }
         let n = match (self.degree, D) {
             (1, 2) => 1,
             (_, 2) => SAMPLES,
@@ -159,4 +170,35 @@ impl<const D: usize> FacetMap<D> {
         }
         sum
     }
+}
+
+/// The nodes of the map of a square onto a triangle of degree `degree` with these nodes, (s, t) ↦ (s, t (1 − s)): a
+/// polynomial keeps its degree in s and t.
+fn collapsed<const D: usize>(degree: usize, nodes: &[[f64; D]]) -> Vec<[f64; D]> {
+    let side = degree + 1;
+    let place = |i: usize| {
+        let [s, t] = [i % side, i / side].map(|i| i as f64 / degree as f64);
+        let basis = nodal::basis(Shape::Triangle, degree, &[s, t * (1.0 - s), 0.0]).0;
+        std::array::from_fn(|d| basis.iter().zip(nodes).map(|(weight, x)| weight * x[d]).sum())
+    };
+    (0..side * side).map(place).collect()
+}
+
+/// Distance of `x` to a flat triangle: to its plane if the foot lies inside, else to the nearest of its edges.
+fn to_triangle<const D: usize>([a, b, c]: [[f64; D]; 3], x: [f64; D]) -> f64 {
+    let minus = |p: [f64; D], q: [f64; D]| -> [f64; D] { std::array::from_fn(|d| p[d] - q[d]) };
+    let dot = |p: [f64; D], q: [f64; D]| (0..D).map(|d| p[d] * q[d]).sum::<f64>();
+    let to_edge = |p: [f64; D], q: [f64; D]| {
+        let (along, away) = (minus(q, p), minus(x, p));
+        let s = (dot(along, away) / dot(along, along)).clamp(0.0, 1.0);
+        distance(std::array::from_fn(|d| p[d] + s * along[d]), x)
+    };
+    let (e, f, away) = (minus(b, a), minus(c, a), minus(x, a));
+    let [ee, ef, ff, ea, fa] = [dot(e, e), dot(e, f), dot(f, f), dot(e, away), dot(f, away)];
+    let det = ee * ff - ef * ef;
+    let [s, t] = [(ff * ea - ef * fa) / det, (ee * fa - ef * ea) / det];
+    if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+        return distance(std::array::from_fn(|d| a[d] + s * e[d] + t * f[d]), x);
+    }
+    to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }

@@ -167,7 +167,8 @@ impl Hierarchy<2> {
             meshes.push(plane.drawn_along(&levels, &columns));
         }
         let finest = meshes.pop().unwrap_or(whole);
-        Ok((finest, Hierarchy { coarser: meshes }))
+        let diagonals = vec![vec![]; meshes.len()];
+        Ok((finest, Hierarchy { coarser: meshes, diagonals }))
     }
 }
 

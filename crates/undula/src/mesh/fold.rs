@@ -85,7 +85,8 @@ fn lowest<const D: usize>(piece: &Piece<D>) -> f64 {
 }
 
 /// det DX on the cells of a mesh as polynomials on the unit cube. A triangle is the image of the square under
-/// (s, t) ↦ (s, t (1 − s)), on which a polynomial keeps its degree in s and t.
+/// (s, t) ↦ (s, t (1 − s)), on which a polynomial keeps its degree in s and t; so is a tetrahedron of the cube under
+/// (s, t, u) ↦ (s, t (1 − s), u (1 − s)(1 − t)).
 struct Determinant<const D: usize> {
     /// Degree in each coordinate.
     degree: usize,
@@ -98,7 +99,7 @@ struct Determinant<const D: usize> {
 impl<const D: usize> Determinant<D> {
     fn new(mesh: &Mesh<D>) -> Self {
         let degree = match mesh.shape {
-            Shape::Triangle => D * (mesh.degree - 1),
+            Shape::Triangle | Shape::Tetrahedron => D * (mesh.degree - 1),
             _ => D * mesh.degree - 1,
         };
         let n = degree + 1;
@@ -110,8 +111,10 @@ impl<const D: usize> Determinant<D> {
 
     fn xi(shape: Shape, s: [f64; D]) -> [f64; D] {
         let mut xi = s;
-        if shape == Shape::Triangle {
-            xi[1] *= 1.0 - s[0];
+        if shape.is_simplex() {
+            for d in 1..D {
+                xi[d] *= s[..d].iter().map(|s| 1.0 - s).product::<f64>();
+            }
         }
         xi
     }

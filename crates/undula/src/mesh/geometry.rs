@@ -65,11 +65,37 @@ fn triangle(degree: usize, [x, y]: [f64; 2]) -> [(f64, [f64; 2]); 6] {
     ]
 }
 
+/// The same on a tetrahedron.
+fn tetrahedron(degree: usize, xi: [f64; 3]) -> [(f64, [f64; 3]); 10] {
+    let lambda = [1.0 - xi[0] - xi[1] - xi[2], xi[0], xi[1], xi[2]];
+    let slope = [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut basis = [(0.0, [0.0; 3]); 10];
+    if degree == 1 {
+        (0..4).for_each(|v| basis[v] = (lambda[v], slope[v]));
+        return basis;
+    }
+    // Vertices of the nodes in the order of the shape; those between two vertices have both.
+    const NODES: [[usize; 2]; 10] =
+        [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2], [2, 2], [0, 3], [1, 3], [2, 3], [3, 3]];
+    for (entry, [v, w]) in basis.iter_mut().zip(NODES) {
+        let grad = |d: usize| {
+            if v == w {
+                (4.0 * lambda[v] - 1.0) * slope[v][d]
+            } else {
+                4.0 * (lambda[v] * slope[w][d] + lambda[w] * slope[v][d])
+            }
+        };
+        let value = if v == w { lambda[v] * (2.0 * lambda[v] - 1.0) } else { 4.0 * lambda[v] * lambda[w] };
+        *entry = (value, [grad(0), grad(1), grad(2)]);
+    }
+    basis
+}
+
 impl<const D: usize> Mesh<D> {
     /// Image `X(ξ)` \[m\] of reference point `xi` in `cell`.
     pub fn map(&self, cell: usize, xi: [f64; D]) -> [f64; D] {
-        if self.shape == Shape::Triangle {
-            return self.map_triangle(cell, xi).0;
+        if self.shape.is_simplex() {
+            return self.map_simplex(cell, xi).0;
         }
         let basis = xi.map(|s| lagrange(self.degree, s));
         let mut x = [0.0; D];
@@ -85,8 +111,8 @@ impl<const D: usize> Mesh<D> {
 
     /// Gradient `DX(ξ)` \[m\] of the map, `[i][j] = ∂X_i/∂ξ_j`.
     pub fn map_gradient(&self, cell: usize, xi: [f64; D]) -> [[f64; D]; D] {
-        if self.shape == Shape::Triangle {
-            return self.map_triangle(cell, xi).1;
+        if self.shape.is_simplex() {
+            return self.map_simplex(cell, xi).1;
         }
         let basis = xi.map(|s| lagrange(self.degree, s));
         let slope = xi.map(|s| lagrange_slope(self.degree, s));
@@ -111,6 +137,10 @@ impl<const D: usize> Mesh<D> {
             let slopes = triangle(self.degree, [xi[0], xi[1]]).into_iter().take(n);
             return slopes.map(|(_, slope)| std::array::from_fn(|d| slope[d])).collect();
         }
+        if self.shape == Shape::Tetrahedron {
+            let slopes = tetrahedron(self.degree, std::array::from_fn(|d| xi[d])).into_iter().take(n);
+            return slopes.map(|(_, slope)| std::array::from_fn(|d| slope[d])).collect();
+        }
         let basis = xi.map(|s| lagrange(self.degree, s));
         let slope = xi.map(|s| lagrange_slope(self.degree, s));
         let weights = (0..n).map(|local| {
@@ -133,9 +163,20 @@ impl<const D: usize> Mesh<D> {
         gradient
     }
 
-    /// The map of a triangle and its gradient.
-    fn map_triangle(&self, cell: usize, xi: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
+    /// The map of a triangle or tetrahedron and its gradient.
+    fn map_simplex(&self, cell: usize, xi: [f64; D]) -> ([f64; D], [[f64; D]; D]) {
         let (mut x, mut gradient) = ([0.0; D], [[0.0; D]; D]);
+        if self.shape == Shape::Tetrahedron {
+            let basis = tetrahedron(self.degree, std::array::from_fn(|d| xi[d]));
+            for (&node, (value, slope)) in self.cell(cell).iter().zip(basis) {
+                let at = self.nodes[node as usize];
+                for i in 0..D {
+                    x[i] += value * at[i];
+                    gradient[i].iter_mut().zip(slope).for_each(|(g, s)| *g += s * at[i]);
+                }
+            }
+            return (x, gradient);
+        }
         for (&node, (value, slope)) in self.cell(cell).iter().zip(triangle(self.degree, [xi[0], xi[1]])) {
             let at = self.nodes[node as usize];
             for i in 0..D {

@@ -17,6 +17,8 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default)]
 pub struct Hierarchy<const D: usize> {
     pub(super) coarser: Vec<Mesh<D>>,
+    /// For each of them the diagonals along which its tetrahedra were split; empty for other shapes.
+    pub(super) diagonals: Vec<Vec<u8>>,
 }
 
 /// A cell as part of the coarser one that it was made from.
@@ -24,19 +26,22 @@ pub struct Hierarchy<const D: usize> {
 pub struct Child {
     /// The coarser cell.
     pub parent: usize,
-    /// Which of its children, as in [`Shape::to_parent`](crate::element::Shape::to_parent).
+    /// Which of its children, in the order of [`Mesh::refine`]; [`Hierarchy::child_number`] is its number in
+    /// [`Shape::to_parent`](crate::element::Shape::to_parent).
     pub number: usize,
 }
 
 impl<const D: usize> Hierarchy<D> {
     /// Refines `mesh` `times` times, with boundaries on `curves`: the finest mesh and those before it.
     pub fn refine(mesh: Mesh<D>, times: usize, curves: &[Curve<D>]) -> (Mesh<D>, Hierarchy<D>) {
-        let (mut finest, mut coarser) = (mesh, vec![]);
+        let (mut finest, mut coarser, mut diagonals) = (mesh, vec![], vec![]);
         for _ in 0..times {
-            let finer = finest.refine(curves);
+            let along = finest.diagonals();
+            let finer = finest.refine_along(&along, curves);
             coarser.push(std::mem::replace(&mut finest, finer));
+            diagonals.push(along);
         }
-        (finest, Hierarchy { coarser })
+        (finest, Hierarchy { coarser, diagonals })
     }
 
     /// The coarser meshes, the coarsest first.
@@ -54,6 +59,12 @@ impl<const D: usize> Hierarchy<D> {
         Child { parent: cell >> D, number: cell % (1 << D) }
     }
 
+    /// The number in [`Shape::to_parent`](crate::element::Shape::to_parent) of `child` of a cell of coarser mesh `level`.
+    pub fn child_number(&self, level: usize, child: Child) -> usize {
+        let diagonal = self.diagonals[level].get(child.parent).copied().unwrap_or(0);
+        self.coarser[level].shape.child_number(child.number, diagonal)
+    }
+
     /// The cells of a level that cell `parent` of the level before was split into, in the order of their numbers.
     pub const fn children(parent: usize) -> Range<usize> {
         parent << D..(parent + 1) << D
@@ -65,20 +76,27 @@ impl<const D: usize> Hierarchy<D> {
     /// It begins behind the last level on which the children of a cell are in several regions, or those of a facet have
     /// several names: there, a coarser mesh does not have the regions of `finest`.
     #[must_use]
-    pub fn named_as(self, finest: &Mesh<D>) -> Self {
+    pub fn named_as(mut self, finest: &Mesh<D>) -> Self {
         let mut named: Vec<Mesh<D>> = vec![];
         for mesh in self.coarser.into_iter().rev() {
             let Some(mesh) = named_as_children(mesh, named.last().unwrap_or(finest)) else { break };
             named.push(mesh);
         }
         named.reverse();
-        Hierarchy { coarser: named }
+        let diagonals = self.diagonals.split_off(self.diagonals.len() - named.len());
+        Hierarchy { coarser: named, diagonals }
     }
 
     /// The hierarchy of the finest mesh after its restriction to the regions `keep`, see [`Mesh::restrict`].
     #[must_use]
     pub fn restrict(&self, keep: &[&str]) -> Self {
-        Hierarchy { coarser: self.coarser.iter().map(|mesh| mesh.restrict(keep)).collect() }
+        let coarser = self.coarser.iter().map(|mesh| mesh.restrict(keep)).collect();
+        let kept = |(mesh, diagonals): (&Mesh<D>, &Vec<u8>)| {
+            let stays = |region: u16| keep.contains(&mesh.regions[region as usize].as_str());
+            let of_cells = mesh.cell_region.iter().zip(diagonals);
+            of_cells.filter(|(region, _)| stays(**region)).map(|(_, diagonal)| *diagonal).collect()
+        };
+        Hierarchy { coarser, diagonals: self.coarser.iter().zip(&self.diagonals).map(kept).collect() }
     }
 }
 

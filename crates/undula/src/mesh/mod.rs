@@ -21,6 +21,7 @@ mod quality;
 mod refine;
 mod regions;
 mod seams;
+mod tetrahedra;
 mod topology;
 mod triangulate;
 

@@ -12,8 +12,8 @@ const GAUSS: [(f64, f64); 3] =
 #[derive(Clone, Debug)]
 pub struct Quality {
     /// Smallest `det DX / Π_j |∂X/∂ξ_j|` of each cell over its geometry nodes and Gauss points: 1 for a
-    /// rectangle, 0 for a degenerate cell. Of triangles that for all pairs of edges, times 2/√3: 1 for an
-    /// equilateral one.
+    /// rectangle, 0 for a degenerate cell. Of triangles that for all pairs of edges, times 2/√3, of tetrahedra that for
+    /// the three edges at each vertex, times √2: 1 for a regular one.
     pub scaled_jacobian: Vec<f64>,
     /// Area or volume of each cell \[m^D\].
     pub volume: Vec<f64>,
@@ -37,7 +37,7 @@ impl<const D: usize> Mesh<D> {
     /// Measures all cells.
     pub fn quality(&self) -> Quality {
         let mut points: Vec<([f64; D], f64)> = match self.shape {
-            Shape::Triangle => {
+            Shape::Triangle | Shape::Tetrahedron => {
                 let rule = Quadrature::cell(self.shape, 3);
                 let at = |x: &[f64; 3]| std::array::from_fn(|d| x[d]);
                 rule.points.iter().map(at).zip(rule.weights).collect()
@@ -91,8 +91,8 @@ impl<const D: usize> Mesh<D> {
             let facets = self.facets.iter_mut().chain(&mut self.parts);
             for facet in facets.filter(|f| f.cell as usize == cell) {
                 facet.local = match (self.shape, facet.local) {
-                    (Shape::Triangle, 1) => 2,
-                    (Shape::Triangle, 2) => 1,
+                    (Shape::Triangle | Shape::Tetrahedron, 1) => 2,
+                    (Shape::Triangle | Shape::Tetrahedron, 2) => 1,
                     (Shape::Quadrilateral | Shape::Hexahedron, local @ 0..4) => local ^ 2,
                     (_, local) => local,
                 };
@@ -103,7 +103,7 @@ impl<const D: usize> Mesh<D> {
 }
 
 /// `det DX / Π_j |∂X/∂ξ_j|`; 0 where a column vanishes. On triangles the smallest of that for the three pairs of
-/// edges, times 2/√3.
+/// edges, times 2/√3; on tetrahedra of that for the edges at the four vertices, times √2.
 fn scaled<const D: usize>(shape: Shape, gradient: [[f64; D]; D], det: f64) -> f64 {
     let column = |j: usize| (0..D).map(|i| gradient[i][j].powi(2)).sum::<f64>().sqrt();
     let mut product: f64 = (0..D).map(column).product();
@@ -112,6 +112,16 @@ fn scaled<const D: usize>(shape: Shape, gradient: [[f64; D]; D], det: f64) -> f6
         let third = (0..D).map(|i| (gradient[i][1] - gradient[i][0]).powi(2)).sum::<f64>().sqrt();
         product = product.max(column(0) * third).max(column(1) * third);
         factor = 2.0 / 3f64.sqrt();
+    }
+    if shape == Shape::Tetrahedron {
+        let between = |j: usize, k: usize| {
+            (0..D).map(|i| (gradient[i][k] - gradient[i][j]).powi(2)).sum::<f64>().sqrt()
+        };
+        for j in 0..D {
+            let others = (0..D).filter(|&k| k != j).map(|k| between(j, k));
+            product = product.max(column(j) * others.product::<f64>());
+        }
+        factor = 2f64.sqrt();
     }
     if product > 0.0 { factor * det / product } else { 0.0 }
 }

@@ -1,23 +1,52 @@
 //! Uniform refinement of curved meshes.
 
+use super::geometry::distance;
 use super::topology::Side;
 use super::{Curve, Facet, Mesh};
 use crate::element::Shape;
 use std::collections::HashMap;
 
 /// Identity of a point on the facets of cells: the vertices it depends on and the weights there in a
-/// multilinear (on triangles: linear) interpolation. Cells that share a facet agree on both.
+/// multilinear (on simplices: linear) interpolation. Cells that share a facet agree on both.
 type PointKey = [(u32, u32); 8];
 
 impl<const D: usize> Mesh<D> {
     /// Splits each cell into `2^D`: cell `2^D c + i` is child `i` of cell `c`, children in lexicographic order; of
-    /// triangles those at the three vertices, then the one in the middle.
+    /// simplices those at the vertices, then those in the middle, see [`Shape::child_number`]. In a tetrahedron they share
+    /// the shortest diagonal between middles of opposite edges, so that angles stay away from 0.
     ///
     /// New geometry nodes come from the map of the parent, so that the finer mesh is the same domain
     /// and contains all nodes of the coarser one. Only nodes on boundaries that follow one of `curves`
     /// are moved onto it, and the nodes behind them within the same cell by a share that fades to zero
     /// at the opposite facet. Names are kept.
     pub fn refine(&self, curves: &[Curve<D>]) -> Mesh<D> {
+        self.refine_along(&self.diagonals(), curves)
+    }
+
+    /// The diagonal that the children in the middle of each tetrahedron share; empty for other shapes.
+    pub(super) fn diagonals(&self) -> Vec<u8> {
+        if self.shape != Shape::Tetrahedron {
+            return vec![];
+        }
+        let middle = |cell: usize, v: usize, w: usize| {
+            let at = |i: usize, d: usize| if i == d + 1 { 0.5 } else { 0.0 };
+            self.map(cell, std::array::from_fn(|d| at(v, d) + at(w, d)))
+        };
+        let length = |cell: usize, diagonal: usize| {
+            let (end, [v, w]) = (diagonal + 1, [[2, 3], [1, 3], [1, 2]][diagonal]);
+            distance(middle(cell, 0, end), middle(cell, v, w))
+        };
+        let shortest = |cell: usize| {
+            let lengths = [0, 1, 2].map(|diagonal| length(cell, diagonal));
+            // Equal but for rounding counts as equal.
+            let least = (1.0 + 1e-9) * lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            lengths.iter().position(|length| *length <= least).unwrap_or(0) as u8
+        };
+        (0..self.n_cells()).map(shortest).collect()
+    }
+
+    /// As [`Mesh::refine`], with given diagonals of tetrahedra.
+    pub(super) fn refine_along(&self, diagonals: &[u8], curves: &[Curve<D>]) -> Mesh<D> {
         let lattice = FineLattice::<D>::new(self);
         let on_curves = self.sides_on_curves(curves);
         let mut nodes = NodePool { nodes: Vec::new(), known: HashMap::new() };
@@ -33,7 +62,9 @@ impl<const D: usize> Mesh<D> {
                 .zip(&lattice.at)
                 .map(|(&x, &at)| nodes.number(lattice.key(at, &vertices), x))
                 .collect();
-            for child in 0..1 << D {
+            let diagonal = diagonals.get(cell).copied().unwrap_or(0);
+            for place in 0..1 << D {
+                let child = self.shape.child_number(place, diagonal);
                 cell_nodes.extend(lattice.child_nodes(self, child).map(|n| numbers[n]));
             }
         }
@@ -198,11 +229,33 @@ impl<const D: usize> FineLattice<D> {
         nodes.iter().zip(targets).for_each(|(&node, target)| points[node] = target);
     }
 
+    /// The same on facet `facet` of a tetrahedron: points with two odd barycentric coordinates lie between two others.
+    fn move_face_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
+        let nodes = self.shape.facet_nodes(self.n, facet);
+        let mean = |node: usize| {
+            let weights = self.shape.vertex_weights(self.n, node);
+            let odd: Vec<usize> = (0..=D).filter(|&v| weights[v] % 2 == 1).collect();
+            let [v, w] = odd[..] else { return points[node] };
+            let beside = |v: usize, w: usize| {
+                let mut at = weights.clone();
+                (at[v], at[w]) = (at[v] + 1, at[w] - 1);
+                points[self.index(std::array::from_fn(|d| at[d + 1] as usize))]
+            };
+            let ends = [beside(v, w), beside(w, v)];
+            std::array::from_fn(|d| 0.5 * (ends[0][d] + ends[1][d]))
+        };
+        let targets: Vec<_> = nodes.iter().map(|&node| curve.project(mean(node))).collect();
+        nodes.iter().zip(targets).for_each(|(&node, target)| points[node] = target);
+    }
+
     /// Moves the points on facet `facet` onto `curve`, and those behind the inside of the facet by
     /// `1 − t` of the same, `t ∈ [0, 1]` being their place between the facet and the opposite one.
     fn move_onto(&self, curve: &Curve<D>, facet: usize, points: &mut [[f64; D]]) {
         if self.shape == Shape::Triangle {
             return self.move_edge_onto(curve, facet, points);
+        }
+        if self.shape == Shape::Tetrahedron {
+            return self.move_face_onto(curve, facet, points);
         }
         let (axis, side) = (facet / 2, facet % 2);
         for &at in self.at.iter().filter(|at| at[axis] == side * self.n) {

@@ -5,7 +5,6 @@
 //! joined there: to columns through a boundary layer, or through the thickness of a thin body.
 
 use super::lists::Lists;
-use crate::element::Shape;
 use crate::mesh::Mesh;
 
 /// Cells are joined across facets where both are at most this part of their largest size.
@@ -44,7 +43,7 @@ pub fn groups<const D: usize>(mesh: &Mesh<D>, most: usize) -> Vec<Vec<u32>> {
 /// The cells across the facets to which each cell is thin.
 fn strong_neighbours<const D: usize>(mesh: &Mesh<D>) -> Vec<Vec<u32>> {
     let mut strong = vec![vec![]; mesh.n_cells()];
-    if mesh.shape == Shape::Triangle {
+    if mesh.shape.is_simplex() {
         return strong;
     }
     let sizes: Vec<[f64; D]> = (0..mesh.n_cells()).map(|cell| sizes(mesh, cell)).collect();

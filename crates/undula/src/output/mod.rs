@@ -15,6 +15,7 @@ pub mod provenance;
 pub mod pvd;
 pub mod snapshot;
 pub mod summary;
+pub mod vtk_order;
 pub mod vtu;
 
 pub use atomic::write_atomic;

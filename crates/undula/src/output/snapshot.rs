@@ -28,6 +28,8 @@ pub enum CellKind {
     Triangle,
     /// `(degree + 1)³` points.
     Hexahedron,
+    /// `(degree + 1) (degree + 2) (degree + 3) / 6` points.
+    Tetrahedron,
 }
 
 impl CellKind {
@@ -35,12 +37,12 @@ impl CellKind {
     pub const fn dim(self) -> usize {
         match self {
             CellKind::Quadrilateral | CellKind::Triangle => 2,
-            CellKind::Hexahedron => 3,
+            CellKind::Hexahedron | CellKind::Tetrahedron => 3,
         }
     }
 }
 
-/// The fields of one moment on cells of degree 1, 2 or higher, triangles up to 3.
+/// The fields of one moment on cells of degree 1, 2 or higher, simplices up to 3.
 ///
 /// Points lie where the material or the mesh is at that moment, so that pictures show the deformed domain
 /// without further filters. The pictures of `undula plot` look for the point data `velocity` \[m/s\],
@@ -69,6 +71,7 @@ impl FieldSnapshot {
             CellKind::Quadrilateral => (self.degree + 1).pow(2),
             CellKind::Triangle => (self.degree + 1) * (self.degree + 2) / 2,
             CellKind::Hexahedron => (self.degree + 1).pow(3),
+            CellKind::Tetrahedron => (self.degree + 1) * (self.degree + 2) * (self.degree + 3) / 6,
         }
     }
 
@@ -119,6 +122,7 @@ impl FieldSnapshot {
                     }
                 }
             }
+            CellKind::Tetrahedron => pieces.extend(parts_of_tetrahedron(k)),
             CellKind::Hexahedron => {
                 let [row, layer] = [k + 1, (k + 1).pow(2)];
                 let corners = |n: usize| {
@@ -140,4 +144,36 @@ impl FieldSnapshot {
     pub fn in_cells(&self, name: &str) -> Option<&Field> {
         self.cell_data.iter().find(|field| field.name == name)
     }
+}
+
+/// The points of the k³ pieces of a tetrahedron of degree k.
+///
+/// At each point of the lattice stands a cube of it, cut along its diagonals from (1, 0, 0) to (0, 1, 1): a tetrahedron at
+/// its first corner, an octahedron in four, one at the last. Of these, those inside of the cell are its pieces.
+fn parts_of_tetrahedron(k: usize) -> Vec<usize> {
+    type Corner = [usize; 3];
+    const PARTS: [[Corner; 4]; 6] = [
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]],
+        [[1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 1, 1]],
+        [[1, 0, 0], [1, 0, 1], [1, 1, 0], [0, 1, 1]],
+        [[1, 0, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]],
+        [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 1, 1]],
+        [[1, 0, 1], [1, 1, 0], [0, 1, 1], [1, 1, 1]],
+    ];
+    let row = |n: usize| (n + 1) * (n + 2) / 2;
+    let number = |[i, j, l]: Corner| {
+        let n = k - l;
+        (0..l).map(|l| row(k - l)).sum::<usize>() + (0..j).map(|j| n + 1 - j).sum::<usize>() + i
+    };
+    let mut pieces = vec![];
+    for l in 0..k {
+        for (j, i) in (0..k - l).flat_map(|j| (0..k - l - j).map(move |i| (j, i))) {
+            let at = |c: &Corner| [i + c[0], j + c[1], l + c[2]];
+            let inside = |part: &&[Corner; 4]| part.iter().all(|c| at(c).iter().sum::<usize>() <= k);
+            for part in PARTS.iter().filter(inside) {
+                pieces.extend(part.iter().map(|c| number(at(c))));
+            }
+        }
+    }
+    pieces
 }

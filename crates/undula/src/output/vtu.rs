@@ -8,6 +8,7 @@
 //! what [`write_vtu`] writes, nothing else.
 
 use super::history::number;
+use super::vtk_order::vtk_order;
 use super::{CellKind, Field, FieldSnapshot, OutputError, write_atomic};
 use flate2::{Compression, read::ZlibDecoder, write::ZlibEncoder};
 use std::fs;
@@ -32,74 +33,12 @@ const HIGHEST: usize = 16;
 /// Bytes per compressed block.
 const BLOCK: usize = 1 << 16;
 
-/// Lexicographic numbers of the nodes of a cell in the order of VTK: vertices, edges, interior.
-///
-/// Vertices go round; edges of quadrilaterals are bottom, right, top, left, each in the direction of its coordinate. This is
-/// the order of `VTK_QUAD`, `VTK_BIQUADRATIC_QUAD` and `VTK_LAGRANGE_QUADRILATERAL` alike. Edges of triangles
-/// go round, too.
-fn vtk_order(kind: CellKind, degree: usize) -> Vec<usize> {
-    let k = degree;
-    if kind == CellKind::Hexahedron {
-        return hexahedron_order(k);
-    }
-    if kind == CellKind::Triangle {
-        let mut lattice = vec![(0, 0), (k, 0), (0, k)];
-        lattice.extend((1..k).map(|i| (i, 0)));
-        lattice.extend((1..k).map(|j| (k - j, j)));
-        lattice.extend((1..k).map(|j| (0, k - j)));
-        // Inside there is one point at most.
-        lattice.extend((1..k.saturating_sub(1)).map(|i| (i, 1)));
-        return lattice.into_iter().map(|(i, j)| i + (0..j).map(|row| k + 1 - row).sum::<usize>()).collect();
-    }
-    let mut lattice = vec![(0, 0), (k, 0), (k, k), (0, k)];
-    lattice.extend((1..k).map(|i| (i, 0)));
-    lattice.extend((1..k).map(|j| (k, j)));
-    lattice.extend((1..k).map(|i| (i, k)));
-    lattice.extend((1..k).map(|j| (0, j)));
-    lattice.extend((1..k).flat_map(|j| (1..k).map(move |i| (i, j))));
-    lattice.into_iter().map(|(i, j)| i + (k + 1) * j).collect()
-}
-
-/// The same for hexahedra: vertices and edges of the bottom and of the top, upright edges, faces x-, x+, y-, y+, z-, z+,
-/// interior.
-///
-/// This is the order of `VTK_HEXAHEDRON`, `VTK_TRIQUADRATIC_HEXAHEDRON` and, in files of version 2.1, of
-/// `VTK_LAGRANGE_HEXAHEDRON`; in older files the last two upright edges of the latter change places.
-fn hexahedron_order(k: usize) -> Vec<usize> {
-    let round = [(0, 0), (k, 0), (k, k), (0, k)];
-    let between = || 1..k;
-    let inside = || between().flat_map(move |b| between().map(move |a| (a, b)));
-    let mut lattice: Vec<[usize; 3]> = Vec::with_capacity((k + 1).pow(3));
-    for z in [0, k] {
-        lattice.extend(round.map(|(x, y)| [x, y, z]));
-    }
-    for z in [0, k] {
-        lattice.extend(between().map(|x| [x, 0, z]));
-        lattice.extend(between().map(|y| [k, y, z]));
-        lattice.extend(between().map(|x| [x, k, z]));
-        lattice.extend(between().map(|y| [0, y, z]));
-    }
-    for (x, y) in round {
-        lattice.extend(between().map(|z| [x, y, z]));
-    }
-    for x in [0, k] {
-        lattice.extend(inside().map(|(y, z)| [x, y, z]));
-    }
-    for y in [0, k] {
-        lattice.extend(inside().map(|(x, z)| [x, y, z]));
-    }
-    for z in [0, k] {
-        lattice.extend(inside().map(|(x, y)| [x, y, z]));
-    }
-    lattice.extend(between().flat_map(|z| inside().map(move |(x, y)| [x, y, z])));
-    lattice.into_iter().map(|[x, y, z]| x + (k + 1) * (y + (k + 1) * z)).collect()
-}
-
 /// Cell types of VTK of degree 1, 2 and above.
-const TYPES: [(CellKind, [u8; 3]); 3] = [
+const TYPES: [(CellKind, [u8; 3]); 4] = [
     (CellKind::Quadrilateral, [9, 28, 70]),
     (CellKind::Triangle, [5, 22, 69]),
     (CellKind::Hexahedron, [12, 29, 72]),
+    (CellKind::Tetrahedron, [10, 24, 71]),
 ];
 
 /// Number of the cell type in VTK.
@@ -350,37 +289,11 @@ mod tests {
     fn cells_of_other_programs_are_named() {
         let mut snapshot = FieldSnapshot { points: vec![[0.0; 3]; 10], ..FieldSnapshot::default() };
         let numbers: Vec<f64> = (0..10).map(f64::from).collect();
-        let error = cells(&mut snapshot, &numbers, &[24.0]).unwrap_err();
-        assert_eq!(error, "cells of type 24 of VTK, which are not read here; ParaView shows them");
+        let error = cells(&mut snapshot, &numbers, &[13.0]).unwrap_err();
+        assert_eq!(error, "cells of type 13 of VTK, which are not read here; ParaView shows them");
         assert!(cells(&mut snapshot, &numbers, &[12.0]).unwrap_err().contains("not all of the same kind"));
         assert!(cells(&mut snapshot, &numbers[..8], &[12.0]).is_ok());
         assert_eq!((snapshot.kind, snapshot.degree), (CellKind::Hexahedron, 1));
         assert_eq!(snapshot.cells, [0, 1, 3, 2, 4, 5, 7, 6]);
-    }
-
-    /// Figures of the VTK file format: vertices round the cell, then edges, then the interior.
-    #[test]
-    fn nodes_are_in_the_order_of_vtk() {
-        let quadrilateral = |k| vtk_order(CellKind::Quadrilateral, k);
-        assert_eq!(quadrilateral(1), [0, 1, 3, 2]);
-        assert_eq!(quadrilateral(2), [0, 2, 8, 6, 1, 5, 7, 3, 4]);
-        assert_eq!(quadrilateral(3), [0, 3, 15, 12, 1, 2, 7, 11, 13, 14, 4, 8, 5, 6, 9, 10]);
-        let triangle = |k| vtk_order(CellKind::Triangle, k);
-        assert_eq!(triangle(1), [0, 1, 2]);
-        assert_eq!(triangle(2), [0, 2, 5, 1, 4, 3]);
-        assert_eq!(triangle(3), [0, 3, 9, 1, 2, 6, 8, 7, 4, 5]);
-        let hexahedron = |k| vtk_order(CellKind::Hexahedron, k);
-        assert_eq!(hexahedron(1), [0, 1, 3, 2, 4, 5, 7, 6]);
-        let [corners, bottom, top] =
-            [[0, 2, 8, 6, 18, 20, 26, 24].as_slice(), &[1, 5, 7, 3], &[19, 23, 25, 21]];
-        let [upright, faces] = [[9, 11, 17, 15].as_slice(), &[12, 14, 10, 16, 4, 22, 13]];
-        assert_eq!(hexahedron(2), [corners, bottom, top, upright, faces].concat());
-        let third = hexahedron(3);
-        assert_eq!(third[..12], [0, 3, 15, 12, 48, 51, 63, 60, 1, 2, 7, 11]);
-        assert_eq!(third[24..32], [16, 32, 19, 35, 31, 47, 28, 44]);
-        assert_eq!(third[32..40], [20, 24, 36, 40, 23, 27, 39, 43]);
-        assert_eq!(third[56..], [21, 22, 25, 26, 37, 38, 41, 42]);
-        let every: std::collections::BTreeSet<usize> = hexahedron(4).into_iter().collect();
-        assert!(every.into_iter().eq(0..125));
     }
 }

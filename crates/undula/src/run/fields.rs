@@ -77,6 +77,7 @@ pub fn snapshot<const D: usize>(space: &FsiSpace<D>, state: &State, deformed: bo
         kind: match space.mesh.shape {
             Shape::Triangle => CellKind::Triangle,
             Shape::Quadrilateral => CellKind::Quadrilateral,
+            Shape::Tetrahedron => CellKind::Tetrahedron,
             Shape::Hexahedron => CellKind::Hexahedron,
         },
         degree: space.nodes.degree,

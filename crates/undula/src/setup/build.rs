@@ -10,6 +10,7 @@ use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
     WITH_MULTIGRID,
 };
+use crate::element::Shape;
 use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
@@ -119,6 +120,11 @@ impl Case {
         let needed = how.projects() && how.projection == Projection::Patch;
         if !needed || system::patches(space).is_some() {
             return Ok(());
+        }
+        if space.mesh.shape == Shape::Tetrahedron {
+            let message =
+                "patches need children that are alike, and those of tetrahedra are not; expected `cell`";
+            return Err(self.refuse("stabilization.projection", message.into()));
         }
         let parts = if D == 3 { "eight" } else { "four" };
         let message = format!(

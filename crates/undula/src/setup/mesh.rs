@@ -7,7 +7,6 @@ use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
 use crate::case::schema::Extrude;
 use crate::case::{Case, MeshSource, OwnMesh};
-use crate::element::Shape;
 use crate::error::Error;
 use crate::mesh::gmsh::AnyMesh;
 use crate::mesh::{Curve, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
@@ -16,6 +15,13 @@ use crate::system::Dim;
 /// The components of a position, or numbers along its coordinates.
 fn first<T: Copy, const D: usize>(all: &[T]) -> [T; D] {
     std::array::from_fn(|d| all[d])
+}
+
+/// A made mesh of hexahedra in tetrahedra, their nodes on the same curves.
+fn in_tetrahedra(mesh: &Mesh<3>, curves: &[Curve<3>]) -> Mesh<3> {
+    let mut mesh = mesh.in_tetrahedra();
+    mesh.project_boundaries(curves);
+    mesh
 }
 
 /// The complete mesh of a case, with its regions and the names of their sides.
@@ -116,8 +122,8 @@ impl Case {
                 return Ok((Mesh::clone(mesh), vec![]));
             }
         };
-        // Triangles are refined after they are made.
-        let triangles = self.space.velocity.shape() == Shape::Triangle;
+        // Triangles are refined after they are made; what is extruded becomes tetrahedra.
+        let triangles = self.space.velocity.is_simplicial() && spec.extrude.is_none();
         Ok((if triangles { mesh.triangulated() } else { mesh }, curves))
     }
 
@@ -142,13 +148,19 @@ impl Case {
     pub(super) fn refined_space(&self) -> Result<Refined<3>, Error> {
         if let Some(Extrude { depth, layers, grading }) = self.mesh.extrude {
             let (plane, hierarchy, _) = self.refined_plane()?;
-            self.check_shape(&plane)?;
+            let simplicial = self.space.velocity.is_simplicial();
+            if !simplicial {
+                self.check_shape(&plane)?;
+            }
             let whole = if grading == 0 {
                 hierarchy.extruded(&plane, depth, layers)
             } else {
                 plane.extruded_graded(depth, layers, grading).map(|mesh| (mesh, Hierarchy::default()))
             };
             let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
+            if simplicial {
+                return Ok((mesh.in_tetrahedra(), Hierarchy::default(), vec![]));
+            }
             return Ok((mesh, hierarchy, vec![]));
         }
         let mut curves = vec![];
@@ -168,6 +180,10 @@ impl Case {
             },
             _ => return Err(self.refuse("mesh", "there is no such mesh in space".into())),
         };
+        // Tetrahedra are refined after they are made; those of a file are as they are.
+        let is_made = !matches!(self.mesh.source, MeshSource::File(_));
+        let mesh =
+            if is_made && self.space.velocity.is_simplicial() { in_tetrahedra(&mesh, &curves) } else { mesh };
         let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
         match self.mesh.axis() {
             [] => Ok((mesh, hierarchy, curves)),
@@ -205,17 +221,17 @@ impl Case {
     /// Refuses cells on which the velocity does not live.
     fn check_shape<const D: usize>(&self, mesh: &Mesh<D>) -> Result<(), Error> {
         let velocity = self.space.velocity;
-        let tensor = mesh.shape != Shape::Triangle && velocity.shape() != Shape::Triangle;
-        if tensor || mesh.shape == velocity.shape() {
+        let needed = velocity.shape(D);
+        if mesh.shape == needed {
             return Ok(());
         }
-        let other = if mesh.shape == Shape::Triangle { "P2" } else { "Q2" };
+        let other = if mesh.shape.is_simplex() { "P2" } else { "Q2" };
         let reason = format!(
             "space.velocity = {} needs {}, the mesh has {}: take {other}, or a mesh of {}",
             velocity.name(),
-            velocity.shape().name(),
+            needed.name(),
             mesh.shape.name(),
-            velocity.shape().name()
+            needed.name()
         );
         Err(self.blame("space.velocity", MeshError::WrongCells(reason)))
     }

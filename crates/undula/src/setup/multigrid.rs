@@ -3,6 +3,7 @@
 use super::memory::{MANY, size};
 use crate::algebra::LinearSolverKind;
 use crate::case::{Case, Linearization};
+use crate::element::Shape;
 use crate::error::Error;
 use crate::space::FsiSpace;
 
@@ -14,6 +15,7 @@ impl Case {
             LinearSolverKind::Automatic => {
                 let fits =
                     !space.hierarchy.coarser().is_empty() && space.nodes.n_lagrange == space.nodes.len();
+                let fits = fits && space.mesh.shape != Shape::Tetrahedron;
                 let condensed = self.newton.linearization == Linearization::Condensed;
                 // Without inertia it may fail on long cells.
                 D == 3 && self.time.is_some() && condensed && fits && space.mesh.n_cells() >= MANY
@@ -37,7 +39,9 @@ impl Case {
         if self.linear.solver != LinearSolverKind::Multigrid {
             return Ok(());
         }
-        let message = if space.hierarchy.coarser().is_empty() && self.mesh.refine == 0 {
+        let message = if space.mesh.shape == Shape::Tetrahedron {
+            "multigrid on tetrahedra is not yet available: give hexahedra"
+        } else if space.hierarchy.coarser().is_empty() && self.mesh.refine == 0 {
             "multigrid needs the coarser meshes of a refined one: give mesh.refine of at least 1"
         } else if space.hierarchy.coarser().is_empty() {
             "multigrid needs coarser meshes, which are lost where cells are graded after mesh.refine, where a \

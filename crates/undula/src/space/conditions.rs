@@ -83,6 +83,7 @@ impl<const D: usize> Constraints<D> {
                 c.u[node] = [true; D];
             }
         }
+        space.interface_bubbles().into_iter().for_each(|node| c.v[node as usize] = [true; D]);
         // Bubbles are of the velocity alone.
         c.u[space.nodes.n_lagrange..].fill([true; D]);
         let slips = |facet: &Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
@@ -95,7 +96,10 @@ impl<const D: usize> Constraints<D> {
             c.hold(node as usize, normals, [true, true]);
         }
         for (node, seen) in seen.iter_mut().enumerate() {
-            if !seen.motion.is_empty() {
+            if node >= space.nodes.n_lagrange {
+                // Data are interpolated by the nodes, beside which bubbles stand.
+                c.without_bubble(space, node, seen);
+            } else if !seen.motion.is_empty() {
                 c.moved(space, node, std::mem::take(&mut seen.motion));
             } else if let (false, Some(data)) = (seen.fixed, seen.velocity.take()) {
                 c.follows |= space.deforms && c.u[node] != [true; D];
@@ -132,6 +136,14 @@ impl<const D: usize> Constraints<D> {
                 }
             }
             None => self.directions.push(Directions { node: node as u32, v, u, normals }),
+        }
+    }
+
+    /// Gives the coefficient of a bubble as 0 where the velocity of its facet is given.
+    fn without_bubble(&mut self, space: &FsiSpace<D>, node: usize, seen: &Seen<D>) {
+        for motion in &seen.motion {
+            let given = motion(&space.nodes.points[node], 0.0);
+            (0..D).for_each(|i| self.v[node][i] |= given[i].is_some());
         }
     }
 
@@ -216,7 +228,7 @@ fn seen<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]
     let mut seen = vec![Seen::default(); space.nodes.len()];
     let moves = super::ends::moving(space, conditions);
     for facet in &space.mesh.facets {
-        for node in space.facet_nodes(facet) {
+        for (_, node) in space.facet_functions(facet) {
             let (seen, owner) = (&mut seen[node as usize], space.owner[node as usize]);
             match &conditions[facet.boundary as usize] {
                 BoundaryCondition::Velocity(data) => seen.velocity = Some(data.clone()),

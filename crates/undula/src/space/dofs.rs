@@ -15,7 +15,8 @@ pub struct Nodes<const D: usize> {
     pub cell_nodes: Vec<u32>,
     /// Number of nodes of a cell, at most.
     pub per_cell: usize,
-    /// Number of nodes of the Lagrange basis. Those behind are bubbles, each the last node of its cell.
+    /// Number of nodes of the Lagrange basis. Those behind are bubbles, the last nodes of their cells in the order of
+    /// [`lagrange::bubbles`].
     pub n_lagrange: usize,
 }
 
@@ -63,28 +64,50 @@ impl<const D: usize> Nodes<D> {
         Nodes { degree, points, cell_nodes, per_cell, n_lagrange }
     }
 
-    /// With a bubble, at the centre, in every cell where `there` holds.
+    /// With the bubbles of a simplex in every cell where `there` holds: at the centre, of tetrahedra at the centres of the
+    /// faces, too. Two cells that share a face share its bubble.
     pub fn with_bubbles(mut self, mesh: &Mesh<D>, there: impl Fn(usize) -> bool) -> Nodes<D> {
-        let mut cell_nodes = Vec::with_capacity(self.cell_nodes.len() + mesh.n_cells());
+        let n = lagrange::n_bubbles(mesh.shape);
+        let mut of_faces: HashMap<Vec<u32>, u32> = HashMap::new();
+        let mut cell_nodes = Vec::with_capacity(self.cell_nodes.len() + n * mesh.n_cells());
         for (cell, nodes) in self.cell_nodes.chunks_exact(self.per_cell).enumerate() {
             cell_nodes.extend(nodes);
-            if there(cell) {
-                cell_nodes.push(self.points.len() as u32);
-                self.points.push(mesh.map(cell, mesh.reference_centre()));
-            } else {
-                cell_nodes.push(u32::MAX);
+            if !there(cell) {
+                cell_nodes.extend(vec![u32::MAX; n]);
+                continue;
             }
+            let vertices = mesh.cell_vertices(cell);
+            for face in 0..n - 1 {
+                let mut key: Vec<u32> = vertices.clone();
+                key.remove(face);
+                key.sort_unstable();
+                let number = *of_faces.entry(key).or_insert_with(|| {
+                    let third = |d: usize| if d + 1 == face { 0.0 } else { 1.0 / 3.0 };
+                    self.points.push(mesh.map(cell, std::array::from_fn(third)));
+                    self.points.len() as u32 - 1
+                });
+                cell_nodes.push(number);
+            }
+            cell_nodes.push(self.points.len() as u32);
+            self.points.push(mesh.map(cell, mesh.reference_centre()));
         }
-        Nodes { cell_nodes, per_cell: self.per_cell + 1, ..self }
+        Nodes { cell_nodes, per_cell: self.per_cell + n, ..self }
     }
 
-    /// The basis at the points of `rule`: that of the nodes, and behind it the bubble if there are any.
+    /// The bubble of facet `local` of `cell`, if there is one.
+    pub fn facet_bubble(&self, shape: Shape, cell: usize, local: usize) -> Option<u32> {
+        let first = shape.n_nodes(self.degree);
+        let own = self.cell(cell);
+        (own.len() > first && local + 1 < lagrange::n_bubbles(shape)).then(|| own[first + local])
+    }
+
+    /// The basis at the points of `rule`: that of the nodes, and behind it the bubbles if there are any.
     pub fn table(&self, shape: Shape, rule: &Quadrature) -> BasisTable {
         let table = BasisTable::lagrange(shape, self.degree, rule);
-        if self.per_cell > table.n_basis { table.with_bubble(rule) } else { table }
+        if self.per_cell > table.n_basis { table.with_bubbles(shape, rule) } else { table }
     }
 
-    /// Whether `cell` has a bubble.
+    /// Whether `cell` has bubbles.
     pub fn has_bubble(&self, cell: usize) -> bool {
         self.cell(cell).last().is_some_and(|&node| node as usize >= self.n_lagrange)
     }
@@ -102,8 +125,8 @@ impl<const D: usize> Nodes<D> {
     /// Nodes of cell `cell`.
     pub fn cell(&self, cell: usize) -> &[u32] {
         let nodes = &self.cell_nodes[cell * self.per_cell..(cell + 1) * self.per_cell];
-        match nodes.split_last() {
-            Some((&u32::MAX, others)) => others,
+        match nodes.last() {
+            Some(&u32::MAX) => &nodes[..nodes.iter().position(|&n| n == u32::MAX).unwrap_or(0)],
             _ => nodes,
         }
     }

@@ -101,10 +101,10 @@ impl<const D: usize> FsiSpace<D> {
         Self::with_nodes(mesh, regions, nodes, pressure, bodies)
     }
 
-    /// Those of [`FsiSpace::new`] with a cubic bubble for the velocity on every triangle of the fluid: P^{2,bubble} for
-    /// degree 2.
+    /// Those of [`FsiSpace::new`] with the bubbles of every simplex of the fluid for the velocity, see
+    /// [`lagrange::bubbles`]: P^{2,bubble} for degree 2.
     ///
-    /// Bubbles stand beside the nodal basis and vanish on facets. Their coefficients of the deformation are given
+    /// Bubbles stand beside the nodal basis; those of cells vanish on facets. Their coefficients of the deformation are given
     /// as 0, and in the solid there are none, so that the velocity-deformation relation stays an identity of nodes.
     pub fn with_bubbles(
         mesh: Mesh<D>,
@@ -213,6 +213,28 @@ impl<const D: usize> FsiSpace<D> {
         local.iter().map(|&a| cell[a]).collect()
     }
 
+    /// Functions of the cell of a facet that do not vanish on it: their places in the cell, and their nodes. Those of
+    /// [`FsiSpace::facet_nodes`], and the bubble of the facet if there is one.
+    pub fn facet_functions(&self, facet: &Facet) -> Vec<(usize, u32)> {
+        let (shape, degree) = (self.mesh.shape, self.nodes.degree);
+        let (cell, local) = (facet.cell as usize, facet.local as usize);
+        let nodal = shape.facet_nodes(degree, local).into_iter().zip(self.facet_nodes(facet));
+        let bubble = self.nodes.facet_bubble(shape, cell, local);
+        nodal.chain(bubble.map(|node| (shape.n_nodes(degree) + local, node))).collect()
+    }
+
+    /// Bubbles of facets between fluid and solid, where the velocity has none: the solid has nodes alone.
+    pub fn interface_bubbles(&self) -> Vec<u32> {
+        let side = |side: &Side| (side.cell as usize, side.local as usize);
+        let of =
+            |side: &Side| self.nodes.facet_bubble(self.mesh.shape, side.cell as usize, side.local as usize);
+        if self.nodes.n_lagrange == self.nodes.len() || self.mesh.shape != Shape::Tetrahedron {
+            return vec![];
+        }
+        let meet = |[one, two]: &&[Side; 2]| self.regions[side(one).0] != self.regions[side(two).0];
+        self.mesh.facets_of_cells().inner.iter().filter(meet).flatten().filter_map(of).collect()
+    }
+
     /// Whether there is a node that may slide, see [`Walls::Sliding`], with one condition per boundary of the mesh.
     pub fn slides(&self, conditions: &[BoundaryCondition<D>]) -> bool {
         let slips = |facet: &Facet| matches!(conditions[facet.boundary as usize], BoundaryCondition::Slip);
@@ -262,8 +284,9 @@ fn pressure_nodes<const D: usize>(
     for c in 0..mesh.n_cells() {
         for (a, &dof) in pressure.cell(c).iter().enumerate() {
             let mut near = mesh.shape.lattice(k, a).map(|i| (2 * i * n + k) / (2 * k));
-            if mesh.shape == Shape::Triangle {
+            if mesh.shape.is_simplex() {
                 near[1] = near[1].min(n - near[0]);
+                near[2] = near[2].min(n - near[0] - near[1]);
             }
             list[dof as usize] = nodes.cell(c)[mesh.shape.number(n, near)];
         }

@@ -57,14 +57,12 @@ fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vec
     };
     let areas: Vec<Vector<f64, D>> = (0..rule.points.len()).map(area).collect();
     let whole = areas.iter().fold(Vector::zero(), |sum, a| sum + *a);
-    let on_facet = mesh.shape.facet_nodes(space.nodes.degree, local);
-    let nodes = space.nodes.cell(cell);
-    let normal = |&a: &usize| {
+    let normal = |(a, node): (usize, u32)| {
         let sum = areas.iter().enumerate().fold(Vector::zero(), |sum, (q, n)| sum + *n * table.value(q)[a]);
         let small = sum.dot(sum) < 1e-12 * whole.dot(whole);
-        (nodes[a], if small { whole * 1e-3 } else { sum })
+        (node, if small { whole * 1e-3 } else { sum })
     };
-    on_facet.iter().map(normal).collect()
+    space.facet_functions(facet).into_iter().map(normal).collect()
 }
 
 /// Makes the directions orthonormal, and axes exact; what depends on those before is left out.

@@ -31,7 +31,12 @@ impl<const D: usize> FsiSpace<D> {
             }
             pairs
         };
-        let of = classes(self.nodes.len(), &pairs(self.nodes.degree, &|c| self.nodes.cell(c).to_vec()));
+        let mut twins = pairs(self.nodes.degree, &|c| self.nodes.cell(c).to_vec());
+        let bubble =
+            |side: Side| self.nodes.facet_bubble(self.mesh.shape, side.cell as usize, side.local as usize);
+        let bubbles = seams.iter().filter_map(|seam| Some([bubble(seam.sides[0])?, bubble(seam.sides[1])?]));
+        twins.extend(bubbles);
+        let of = classes(self.nodes.len(), &twins);
         let pressures = match self.pressure.kind {
             PressureKind::Continuous(k) => {
                 classes(self.pressure.n, &pairs(k, &|c| self.pressure.cell(c).to_vec()))

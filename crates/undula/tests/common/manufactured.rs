@@ -133,6 +133,11 @@ pub const fn triangles(degree: usize, pressure: PressureKind) -> Pair {
     Pair { cells: Shape::Triangle, degree, bubble: false, pressure }
 }
 
+/// P_k of tetrahedra with a pressure.
+pub const fn tetrahedra(degree: usize, pressure: PressureKind) -> Pair {
+    Pair { cells: Shape::Tetrahedron, degree, bubble: false, pressure }
+}
+
 /// P2-bubble with P1dc.
 pub const BUBBLE: Pair = Pair { bubble: true, ..triangles(2, PressureKind::Pdc(1)) };
 
@@ -150,9 +155,12 @@ impl Pair {
         }
     }
 
-    /// The same on hexahedra.
+    /// The same on hexahedra, in tetrahedra if need be.
     pub fn in_space(self, mesh: &Mesh<3>, physics: &Physics) -> Arc<FsiSpace<3>> {
-        spaces(mesh, physics, self)
+        match self.cells {
+            Shape::Tetrahedron => spaces(&mesh.in_tetrahedra(), physics, self),
+            _ => spaces(mesh, physics, self),
+        }
     }
 }
 
@@ -275,7 +283,7 @@ pub fn largest(x: impl IntoIterator<Item = f64>) -> f64 {
 pub fn on_boundaries<const D: usize>(space: &FsiSpace<D>) -> Vec<bool> {
     let mut on = vec![false; space.nodes.len()];
     for facet in &space.mesh.facets {
-        space.facet_nodes(facet).iter().for_each(|&node| on[node as usize] = true);
+        space.facet_functions(facet).iter().for_each(|&(_, node)| on[node as usize] = true);
     }
     on
 }

@@ -409,7 +409,7 @@ fn unstable_pairs_are_refused_with_the_reason() {
     assert!(refused(&["space.velocity=Q1", "space.pressure=P0"]).contains("checkerboard"));
     assert_eq!(
         refused(&["space.velocity=P2", "space.pressure=Q1"]),
-        "--set space.pressure=Q1: lives on other cells than the velocity P2, which needs triangles; P1 goes with it"
+        "--set space.pressure=Q1: lives on other cells than the velocity P2, which needs triangles or tetrahedra; P1 goes with it"
     );
     for set in [&["space.velocity=Q3", "space.pressure=Q1"][..], &["solid=none", "space.pressure=P0"]] {
         builtin("fsi1", set);

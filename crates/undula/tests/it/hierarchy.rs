@@ -3,11 +3,11 @@
 use crate::common::builtin;
 use crate::mesh::two_cubes;
 use std::collections::BTreeSet;
-use undula::mesh::generate::{cylinder, rectangle, schaefer_turek, turek_hron};
+use undula::mesh::generate::{cylinder, rectangle, schaefer_turek, tube, turek_hron};
 use undula::mesh::{Child, Curve, Facet, Hierarchy, Mesh};
 
 /// Two refinements of `mesh`.
-fn twice<const D: usize>(mesh: Mesh<D>, curves: &[Curve<D>]) -> Vec<Mesh<D>> {
+fn twice<const D: usize>(mesh: Mesh<D>, curves: &[Curve<D>]) -> (Vec<Mesh<D>>, Hierarchy<D>) {
     let (finest, hierarchy) = Hierarchy::refine(mesh.clone(), 2, curves);
     assert_eq!((&hierarchy.coarser()[0].nodes, hierarchy.coarser().len()), (&mesh.nodes, 2));
     let same = mesh.refined(2, curves);
@@ -15,7 +15,7 @@ fn twice<const D: usize>(mesh: Mesh<D>, curves: &[Curve<D>]) -> Vec<Mesh<D>> {
         (&same.nodes, &same.cell_nodes, &same.facets),
         (&finest.nodes, &finest.cell_nodes, &finest.facets)
     );
-    hierarchy.levels(&finest).cloned().collect()
+    (hierarchy.levels(&finest).cloned().collect(), hierarchy)
 }
 
 /// The largest distance of two coordinates.
@@ -37,12 +37,16 @@ fn relatives_agree<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
 }
 
 /// Points of the child are points of the parent, and the children fill it.
-fn children_fill_their_parents<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
+fn children_fill_their_parents<const D: usize>(
+    coarse: &Mesh<D>,
+    fine: &Mesh<D>,
+    number: impl Fn(usize) -> usize,
+) {
     let (whole, part) = (coarse.quality().volume, fine.quality().volume);
     for parent in 0..coarse.n_cells() {
         let size = coarse.cell_diameter(parent);
         for cell in Hierarchy::<D>::children(parent) {
-            let number = Hierarchy::<D>::child(cell).number;
+            let number = number(cell);
             for i in 0..7 {
                 let xi: [f64; D] = std::array::from_fn(|d| (0.1 + 0.37 * (i * (d + 1)) as f64).fract());
                 let xi = coarse.shape.clamp(xi);
@@ -57,12 +61,12 @@ fn children_fill_their_parents<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>)
 }
 
 /// The nodes of a parent are nodes of its children.
-fn nodes_stay<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
+fn nodes_stay<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>, number: impl Fn(usize) -> usize) {
     let (shape, degree) = (coarse.shape, coarse.degree);
     for parent in 0..coarse.n_cells() {
         let mut met = BTreeSet::new();
         for cell in Hierarchy::<D>::children(parent) {
-            let number = Hierarchy::<D>::child(cell).number;
+            let number = number(cell);
             for (local, &node) in fine.cell(cell).iter().enumerate() {
                 let at = shape.in_parent(degree, number, shape.lattice(degree, local));
                 if at.iter().all(|i| i % 2 == 0) {
@@ -77,12 +81,13 @@ fn nodes_stay<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
     }
 }
 
-fn check_levels<const D: usize>(levels: &[Mesh<D>], filled: bool) {
-    for pair in levels.windows(2) {
+fn check_levels<const D: usize>((levels, hierarchy): &(Vec<Mesh<D>>, Hierarchy<D>), filled: bool) {
+    for (level, pair) in levels.windows(2).enumerate() {
+        let number = |cell: usize| hierarchy.child_number(level, Hierarchy::<D>::child(cell));
         relatives_agree(&pair[0], &pair[1]);
-        nodes_stay(&pair[0], &pair[1]);
+        nodes_stay(&pair[0], &pair[1], number);
         if filled {
-            children_fill_their_parents(&pair[0], &pair[1]);
+            children_fill_their_parents(&pair[0], &pair[1], number);
         }
     }
 }
@@ -93,6 +98,8 @@ fn every_child_lies_in_its_parent_and_has_its_region() {
         check_levels(&twice(mesh, &[]), true);
     }
     check_levels(&twice(two_cubes(), &[]), true);
+    check_levels(&twice(two_cubes().in_tetrahedra(), &[]), true);
+    check_levels(&twice(tube([0.03, 0.01, 0.002], [2, 8, 1], 0).unwrap().in_tetrahedra(), &[]), true);
 }
 
 #[test]
@@ -131,7 +138,7 @@ fn coarser_meshes_of_a_case_are_those_with_less_refinement() {
             assert_eq!((&mesh.boundaries, named(mesh)), (&same.boundaries, named(&same)));
         }
         let levels: Vec<Mesh<2>> = levels.into_iter().cloned().collect();
-        check_levels(&levels, false);
+        check_levels(&(levels, space.hierarchy.clone()), false);
     }
 }
 
@@ -147,8 +154,9 @@ fn the_hierarchy_begins_where_regions_fit_the_cells() {
         assert_eq!(hierarchy.coarser().len(), n_coarser, "{side}");
         for keep in [&["fluid", "solid"][..], &["fluid"], &["solid"]] {
             let mesh = finest.restrict(keep);
-            let levels: Vec<Mesh<2>> = hierarchy.restrict(keep).levels(&mesh).cloned().collect();
-            check_levels(&levels, true);
+            let hierarchy = hierarchy.restrict(keep);
+            let levels: Vec<Mesh<2>> = hierarchy.levels(&mesh).cloned().collect();
+            check_levels(&(levels.clone(), hierarchy), true);
             for mesh in levels {
                 mesh.check().unwrap();
                 assert!(mesh.boundary("interface").is_some());

@@ -76,6 +76,7 @@ mod stabilization;
 mod statistics;
 mod studies;
 mod tables;
+mod tetrahedra;
 mod traction;
 mod transfer;
 mod valve;

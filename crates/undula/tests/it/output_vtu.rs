@@ -130,6 +130,45 @@ fn hexahedra_read_back_with_the_same_bits() {
     }
 }
 
+/// The unit cube in 48 tetrahedra of degree 1 to 3, with a field of that degree; what `validation/read_vtu.py` reads.
+fn tetrahedra(degree: usize) -> FieldSnapshot {
+    let mesh = undula::mesh::generate::hexahedra([0.0; 3], [1.0; 3], [2; 3], 0).unwrap().in_tetrahedra();
+    let nodes = undula::space::Nodes::new(&mesh, degree);
+    let field = |&[x, y, z]: &[f64; 3]| (x + 2.0 * y - z).powi(degree as i32);
+    let pressure = Field::new("pressure", 1, nodes.points.iter().map(field).collect());
+    FieldSnapshot {
+        kind: CellKind::Tetrahedron,
+        degree,
+        points: nodes.points,
+        cells: nodes.cell_nodes,
+        point_data: vec![pressure],
+        cell_data: vec![Field::new("solid", 1, vec![0.0; mesh.n_cells()])],
+    }
+}
+
+#[test]
+fn tetrahedra_read_back_with_the_same_bits_and_their_pieces_fill_them() {
+    for degree in 1..=3 {
+        let mesh = tetrahedra(degree);
+        let pieces = mesh.clone().linear();
+        assert_eq!((mesh.n_cells(), pieces.n_cells()), (48, 48 * degree.pow(3)));
+        for cell in pieces.cells.chunks_exact(4) {
+            let at = |corner: usize| pieces.points[cell[corner] as usize];
+            let [a, b, c] = [1, 2, 3].map(|i| [0, 1, 2].map(|d| at(i)[d] - at(0)[d]));
+            let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+            let six = cross[0] * c[0] + cross[1] * c[1] + cross[2] * c[2];
+            assert!((six * 8.0 * (degree as f64).powi(3) - 1.0).abs() < 1e-12, "{degree}: {six}");
+        }
+        for (name, snapshot) in [("curved", mesh), ("pieces", pieces)] {
+            let directory = scratch(&format!("vtu-tetrahedra-{name}-{degree}"));
+            write_vtu(directory.join("a.vtu"), &snapshot, 0.25, Precision::Double).unwrap();
+            assert_eq!(read_vtu(directory.join("a.vtu")).unwrap(), (snapshot, 0.25));
+            let mut collection = Collection::create(directory.join("fields.pvd")).unwrap();
+            collection.add(0.25, "a.vtu").unwrap();
+        }
+    }
+}
+
 /// Six times the volume of a hexahedron of degree 1 with plane faces.
 fn six_volumes(snapshot: &FieldSnapshot, cell: &[u32]) -> f64 {
     let at = |corner: usize| snapshot.points[cell[corner] as usize];

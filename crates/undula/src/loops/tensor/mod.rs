@@ -37,7 +37,7 @@ impl TensorBasis {
     pub fn new(shape: Shape, degree: usize, points: usize) -> Option<TensorBasis> {
         // Those that are not compiled have whole tables.
         let degrees = match shape {
-            Shape::Triangle => return None,
+            Shape::Triangle | Shape::Tetrahedron => return None,
             Shape::Quadrilateral => 3..=4,
             Shape::Hexahedron => 2..=3,
         };
@@ -249,6 +249,7 @@ mod tests {
     #[test]
     fn other_elements_have_whole_tables() {
         assert!(TensorBasis::new(Shape::Triangle, 3, 4).is_none());
+        assert!(TensorBasis::new(Shape::Tetrahedron, 2, 3).is_none());
         for (quadrilateral, hexahedron) in [(1, 1), (2, 4), (5, 5)] {
             assert!(TensorBasis::new(Shape::Quadrilateral, quadrilateral, quadrilateral + 1).is_none());
             assert!(TensorBasis::new(Shape::Hexahedron, hexahedron, hexahedron + 1).is_none());

@@ -45,10 +45,16 @@ fn mixed(raw: &Raw, dim: usize) -> String {
     let counts = some.iter().map(name).collect::<Vec<_>>().join(" and ");
     let mut advice = vec![];
     if some.iter().any(|(kind, _)| kind.shape != some[0].0.shape) {
-        advice.push(
-            "`Mesh.SubdivisionAlgorithm = 1;` makes quadrilaterals of all of them, `Mesh.RecombineAll = 0;` without \
-             `Recombine Surface` triangles",
-        );
+        advice.push(match dim {
+            2 => {
+                "`Mesh.SubdivisionAlgorithm = 1;` makes quadrilaterals of all of them, `Mesh.RecombineAll = 0;` without \
+                 `Recombine Surface` triangles"
+            }
+            _ => {
+                "`Mesh.SubdivisionAlgorithm = 2;` makes hexahedra of all of them, `Mesh.RecombineAll = 0;` without \
+                 `Recombine Surface` tetrahedra"
+            }
+        });
     }
     if degrees {
         advice.push("`Mesh.ElementOrder = 2;` gives all of them nodes of the second order");
@@ -106,7 +112,9 @@ fn other_dimension(raw: &Raw, source: &Source, kind: &Kind) -> MeshError {
     let [_, cells] = kind.names();
     let reason = match kind.dim {
         2 => {
-            format!("a plane mesh of {cells}, where one of hexahedra is needed: give volumes physical groups")
+            format!(
+                "a plane mesh of {cells}, where one of hexahedra or tetrahedra is needed: give volumes physical groups"
+            )
         }
         _ => format!(
             "a mesh of {cells}, where a plane one is needed: give physical groups to surfaces and curves of a plane \

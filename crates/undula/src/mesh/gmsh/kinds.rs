@@ -43,6 +43,7 @@ impl Kind {
         match (self.shape, self.dim) {
             (Some(Shape::Triangle), _) => ["triangle", "triangles"],
             (Some(Shape::Quadrilateral), _) => ["quadrilateral", "quadrilaterals"],
+            (Some(Shape::Tetrahedron), _) => ["tetrahedron", "tetrahedra"],
             (Some(Shape::Hexahedron), _) => ["hexahedron", "hexahedra"],
             (None, 0) => ["point", "points"],
             (None, _) => ["line", "lines"],
@@ -51,7 +52,7 @@ impl Kind {
 }
 
 /// All of them; those that can be cells in the order of messages.
-pub(super) const KINDS: [Kind; 9] = [
+pub(super) const KINDS: [Kind; 11] = [
     Kind { number: 15, dim: 0, shape: None, degree: 1, order: &[0] },
     Kind { number: 1, dim: 1, shape: None, degree: 1, order: &[0, 1] },
     Kind { number: 8, dim: 1, shape: None, degree: 2, order: &[0, 2, 1] },
@@ -64,6 +65,14 @@ pub(super) const KINDS: [Kind; 9] = [
         shape: Some(Shape::Quadrilateral),
         degree: 2,
         order: &[0, 4, 1, 7, 8, 5, 3, 6, 2],
+    },
+    Kind { number: 4, dim: 3, shape: Some(Shape::Tetrahedron), degree: 1, order: &[0, 1, 2, 3] },
+    Kind {
+        number: 11,
+        dim: 3,
+        shape: Some(Shape::Tetrahedron),
+        degree: 2,
+        order: &[0, 4, 1, 6, 5, 2, 7, 9, 8, 3],
     },
     Kind { number: 5, dim: 3, shape: Some(Shape::Hexahedron), degree: 1, order: &[0, 1, 3, 2, 4, 5, 7, 6] },
     Kind { number: 12, dim: 3, shape: Some(Shape::Hexahedron), degree: 2, order: &HEXAHEDRON_27 },

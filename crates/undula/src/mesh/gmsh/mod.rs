@@ -1,11 +1,11 @@
-//! Meshes of triangles, quadrilaterals or hexahedra from Gmsh: `.msh` files of version 2.2 or 4.1, text or binary (of
+//! Meshes of triangles, quadrilaterals, tetrahedra or hexahedra from Gmsh: `.msh` files of version 2.2 or 4.1, text or binary (of
 //! either order of bytes), whole or divided into partitions, with parameters of the nodes or without.
 //!
 //! Sections may come in any order; unknown ones, and what stands between sections, are skipped. Every cell and every
 //! facet of the boundary must be in exactly one *named* physical group. In a plane mesh the names of surfaces become
 //! regions, those of curves boundaries; triangles have 3 or 6 nodes, quadrilaterals 4 or 9. A file with elements of
 //! volumes is a mesh of space: the names of volumes become regions, those of surfaces boundaries, those of curves are left
-//! out; hexahedra have 8 or 27 nodes. In Gmsh: `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};` and
+//! out; tetrahedra have 4 or 10 nodes, hexahedra 8 or 27. In Gmsh: `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};` and
 //! `Physical Volume("fluid") = {…};`, `Physical Surface("walls") = {…};` in space, `Mesh.ElementOrder = 2`, for
 //! quadrilaterals and hexahedra `Mesh.RecombineAll = 1` and for 9 and 27 nodes `Mesh.SecondOrderIncomplete = 0`.
 
@@ -28,7 +28,7 @@ use std::path::Path;
 pub enum AnyMesh {
     /// Of triangles or quadrilaterals.
     Plane(Mesh<2>),
-    /// Of hexahedra.
+    /// Of tetrahedra or hexahedra.
     Space(Mesh<3>),
 }
 

@@ -11,7 +11,7 @@ pub(super) struct Raw {
     pub names: Vec<(usize, i64, String)>,
     /// The nodes.
     pub nodes: Vec<Node>,
-    /// Lines, triangles, quadrilaterals and hexahedra.
+    /// Lines, triangles, quadrilaterals, tetrahedra and hexahedra.
     pub elements: Vec<Element>,
     /// Entities of version 4 by dimension and tag, and those of partitions.
     pub entities: [HashMap<(usize, i64), Entity>; 2],
@@ -27,7 +27,7 @@ pub(super) struct Node {
     pub x: [f64; 3],
 }
 
-/// A line, a triangle, a quadrilateral or a hexahedron.
+/// A line or a cell.
 pub(super) struct Element {
     /// Where it stands.
     pub at: At,

@@ -284,23 +284,23 @@ fn refusal(kind: i64) -> String {
                     `Mesh.SecondOrderIncomplete = 0;`"
                 .into();
         }
-        20..=28 | 36..=66 | 92..=105 => {
+        20..=33 | 35..=66 | 71..=83 | 92..=105 | 137 => {
             return "elements of order above 2 are not supported: write order 2 with `Mesh.ElementOrder = 2;`".into();
         }
-        4 | 11 | 29..=33 | 35 | 71..=83 | 137 => "tetrahedra",
         6 | 13 | 18 | 87..=91 | 106..=117 => "wedges",
         7 | 14 | 19 | 118..=132 => "pyramids",
         _ => {
             return format!(
-                "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9), quadrilaterals (3, 10) and \
-                 hexahedra (5, 12) are"
+                "elements of type {kind} are not supported; lines (1, 8), triangles (2, 9), quadrilaterals (3, 10), \
+                 tetrahedra (4, 11) and hexahedra (5, 12) are"
             );
         }
     };
     format!(
-        "{cells} are not supported in three dimensions, hexahedra of 8 or 27 nodes are: in Gmsh, `Extrude {{…}} {{…; \
-         Layers{{n}}; Recombine;}}` and `Transfinite Volume` with `Mesh.RecombineAll = 1;` make them, and \
-         `Mesh.SubdivisionAlgorithm = 2;` makes them of others; for a plane mesh, give physical groups to surfaces and \
+        "{cells} are not supported in three dimensions, tetrahedra of 4 or 10 nodes and hexahedra of 8 or 27 are: in Gmsh, \
+         tetrahedra are what volumes get without `Recombine`; `Extrude {{…}} {{…; Layers{{n}}; Recombine;}}` and \
+         `Transfinite Volume` with `Mesh.RecombineAll = 1;` make hexahedra, and `Mesh.SubdivisionAlgorithm = 2;` makes \
+         them of others; for a plane mesh, give physical groups to surfaces and \
          curves only and mesh with `gmsh -2`"
     )
 }

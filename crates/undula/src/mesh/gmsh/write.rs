@@ -22,11 +22,10 @@ pub fn write<const D: usize>(mesh: &Mesh<D>) -> String {
         put(format_args!("{} {} {} {}", i + 1, x(0), x(1), x(2)));
     }
     put(format_args!("$EndNodes\n$Elements\n{}", mesh.facets.len() + mesh.n_cells()));
-    let facet = KINDS.iter().find(|kind| {
-        kind.dim == D - 1
-            && kind.degree == mesh.degree
-            && kind.shape.is_none_or(|s| s == Shape::Quadrilateral)
-    });
+    let side = if mesh.shape == Shape::Tetrahedron { Shape::Triangle } else { Shape::Quadrilateral };
+    let facet = KINDS
+        .iter()
+        .find(|kind| kind.dim == D - 1 && kind.degree == mesh.degree && kind.shape.is_none_or(|s| s == side));
     let cell = KINDS.iter().find(|kind| kind.shape == Some(mesh.shape) && kind.degree == mesh.degree);
     let mut element = |number: usize, kind: Option<&Kind>, group: usize, nodes: &[u32]| {
         let Some(kind) = kind else { return };

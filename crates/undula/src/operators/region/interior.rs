@@ -38,11 +38,14 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// For cells of `shape` with `n_basis` nodes, those of degree `degree` and perhaps a bubble, and `n_pressure`
+    /// For cells of `shape` with `n_basis` nodes, those of degree `degree` and perhaps bubbles, and `n_pressure`
     /// pressures of `kind`.
     pub fn new(shape: Shape, degree: usize, n_basis: usize, n_pressure: usize, kind: PressureKind) -> Layout {
         let dim = shape.dim();
-        let inside = |a: usize| a >= shape.n_nodes(degree) || shape.is_inner(degree, a);
+        // Of bubbles the last one is that of the cell; those before are of its faces.
+        let inside = |a: usize| {
+            if a >= shape.n_nodes(degree) { a + 1 == n_basis } else { shape.is_inner(degree, a) }
+        };
         // Pressures without velocities that feel them stay: their matrix is singular.
         let felt = n_pressure <= 1 + dim * (0..n_basis).filter(|&a| inside(a)).count();
         let own = |b: usize| matches!(kind, PressureKind::Pdc(_)) && felt && b > 0;

@@ -16,7 +16,7 @@ where
 {
     fn corners(&self, space: &FsiSpace<D>) -> Corners<D, L> {
         let (mesh, degree) = (&space.mesh, space.nodes.degree);
-        // A bubble counts at the centre of its cell.
+        // Bubbles count at the centre of their cell.
         let n_nodes = mesh.shape.n_nodes(degree);
         let node = |a| if a < n_nodes { lagrange::node(mesh.shape, degree, a) } else { mesh.shape.centre() };
         let points: Vec<[f64; 3]> = (0..self.batches.n_basis).map(node).collect();
@@ -37,7 +37,8 @@ where
         }
         let rule = Quadrature { points, weights };
         let table = BasisTable::lagrange(mesh.shape, degree, &rule);
-        let table = if self.batches.n_basis > n_nodes { table.with_bubble(&rule) } else { table };
+        let bubbles = self.batches.n_basis > n_nodes;
+        let table = if bubbles { table.with_bubbles(mesh.shape, &rule) } else { table };
         Corners { grad: table.grad, inverse }
     }
 

@@ -2,7 +2,7 @@
 
 use super::patches::{fluid_cells, patches};
 use crate::element::hessian::{hessians, mapped};
-use crate::element::lagrange::bubble_hessian;
+use crate::element::lagrange::bubble_hessians;
 use crate::element::{BasisTable, Fine, Fluctuation, Quadrature};
 use crate::loops::chunks::chunks;
 use crate::math::{Lanes, Scalar, Tensor, Vector};
@@ -93,7 +93,9 @@ impl Reference {
         let bubble = space.nodes.n_lagrange < space.nodes.len();
         let second = |xi: &[f64; 3]| {
             let mut list = hessians(shape, k, xi);
-            list.extend(bubble.then(|| bubble_hessian([xi[0], xi[1]])));
+            if bubble {
+                list.extend(bubble_hessians(shape, xi));
+            }
             list
         };
         let needed = if how.has_residual() { &rule.points[..] } else { &[] };

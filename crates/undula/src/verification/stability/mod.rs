@@ -47,7 +47,12 @@ pub fn constants<const D: usize>(
     }
     // The constants are those of the flow, whatever pressure the solid has.
     let (mesh, regions, seams) = (space.mesh.clone(), space.regions.clone(), space.seams.clone());
-    let space = &FsiSpace::new(mesh, regions, space.nodes.degree, space.pressure.kind).joined(seams);
+    let (degree, kind) = (space.nodes.degree, space.pressure.kind);
+    let space = match space.nodes.n_lagrange < space.nodes.len() {
+        true => FsiSpace::with_bubbles(mesh, regions, degree, kind),
+        false => FsiSpace::new(mesh, regions, degree, kind),
+    };
+    let space = &space.joined(seams);
     let u = if present { simulation.stepper.new.u.clone() } else { sample_deformation(space) };
     Ok(Some(Constants {
         reference: inf_sup(space, &assembler.constraints, &[], quadrature)?,
@@ -67,7 +72,10 @@ pub fn sample_deformation<const D: usize>(space: &FsiSpace<D>) -> Vec<f64> {
     let bump = |x: &[f64; D]| -> f64 {
         (0..D).map(|d| (std::f64::consts::PI * (x[d] - lower[d]) / length[d]).sin()).product()
     };
-    points.iter().flat_map(|x| (0..D).map(move |d| size * bump(x) * [0.6, 0.8, 0.0][d])).collect()
+    // Bubbles are of the velocity alone.
+    let height = |(node, x): (usize, &[f64; D])| if node < space.nodes.n_lagrange { bump(x) } else { 0.0 };
+    let moved = |h: f64| (0..D).map(move |d| size * h * [0.6, 0.8, 0.0][d]);
+    points.iter().enumerate().map(height).flat_map(moved).collect()
 }
 
 fn min_j<const D: usize>(space: &FsiSpace<D>, u: &[f64], quadrature: usize) -> f64 {
