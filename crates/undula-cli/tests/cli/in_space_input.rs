@@ -47,7 +47,6 @@ fn vectors_of_a_box_have_three_components() {
             &["functional.m.component: missing"],
         ),
         ("mesh.coordinates=axisymmetric", &["expected `cartesian`"]),
-        ("space.velocity=P2", &["hexahedra; expected `Q1`, `Q2`"]),
         ("mesh.cells=[1000, 1000, 1000]", &["GB of memory", "expected fewer cells"]),
         (LAYER, &["only for meshes of the plane"]),
         (
@@ -82,7 +81,6 @@ fn planes_are_extruded_if_they_can_be() {
         ("cfd1", &["mesh.extrude=3"], &["expected a table"]),
         ("cfd1", &["mesh.extrude={ depth = \"1 kg\", layers = 1 }"], &["expected a length"]),
         ("cfd1", &["mesh.extrude={ depth = 1e-300, layers = 1 }"], &["det(DX)"]),
-        ("cfd1", &[LAYER, "space.velocity=P2"], &["space.velocity=P2", "hexahedra; expected `Q1`, `Q2`"]),
         ("tube-2d", &[LAYER], &["mesh.coordinates", "expected `cartesian`: an extruded mesh"]),
         ("csm1", &[LAYER, "functional.uy_A.point=[0.6, 0.2, 0.3]"], &["lies in no cell"]),
         ("csm1", &[LAYER, "solid.body-force=[0]"], &["two or three expressions"]),

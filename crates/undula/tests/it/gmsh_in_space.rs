@@ -363,8 +363,9 @@ fn folds_of_tetrahedra_are_found_between_their_nodes() {
         let mut mesh = whole.clone();
         let by = 0.9 * f64::from(i % 10 + 1) / 10.0;
         mesh.nodes.iter_mut().flatten().for_each(|x| *x += by * random());
-        (mesh.cell_nodes.truncate(10), mesh.cell_region.truncate(1));
-        (mesh.facets.clear(), mesh.parts.clear());
+        mesh.cell_nodes.truncate(10);
+        mesh.cell_region.truncate(1);
+        mesh.facets.clear();
         let det = |a: [[f64; 3]; 3]| {
             let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
             a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)

@@ -268,7 +268,7 @@ fn elements_that_are_not_there_are_refused_with_a_way_out() {
     let line = text.lines().rfind(|line| line.split(' ').nth(1) == Some("2")).unwrap();
     let words: Vec<&str> = line.split(' ').collect();
     for (kind, n, advice) in [
-        (4, 4, "three dimensions"),
+        (6, 6, "three dimensions"),
         (16, 8, "Mesh.SecondOrderIncomplete = 0"),
         (21, 10, "Mesh.ElementOrder = 2"),
         (39, 12, "Mesh.ElementOrder = 2"),
