@@ -20,7 +20,7 @@ use super::error::{CaseErrors, suggestion};
 use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
-use super::schema::{Case, FunctionalSpec, Linearization, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
+use super::schema::{Case, FunctionalSpec, OwnMesh, Record, Scheme, SolidSpec, TimeSpec};
 use crate::functional::body_energy::Part;
 use crate::physics::{PressureTerm, Stabilization, TransportTerm};
 use crate::space::Region;
@@ -110,10 +110,9 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }
     let motion = body::motion(motion, time.is_some(), space.velocity);
-    let newton = solver::newton(root.section("newton"), time.is_some() || solids.is_empty());
-    let is_condensed = newton.linearization == Linearization::Condensed;
-    let has_levels = is_condensed || time.is_none() && !solids.is_empty();
-    let linear = solver::linear(root.section("linear"), has_levels, mesh.as_ref());
+    let at_rest = time.is_none() && !solids.is_empty();
+    let newton = solver::newton(root.section("newton"), !at_rest);
+    let linear = solver::linear(root.section("linear"), (newton.linearization, at_rest), mesh.as_ref());
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
     let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
     refuse_balance(&mut root, &functional, time.as_ref(), how.acts(), &solids);
@@ -142,9 +141,7 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         record: Record::default(),
     };
     axis::refuse(&mut root, &case);
-    if case.time.is_none() && at_time.is_none() {
-        refuse_time(&case, &mut root);
-    }
+    refuse_time(&case, at_time, &mut root);
     root.finish();
     Some(case)
 }
@@ -237,7 +234,10 @@ fn note_damping(root: &mut Section<'_, '_>, solids: &[SolidSpec]) {
 }
 
 /// A stationary case takes its data at one time; that time must be known if it matters.
-fn refuse_time(case: &Case, root: &mut Section<'_, '_>) {
+fn refuse_time(case: &Case, at_time: Option<f64>, root: &mut Section<'_, '_>) {
+    if case.time.is_some() || at_time.is_some() {
+        return;
+    }
     let message =
         "depends on t, but the case is stationary: give time.end, the time [s] at which it is taken";
     for (name, condition) in &case.boundary {

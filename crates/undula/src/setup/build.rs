@@ -17,7 +17,6 @@ use crate::functional::force::Surfaces;
 use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
-use crate::multigrid;
 use crate::nonlinear::Newton;
 use crate::physics::Projection;
 use crate::space::{
@@ -207,13 +206,11 @@ impl Case {
         let make = self.make_solver();
         let scales = self.scales(&space, largest);
         let krylov = |gmres| KrylovSettings { gmres, scales };
-        let by_multigrid = self.takes_multigrid(&space);
-        let gmres = self.linear.krylov.or(by_multigrid.then_some(WITH_MULTIGRID));
-        let double = self.linear.precision == Precision::Double;
-        let levels = multigrid::Settings { double, ..Default::default() };
+        let levels = self.levels(&space);
+        let gmres = self.linear.krylov.or(levels.map(|_| WITH_MULTIGRID));
         let linear = Linear::new(self.newton.linearization, make)
             .with_krylov(gmres.map(krylov))
-            .with_multigrid(by_multigrid.then_some(levels));
+            .with_multigrid(levels);
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),

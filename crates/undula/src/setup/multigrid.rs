@@ -2,9 +2,10 @@
 
 use super::memory::{MANY, size};
 use crate::algebra::LinearSolverKind;
-use crate::case::{Case, Linearization};
+use crate::case::{Case, Linearization, Precision};
 use crate::element::Shape;
 use crate::error::Error;
+use crate::multigrid;
 use crate::space::FsiSpace;
 
 impl Case {
@@ -22,6 +23,12 @@ impl Case {
             }
             _ => false,
         }
+    }
+
+    /// How cycles of multigrid are done, if it is taken.
+    pub(super) fn levels<const D: usize>(&self, space: &FsiSpace<D>) -> Option<multigrid::Settings> {
+        let double = self.linear.precision == Precision::Double;
+        self.takes_multigrid(space).then_some(multigrid::Settings { double, ..Default::default() })
     }
 
     /// What was chosen in place of `automatic`, if it is not the usual solver.

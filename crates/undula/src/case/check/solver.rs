@@ -283,8 +283,12 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-/// `has_levels`: whether multigrid solves the systems that there will be; `mesh`: where they are of.
-pub(super) fn linear(mut s: Section<'_, '_>, has_levels: bool, mesh: Option<&MeshSpec>) -> LinearSpec {
+/// The matrices that will be solved with are of this linearisation, of a deformation `at_rest` or not, and of `mesh`.
+pub(super) fn linear(
+    mut s: Section<'_, '_>,
+    (linearization, at_rest): (Linearization, bool),
+    mesh: Option<&MeshSpec>,
+) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
         let message = format!(
             "it is preconditioned by factors: expected one of {}, which make them, and linear.krylov = \"gmres\"",
@@ -300,7 +304,7 @@ pub(super) fn linear(mut s: Section<'_, '_>, has_levels: bool, mesh: Option<&Mes
     let in_space = mesh.is_some_and(|mesh| mesh.dimension == 3);
     let usual = if in_space { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
     let mut solver = solver.unwrap_or(usual);
-    if solver == LinearSolverKind::Multigrid && !has_levels {
+    if solver == LinearSolverKind::Multigrid && !at_rest && linearization != Linearization::Condensed {
         let note = "linear.solver has no effect: in time the whole Jacobian takes `multifrontal`";
         s.checker.notes.borrow_mut().push(note.into());
         solver = LinearSolverKind::Multifrontal;
