@@ -102,7 +102,7 @@ impl<const D: usize> FsiSpace<D> {
     }
 
     /// Those of [`FsiSpace::new`] with the bubbles of every simplex of the fluid for the velocity, see
-    /// [`lagrange::bubbles`]: P^{2,bubble} for degree 2.
+    /// [`bubbles`](crate::element::lagrange::bubbles): P^{2,bubble} for degree 2.
     ///
     /// Bubbles stand beside the nodal basis; those of cells vanish on facets. Their coefficients of the deformation are given
     /// as 0, and in the solid there are none, so that the velocity-deformation relation stays an identity of nodes.
