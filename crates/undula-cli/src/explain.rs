@@ -141,6 +141,13 @@ static ENTRIES: &[Entry] = &[
         text: &["How often factors, or a cycle of multigrid, were applied, summed over all steps."],
     },
     Entry {
+        words: &["largest_factor_unknowns"],
+        place: "summary.json",
+        text: &[
+            "Unknowns of the largest system that is factorised as a whole: with multigrid that of the coarsest level.",
+        ],
+    },
+    Entry {
         words: &["direct_fallbacks"],
         place: "summary.json",
         text: &[

@@ -159,8 +159,15 @@ fn words_of_the_output_and_keys_are_explained() {
     for column in columns {
         assert!(history.lines().next().unwrap().split(',').any(|name| name == column), "{column}");
     }
-    let names =
-        ["mass_balance", "swept_volume", "linear_iterations", "direct_fallbacks", "cpu_seconds", "phases"];
+    let names = [
+        "mass_balance",
+        "swept_volume",
+        "linear_iterations",
+        "direct_fallbacks",
+        "largest_factor_unknowns",
+        "cpu_seconds",
+        "phases",
+    ];
     let summary = here.json("out/summary.json");
     for name in names {
         assert!(summary.get(name).is_some(), "{name}");

@@ -163,7 +163,12 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("newton.line-search", "", "5", "halvings of a correction"),
     word("linear.solver", &SOLVERS, "multifrontal; in space automatic", "direct solver, or multigrid"),
     number("linear.refinement", "", "2", "steps of iterative refinement"),
-    word("linear.precision", &PRECISIONS, "single", "precision of the factors that only make corrections"),
+    word(
+        "linear.precision",
+        &PRECISIONS,
+        "single",
+        "precision of the factors that only make corrections, and of the cycles of multigrid",
+    ),
     word("linear.krylov", &KRYLOV, "none", "iterative solver on top of the factors"),
     number("linear.krylov-tolerance", "", "0.03", "residual of GMRES, relative to the right-hand side"),
     number(
