@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Iterations, time and memory of `linear.solver = "multigrid"` on several meshes, and how they depend on parameters.
 
-usage: multigrid.py PROGRAM [growth | parameters | direct] ...
+usage: multigrid.py PROGRAM [growth | parameters | direct] [CASE ...]
+       multigrid.py PROGRAM [million | rest]
 
 Prints rows of the tables of multigrid.md. Times are those of one thread; `µs` is processor time per unknown and step.
 """
@@ -22,6 +23,9 @@ CASES = {
     "tube": (TUBE, [1, 2, 3]),
     "fsi-box": (BOX, [1, 2]),
 }
+TEN = ["mesh.grading=0", "time.step=1e-4", "time.end=1e-3"]
+MILLION = [("[10,4,1]", 1), ("[10,4,1]", 2), ("[34,4,1]", 2), ("[10,4,1]", 3)]
+REST = {"fsi1": ([], [1, 2, 3]), "csm1": ([], [2]), "fsi-box": (["mesh.grading=0"], [1])}
 PARAMETERS = {
     "as it is": [],
     "body 1000 times stiffer": ["solid.mu=2e9", "solid.lambda=8e9"],
@@ -67,7 +71,16 @@ def main():
     program, what, *names = sys.argv[1:]
     print("| run | unknowns | Newton | iterations | fallbacks | µs | of these solving | kB per unknown |")
     print("| --- | --- | --- | --- | --- | --- | --- | --- |")
-    for name in names or CASES:
+    for cells, refine in MILLION if what == "million" else []:
+        sets = [*TEN, f"mesh.cells={cells}", f"mesh.refine={refine}"]
+        row(f"`tube`, {cells}, refine {refine}", program, "tube", sets)
+    for name, (sets, refinements) in REST.items() if what == "rest" else []:
+        for refine in refinements:
+            label = f"`{name}`, refine {refine}"
+            row(label, program, name, [*sets, f"mesh.refine={refine}"])
+            if name != "fsi-box":
+                row(f"{label}, direct", program, name, [*sets, f"mesh.refine={refine}"], "multifrontal")
+    for name in [] if what in ("million", "rest") else names or CASES:
         sets, refinements = CASES[name]
         if what == "parameters":
             for label, more in PARAMETERS.items():
