@@ -58,7 +58,7 @@ impl Transfer {
 
     /// Bytes of P.
     pub fn bytes(&self) -> usize {
-        size_of::<(u32, f32)>() * self.rows.items().len()
+        size_of_val(self.rows.items())
     }
 
     /// Number of unknowns of the finer level, and of the coarser one.
