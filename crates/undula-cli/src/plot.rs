@@ -11,7 +11,7 @@ mod lines;
 mod picture;
 pub mod space;
 mod surface;
-mod tetrahedra;
+pub mod tetrahedra;
 
 use crate::args::{Plane, PlotArgs, SurfaceField, bad_input, print, say_notes};
 use crate::digits::fixed;

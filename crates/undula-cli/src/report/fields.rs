@@ -5,6 +5,7 @@ use super::layer::{Layer, between};
 use super::quantity::Quantity;
 use super::space;
 use crate::plot::solid_cells;
+use crate::plot::tetrahedra::as_hexahedra;
 use serde_json::{Value, json};
 use undula::output::{Collection, Field, FieldSnapshot, RunDirectory, read_vtu};
 
@@ -60,7 +61,7 @@ pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
     }
     let collection = Collection::read(run.collection())?;
     let Some((_, last)) = collection.entries().last() else { return Ok(Scene::None) };
-    let last = read_vtu(collection.resolve(last))?.0.linear_cells();
+    let last = as_hexahedra(read_vtu(collection.resolve(last))?.0).linear_cells();
     let (points, dim) = (last.points.len(), last.kind.dim());
     let limit = if dim == 2 { POINTS } else { LARGEST };
     let too_large = |points: usize, limit: usize| {
@@ -131,7 +132,7 @@ fn read(
             found.1.push(at_points(last, used));
             continue;
         }
-        let moment = read_vtu(collection.resolve(file))?.0.linear_cells();
+        let moment = as_hexahedra(read_vtu(collection.resolve(file))?.0).linear_cells();
         // A run that goes on with another case may have other cells; its last ones count.
         if moment.cells == last.cells && names(&moment) == names(last) {
             found.0.push(*time);

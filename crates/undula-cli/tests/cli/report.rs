@@ -147,11 +147,19 @@ fn pages_are_written_where_they_are_wanted() {
 
 #[test]
 fn pages_of_space_have_bodies_and_a_cut() {
-    let here = Place::new("report-space");
-    let sets = ["mesh.extrude={depth=0.1,layers=1}", "mesh.refine=0", "time.step=0.01", "time.end=0.02"];
-    let mut with_fields = sets.to_vec();
-    with_fields.push("output.fields-every=1");
-    here.run("run fsi3 -o space", &with_fields).expect(0, &["space/report.html"]);
+    has_bodies_and_a_cut("report-space", &["time.end=0.02"]);
+}
+
+#[test]
+fn pages_of_tetrahedra_have_bodies_and_a_cut() {
+    has_bodies_and_a_cut("report-tetrahedra", &["space.velocity=P2", "time.end=0.01"]);
+}
+
+fn has_bodies_and_a_cut(name: &str, sets: &[&str]) {
+    let here = Place::new(name);
+    let always =
+        ["mesh.extrude={depth=0.1,layers=1}", "mesh.refine=0", "time.step=0.01", "output.fields-every=1"];
+    here.run("run fsi3 -o space", &[&always, sets].concat()).expect(0, &["space/report.html"]);
     let scene = &data(&here, "space/report.html")["scene"];
     let found = moments(&here, "space");
     let names: Vec<&str> =
