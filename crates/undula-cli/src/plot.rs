@@ -21,8 +21,8 @@ pub use picture::solid_cells;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use surface::Surface;
-use tetrahedra::as_hexahedra;
-use undula::output::{Collection, FieldSnapshot, History, OutputError, RunDirectory, Summary, read_vtu};
+use tetrahedra::read_fields;
+use undula::output::{Collection, FieldSnapshot, History, OutputError, RunDirectory, Summary};
 use undula::results::computed::Results;
 
 /// Draws the pictures and lists them.
@@ -59,7 +59,7 @@ pub fn picture_at(dir: &Path, time: Option<f64>, field: &str) -> anyhow::Result<
     let Some((at, file)) = collection.entries().iter().rev().find(|(at, _)| is_before(*at)) else {
         return Ok(None);
     };
-    let snapshot = as_hexahedra(read_vtu(collection.resolve(file))?.0);
+    let snapshot = read_fields(collection.resolve(file))?;
     let title = format!("t = {} s", fixed(*at, *at, 3));
     let view = match snapshot.kind.dim() {
         2 => View::whole(&snapshot),
@@ -153,7 +153,7 @@ fn last_fields(run: &RunDirectory) -> anyhow::Result<Option<(Option<f64>, FieldS
     let collection = Collection::read(run.collection())?;
     let Some((time, file)) = collection.entries().last() else { return Ok(None) };
     let path = collection.resolve(file);
-    let snapshot = as_hexahedra(read_vtu(&path)?.0);
+    let snapshot = read_fields(&path)?;
     let transient = collection.entries().len() > 1 || *time > 0.0;
     Ok(Some((transient.then_some(*time), snapshot, path)))
 }

@@ -3,6 +3,7 @@
 use super::colors::{self, Rgb, SOLID};
 use super::figure::Image;
 use super::picture::{Film, View};
+use super::tetrahedra::read_fields;
 use super::{NotDrawn, solid_cells};
 use crate::args::{AnimatedField, say_notes, threads};
 use crate::digits::fixed;
@@ -10,7 +11,7 @@ use anyhow::Context;
 use std::collections::HashMap;
 use std::io::Write;
 use std::path::Path;
-use undula::output::{Collection, FieldSnapshot, RunDirectory, Summary, read_vtu, write_atomic};
+use undula::output::{Collection, FieldSnapshot, RunDirectory, Summary, write_atomic};
 
 /// More moments are thinned.
 const MOMENTS: usize = 500;
@@ -58,11 +59,11 @@ pub fn animate(dir: &Path, file: &Path, field: Option<AnimatedField>, rate: u16)
     let collection = Collection::read(run.collection())?;
     let entries = thinned(collection.entries());
     let (_, last) = entries.last().ok_or_else(none)?;
-    let last = read_vtu(collection.resolve(last))?.0;
+    let last = read_fields(collection.resolve(last))?;
     let field = field.unwrap_or_else(|| leading(&last)).name();
     let mut film = Film::new(field, entries.len());
     for (_, name) in &entries {
-        let snapshot = read_vtu(collection.resolve(name))?.0;
+        let snapshot = read_fields(collection.resolve(name))?;
         if !film.include(&view(&snapshot)?) {
             let dir = dir.display();
             return Err(NotDrawn(format!("the fields of {dir} have no `{field}` with finite values")).into());
@@ -70,7 +71,7 @@ pub fn animate(dir: &Path, file: &Path, field: Option<AnimatedField>, rate: u16)
     }
     let case = Summary::read(run.summary()).map(|summary| summary.case).unwrap_or_default();
     let draw = |(time, name): &(f64, String), palette: &mut Palette| -> anyhow::Result<Frame> {
-        let snapshot = read_vtu(collection.resolve(name))?.0;
+        let snapshot = read_fields(collection.resolve(name))?;
         let title = format!("{case},  t = {} s", fixed(*time, *time, 3));
         let image = film.image(&view(&snapshot)?, &title)?.context("a field that is gone")?;
         Ok(palette.frame(&image))

@@ -1,7 +1,16 @@
 //! Tetrahedra as hexahedra for pictures.
 
 use super::cell::factor;
-use undula::output::{CellKind, Field, FieldSnapshot};
+use std::path::Path;
+use undula::output::{CellKind, Field, FieldSnapshot, OutputError, read_vtu};
+
+/// The fields of a file for pictures, whose cells are triangles, quadrilaterals or hexahedra.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn read_fields(path: impl AsRef<Path>) -> Result<FieldSnapshot, OutputError> {
+    Ok(as_hexahedra(read_vtu(path)?.0))
+}
 
 /// The same fields on hexahedra, tetrahedra being the images of cubes under ξ = s, η = t (1 − s), ζ = r (1 − s)(1 − t), on
 /// which a polynomial keeps its degree in each coordinate. Two sides of such a hexahedron have no area. Other cells are

@@ -5,9 +5,9 @@ use super::layer::{Layer, between};
 use super::quantity::Quantity;
 use super::space;
 use crate::plot::solid_cells;
-use crate::plot::tetrahedra::as_hexahedra;
+use crate::plot::tetrahedra::read_fields;
 use serde_json::{Value, json};
-use undula::output::{Collection, Field, FieldSnapshot, RunDirectory, read_vtu};
+use undula::output::{Collection, Field, FieldSnapshot, RunDirectory};
 
 /// Bytes of all moments before they are deflated.
 const RAW: usize = 10 << 20;
@@ -61,7 +61,7 @@ pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
     }
     let collection = Collection::read(run.collection())?;
     let Some((_, last)) = collection.entries().last() else { return Ok(Scene::None) };
-    let last = as_hexahedra(read_vtu(collection.resolve(last))?.0).linear_cells();
+    let last = read_fields(collection.resolve(last))?.linear_cells();
     let (points, dim) = (last.points.len(), last.kind.dim());
     let limit = if dim == 2 { POINTS } else { LARGEST };
     let too_large = |points: usize, limit: usize| {
@@ -132,7 +132,7 @@ fn read(
             found.1.push(at_points(last, used));
             continue;
         }
-        let moment = as_hexahedra(read_vtu(collection.resolve(file))?.0).linear_cells();
+        let moment = read_fields(collection.resolve(file))?.linear_cells();
         // A run that goes on with another case may have other cells; its last ones count.
         if moment.cells == last.cells && names(&moment) == names(last) {
             found.0.push(*time);

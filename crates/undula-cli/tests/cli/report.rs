@@ -160,6 +160,7 @@ fn has_bodies_and_a_cut(name: &str, sets: &[&str]) {
     let always =
         ["mesh.extrude={depth=0.1,layers=1}", "mesh.refine=0", "time.step=0.01", "output.fields-every=1"];
     here.run("run fsi3 -o space", &[&always, sets].concat()).expect(0, &["space/report.html"]);
+    here.run("plot space --animate film.png", &[]).expect(0, &["film.png"]);
     let scene = &data(&here, "space/report.html")["scene"];
     let found = moments(&here, "space");
     let names: Vec<&str> =
