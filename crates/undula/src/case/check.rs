@@ -1,7 +1,7 @@
 //! From TOML to [`Case`]: every key read, every default resolved, all mistakes told at once.
 //!
 //! The tables are read by one function each: bodies and mesh in `body`, conditions and functionals in
-//! `condition`, time and solvers in `solver`. What needs the mesh is in [`crate::setup::fit`].
+//! `condition`, time and solvers in `solver`, what is written in `output`. What needs the mesh is in [`crate::setup::fit`].
 
 mod axis;
 mod bodies;
@@ -11,6 +11,7 @@ mod functional;
 mod initial;
 mod material;
 mod mesh;
+mod output;
 mod solver;
 mod stabilization;
 
@@ -110,11 +111,11 @@ fn read(checker: &Checker<'_>) -> Option<Case> {
         refuse_current(&bodies::section(&mut root, "fluid", fluid.name.as_deref()), time.as_ref(), &how);
     }
     let motion = body::motion(motion, time.is_some(), space.velocity);
-    let at_rest = time.is_none() && !solids.is_empty();
-    let newton = solver::newton(root.section("newton"), !at_rest);
+    let at_rest = (time.is_none() && !solids.is_empty()).then_some(&solids[..]);
+    let newton = solver::newton(root.section("newton"), at_rest.is_none());
     let linear = solver::linear(root.section("linear"), (newton.linearization, at_rest), mesh.as_ref());
     let (functional, names) = condition::functional(root.section("functional"), &fluids, &solids);
-    let output = solver::output(root.section("output"), &names, &functional, time.as_ref());
+    let output = output::output(root.section("output"), &names, &functional, time.as_ref());
     refuse_balance(&mut root, &functional, time.as_ref(), how.acts(), &solids);
     if time.is_none() {
         note_still(&mut root, &output, &solids, &boundary);
@@ -217,11 +218,11 @@ fn note_steps(checker: &Checker<'_>, output: &super::schema::OutputSpec) {
         ("fields-times", !output.fields_times.is_empty()),
         ("window", output.window.is_some()),
         ("checkpoint-every", output.checkpoint_every > 0),
-        ("checkpoint-minutes", minutes != 0.0 && minutes != solver::CHECKPOINT_MINUTES),
+        ("checkpoint-minutes", minutes != 0.0 && minutes != output::CHECKPOINT_MINUTES),
     ] {
         if given {
             let note = format!("output.{key} has no effect: the case is stationary");
-            checker.notes.borrow_mut().push(note);
+            checker.note(note);
         }
     }
 }

@@ -60,6 +60,11 @@ impl<'d> Checker<'d> {
         if in_plane { of_plane } else { unit_of_space(of_plane) }
     }
 
+    /// What should be known, though nothing is wrong.
+    pub fn note(&self, note: impl Into<String>) {
+        self.notes.borrow_mut().push(note.into());
+    }
+
     pub fn error(&self, origin: &Origin, key: &str, value: Option<String>, message: String) {
         let place = self.document.place(origin);
         let order = match origin {
@@ -162,6 +167,11 @@ impl<'c, 'd> Section<'c, 'd> {
         let index = key.rfind('[').filter(|_| key.ends_with(']') && !self.has(key));
         let (name, index) = key.split_at(index.unwrap_or(key.len()));
         format!("{}{index}", super::key::join(&self.path, name))
+    }
+
+    /// What should be known, though nothing is wrong.
+    pub fn note(&self, note: impl Into<String>) {
+        self.checker.note(note);
     }
 
     /// Tells that the value of `key` is wrong.

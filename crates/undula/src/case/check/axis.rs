@@ -31,7 +31,7 @@ pub(super) fn refuse(root: &mut Section<'_, '_>, case: &Case) {
     }
     if case.solids.iter().any(|solid| solid.fibres.is_some()) {
         let note = "fibres lie in the section (r, z): directions around the axis are not yet available";
-        root.checker.notes.borrow_mut().push(note.into());
+        root.note(note);
     }
     let how = &case.stabilization;
     let pair = "take a stable pair such as Q2 with P1dc, or P2 with P1";

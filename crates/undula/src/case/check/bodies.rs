@@ -133,7 +133,7 @@ pub(super) fn refuse_prestress(
         }
         Some(Initial::Static) => {
             let note = "initial.static has no effect: with solid.prestress the run starts in equilibrium";
-            root.checker.notes.borrow_mut().push(note.into());
+            root.note(note);
         }
         None | Some(Initial::From(_)) => {}
     }

@@ -76,7 +76,7 @@ pub(super) fn fluid(mut s: Section<'_, '_>, name: Option<String>, regions: Vec<S
     if spec.force_at_current && !spec.body_force.iter().any(Expression::depends_on_space) {
         let table = &s.path;
         let note = format!("{table}.body-force-at has no effect: {table}.body-force is the same everywhere");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
     s.finish();
     spec
@@ -183,7 +183,7 @@ pub(super) fn motion(mut s: Section<'_, '_>, moves: bool, velocity: VelocityElem
     ];
     for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
         let note = format!("motion.{key} has no effect with this motion.model");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
     s.finish();
     spec

@@ -42,7 +42,7 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
             };
             let note =
                 format!("boundary.{name}.backflow has no effect: {why}, so that the boundary is no outlet");
-            s.checker.notes.borrow_mut().push(note);
+            s.note(note);
         }
         s.finish();
         boundary.insert(name, condition.unwrap_or(Condition::NoSlip));
@@ -108,7 +108,7 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
             let of =
                 if of_profile { "is for profile = `womersley`" } else { "is not for profile = `womersley`" };
             let note = format!("{} has no effect: it {of}", s.dotted(name));
-            s.checker.notes.borrow_mut().push(note);
+            s.note(note);
         }
         if let Some(key) = needed {
             let unit = s.checker.unit(key.unit);
@@ -128,7 +128,7 @@ fn read_data(s: &mut Section<'_, '_>, mut condition: Option<Condition>) -> Optio
         if s.has(name) && condition.is_some() {
             let note =
                 format!("{} has no effect: it is for {}", s.dotted(name), quoted(others.map(|row| row.name)));
-            s.checker.notes.borrow_mut().push(note);
+            s.note(note);
         }
     }
     condition
@@ -159,7 +159,7 @@ pub(super) fn note_still(checker: &Checker<'_>, boundary: &BTreeMap<String, Cond
             && damping.constant_value() != Some(0.0)
         {
             let note = format!("boundary.{name}.damping has no effect: the case is stationary");
-            checker.notes.borrow_mut().push(note);
+            checker.note(note);
         }
     }
 }
@@ -227,7 +227,7 @@ pub(super) fn functional(
         } else {
             let body = if needs_fluid == Some(true) { "fluid" } else { "solid" };
             let note = format!("functional.{name} is left out: there is no [{body}]");
-            all.checker.notes.borrow_mut().push(note);
+            all.note(note);
         }
     }
     (functionals, names)

@@ -200,7 +200,7 @@ fn check_split(s: &Section<'_, '_>, &Moduli { mu, lambda, c2, .. }: &Moduli) {
         let table = &s.path;
         let note =
             format!("{table}.law: without {table}.c2 [Pa] Mooney-Rivlin is neo-Hookean (mu = 2 (c1 + c2))");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     } else if c2 >= 0.5 * mu {
         s.wrong(
             "c2",
@@ -234,7 +234,7 @@ fn shear_modulus(s: &mut Section<'_, '_>) -> Option<f64> {
         let note = format!(
             "{table}.{key} says nothing of the volume: the law is incompressible, but for {table}.bulk [Pa]"
         );
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
     mu.or_else(|| young.map(|young| young / (2.0 * (1.0 + poisson.unwrap_or(0.5)))))
 }
@@ -294,7 +294,7 @@ pub(super) fn damping(s: &mut Section<'_, '_>) -> [f64; 3] {
 pub(super) fn note_still(s: &Section<'_, '_>) {
     for key in ["viscosity", "damping-mass", "damping-stiffness"].into_iter().filter(|key| s.has(key)) {
         let note = format!("{}.{key} has no effect: the case is stationary", s.path);
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
 }
 

@@ -1,16 +1,15 @@
-//! The tables `[time]`, `[newton]`, `[linear]` and `[output]`.
+//! The tables `[time]`, `[newton]` and `[linear]`.
 
 use crate::algebra::{GmresSettings, PRECISIONS, SOLVERS};
-use crate::case::choices::{OUTPUT_CELLS, OUTPUT_MESH, STARTS};
-use crate::case::error::{quoted, suggestion};
+use crate::case::choices::STARTS;
+use crate::case::error::quoted;
 use crate::case::expression::Expression;
 use crate::case::read::{ANY, NOT_NEGATIVE, POSITIVE, Range, Section};
 use crate::case::schema::{
-    AdaptiveSettings, DomainMotion, FunctionalSpec, GMRES, KRYLOV, LinearSolverKind, LinearSpec,
-    Linearization, MeshSpec, NewtonSpec, OutputSpec, Precision, Scheme, Tangent, TimeSpec, WITH_MULTIGRID,
+    AdaptiveSettings, DomainMotion, GMRES, KRYLOV, LinearSolverKind, LinearSpec, Linearization, MeshSpec,
+    NewtonSpec, Precision, Scheme, SolidSpec, Tangent, TimeSpec, WITH_MULTIGRID,
 };
 use crate::choice;
-use crate::functional::nodal::{DEFAULT_FIELDS, FIELDS};
 use crate::tangent::{DIFFERENCES, Difference, EPSILON, LINEARIZATIONS, TANGENTS};
 use crate::time::NewtonSettings;
 use crate::time::schedule::RESOLUTION;
@@ -21,9 +20,6 @@ const RATE: Range = Range { holds: |x| (0.0..1.0).contains(&x), text: "a number 
 const REDUCTION: Range = Range { holds: |x| x > 0.0 && x < 1.0, text: "a number above 0 and below 1" };
 const PERTURBATION: Range =
     Range { holds: |x| (1e-14..=1e-1).contains(&x), text: "a number from 1e-14 to 0.1" };
-/// Minutes of computation that a run may lose when it is killed.
-pub(super) const CHECKPOINT_MINUTES: f64 = 10.0;
-
 /// θ − ½ of shifted Crank-Nicolson, and steps from damping to damping of Rannacher's scheme, where the case does not say.
 const DAMPING: f64 = 0.005;
 const DAMPED_EVERY: f64 = 200.0;
@@ -55,7 +51,7 @@ pub(super) fn time(mut s: Section<'_, '_>) -> (Option<TimeSpec>, Option<f64>) {
     let Some(scheme) = scheme else {
         if s.has("step") {
             let note = "time.step has no effect: time.scheme is `stationary`";
-            s.checker.notes.borrow_mut().push(note.into());
+            s.note(note);
         }
         s.finish();
         return (None, end);
@@ -92,7 +88,7 @@ fn note_other_schemes(s: &Section<'_, '_>, scheme: Scheme) {
     ];
     for (key, _) in used.into_iter().filter(|(key, used)| !used && s.has(key)) {
         let note = format!("time.{key} has no effect: the scheme is another one");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
 }
 
@@ -244,7 +240,7 @@ fn jacobian(s: &mut Section<'_, '_>, linearization: Linearization) -> Tangent {
     }
     for key in ["difference", "epsilon"].into_iter().filter(|key| s.has(key)) {
         let note = format!("newton.{key} has no effect: newton.jacobian is not `finite-difference`");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
     tangent
 }
@@ -256,7 +252,7 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     let mut linearization = linearization.unwrap_or(default);
     if linearization == Linearization::Condensed && !condensed {
         let note = "newton.linearization has no effect: a stationary deformation takes the full Jacobian";
-        s.checker.notes.borrow_mut().push(note.into());
+        s.note(note);
         linearization = Linearization::Newton;
     }
     let jacobian = jacobian(&mut s, linearization);
@@ -283,10 +279,11 @@ pub(super) fn newton(mut s: Section<'_, '_>, condensed: bool) -> NewtonSpec {
     spec
 }
 
-/// The matrices that will be solved with are of this linearisation, of a deformation `at_rest` or not, and of `mesh`.
+/// The matrices that will be solved with are of this linearisation, of the bodies whose deformation is `at_rest` if one is,
+/// and of `mesh`.
 pub(super) fn linear(
     mut s: Section<'_, '_>,
-    (linearization, at_rest): (Linearization, bool),
+    (linearization, at_rest): (Linearization, Option<&[SolidSpec]>),
     mesh: Option<&MeshSpec>,
 ) -> LinearSpec {
     let solver = if s.is_word("solver", "gmres") {
@@ -304,9 +301,12 @@ pub(super) fn linear(
     let in_space = mesh.is_some_and(|mesh| mesh.dimension == 3);
     let usual = if in_space { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
     let mut solver = solver.unwrap_or(usual);
-    if solver == LinearSolverKind::Multigrid && !at_rest && linearization != Linearization::Condensed {
-        let note = "linear.solver has no effect: in time the whole Jacobian takes `multifrontal`";
-        s.checker.notes.borrow_mut().push(note.into());
+    let is_condensed = linearization == Linearization::Condensed;
+    let has_levels = at_rest.map_or(is_condensed, |solids| !solids.iter().any(|s| s.law.is_incompressible()));
+    if solver == LinearSolverKind::Multigrid && !has_levels {
+        let note = "linear.solver has no effect: the whole Jacobian takes `multifrontal` in time, and at rest with an \
+                    incompressible body";
+        s.note(note);
         solver = LinearSolverKind::Multifrontal;
     }
     let krylov = krylov(&mut s, solver == LinearSolverKind::Multigrid);
@@ -320,7 +320,7 @@ fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
     if multigrid {
         if s.has("krylov") && chosen.is_none() {
             let note = "linear.krylov has no effect: multigrid is a part of GMRES";
-            s.checker.notes.borrow_mut().push(note.into());
+            s.note(note);
         }
         chosen = Some(WITH_MULTIGRID);
     }
@@ -328,73 +328,7 @@ fn krylov(s: &mut Section<'_, '_>, multigrid: bool) -> Option<GmresSettings> {
     let size = s.integer("krylov-size", if multigrid { WITH_MULTIGRID.size } else { GMRES.size }, 1..=200);
     for key in ["krylov-tolerance", "krylov-size"].into_iter().filter(|key| s.has(key) && chosen.is_none()) {
         let note = format!("linear.{key} has no effect: linear.krylov is not `gmres`");
-        s.checker.notes.borrow_mut().push(note);
+        s.note(note);
     }
     chosen.map(|_| GmresSettings { tolerance, size })
-}
-
-/// `names` are all functionals of the file, `present` those that are evaluated.
-pub(super) fn output(
-    mut s: Section<'_, '_>,
-    names: &[String],
-    present: &[(String, FunctionalSpec)],
-    time: Option<&TimeSpec>,
-) -> OutputSpec {
-    let fields_every = s.integer("fields-every", 0, 0..=usize::MAX);
-    let fields_interval = s.optional_number("fields-interval", POSITIVE);
-    let least = RESOLUTION * time.map_or(0.0, |time| time.start.abs().max(time.end.abs()));
-    if fields_interval.is_some_and(|interval| interval < least) {
-        // Steps end at each multiple of it.
-        let least = crate::case::literal::number(least);
-        let message = format!("below the rounding of the times of the run: expected at least {least} s");
-        s.wrong("fields-interval", message);
-    }
-    let fields_times = s.numbers("fields-times", ANY).unwrap_or_default();
-    let fields = s.choices("fields", &FIELDS).unwrap_or_else(|| DEFAULT_FIELDS.to_vec());
-    let window = s.pair("window", ANY);
-    if window.is_some_and(|[start, end]| end <= start) {
-        s.wrong("window", "expected two times, the first and the last [s]");
-    }
-    note_outside(&s, &fields_times, window, time);
-    let deformed = s.choice("mesh", &OUTPUT_MESH, &[]).unwrap_or(true);
-    let curved = s.choice("cells", &OUTPUT_CELLS, &[]).unwrap_or(false);
-    let checkpoint_every = s.integer("checkpoint-every", 0, 0..=usize::MAX);
-    let checkpoint_minutes = s.number("checkpoint-minutes", CHECKPOINT_MINUTES, NOT_NEGATIVE);
-    let (report, leading) = (s.boolean("report", true), s.string("leading"));
-    if let Some(name) = &leading
-        && !names.contains(name)
-    {
-        let hint = suggestion(name, names.iter().map(String::as_str));
-        s.wrong("leading", format!("expected the name of a functional{hint}"));
-    }
-    s.finish();
-    let leading = leading.filter(|name| present.iter().any(|(n, _)| n == name));
-    OutputSpec {
-        fields_every,
-        fields_interval,
-        fields_times,
-        fields,
-        window,
-        deformed,
-        curved,
-        checkpoint_every,
-        checkpoint_minutes,
-        report,
-        leading,
-    }
-}
-
-/// Times of output that the run does not come to.
-fn note_outside(s: &Section<'_, '_>, times: &[f64], window: Option<[f64; 2]>, time: Option<&TimeSpec>) {
-    let Some(time) = time else { return };
-    let outside = |t: &f64| *t < time.start || *t > time.end;
-    let (start, end) = (time.start, time.end);
-    if let Some(t) = times.iter().find(|t| outside(t)) {
-        let note = format!("output.fields-times: the run from {start} to {end} s does not come to {t} s");
-        s.checker.notes.borrow_mut().push(note);
-    }
-    if window.is_some_and(|window| window.iter().any(outside)) {
-        let note = format!("output.window: the run from {start} to {end} s does not fill it");
-        s.checker.notes.borrow_mut().push(note);
-    }
 }
