@@ -8,7 +8,7 @@ use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
 use crate::multigrid::{self, Part, System, Triangular, tiers};
 use crate::physics::StepRule;
-use crate::space::{FsiSpace, PsiOwner, Region};
+use crate::space::{FsiSpace, PsiOwner};
 use crate::system::{Assembler, StepView};
 
 /// The matrix of [v, u, p].
@@ -48,19 +48,13 @@ impl Full {
     }
 }
 
-/// Multigrid for a stationary deformation: the flow on the domain as it is, the solid, the extension, each with levels
-/// of its own.
+/// Multigrid for a stationary deformation of bodies without pressure: the flow on the domain as it is, the solid, the
+/// extension, each with levels of its own.
 pub(super) fn by_parts<const D: usize>(
     assembler: &mut Assembler<D>,
     make: &MakeSolver,
     settings: multigrid::Settings,
 ) -> Box<dyn LinearSolver> {
-    let in_solid = |cell: usize| assembler.space.regions[cell] == Region::Solid;
-    let has_pressure = |cell: usize| !assembler.space.pressure.cell(cell).is_empty();
-    if (0..assembler.space.mesh.n_cells()).any(|cell| in_solid(cell) && has_pressure(cell)) {
-        // That of an incompressible body belongs to its deformation, not to the flow.
-        return make(Purpose::Exact);
-    }
     let (n_v, n_u) = (assembler.space.n_v(), assembler.space.n_u());
     let mut given = assembler.is_given();
     let nodal: Vec<u32> = relation::places(assembler).map(|at| at as u32).collect();
@@ -86,7 +80,11 @@ pub(super) fn by_parts<const D: usize>(
     let of_flow = solver(System::Flow { given: &given, places: &flow }, settings);
     // A thin body bends by forces that are rounding of the single ones.
     let of_solid = solver(System::Extension(&moves), multigrid::Settings { double: true, ..settings });
-    let of_extension = solver(System::Extension(&extension), settings);
+    let of_extension = if assembler.is_biharmonic() {
+        Some(make(Purpose::Exact))
+    } else {
+        solver(System::Extension(&extension), settings)
+    };
     Box::new(Triangular::new(vec![
         Part { rows: moves.clone(), columns: nodal.clone(), solver: None },
         Part { rows: flow.clone(), columns: flow, solver: of_flow },

@@ -89,6 +89,8 @@ struct Coarse<T> {
     /// Right-hand side, then solution.
     own: Vec<T>,
     double: [Vec<f64>; 2],
+    /// Bytes that a solution reads.
+    bytes: usize,
 }
 
 /// A multigrid cycle from the `tiers` of the levels above the coarsest one, which `coarsest` solves.
@@ -125,14 +127,13 @@ impl<T: Number> Multigrid<T> {
             let (finer, coarser) = self.levels.split_at_mut(l + 1);
             finer[l].transfer.prolong(&coarser[0].x, &mut finer[l].x);
         } else {
-            let Coarse { own, double: [right, solution] } = &mut self.coarse;
+            let Coarse { own, double: [right, solution], bytes: read } = &mut self.coarse;
             transfer.restrict(b, own);
             self.spent[1].add(&mut start, bytes);
             right.iter_mut().zip(&*own).for_each(|(to, from)| *to = from.double());
             self.coarsest.apply(right, solution);
             own.iter_mut().zip(&*solution).for_each(|(to, from)| *to = T::of(*from));
-            let read = self.coarsest.predicted().and_then(|cost| cost.read);
-            self.spent[0].add(&mut start, read.unwrap_or(0));
+            self.spent[0].add(&mut start, *read);
             transfer.prolong(own, x);
         }
         self.spent[1].add(&mut start, bytes);
@@ -173,8 +174,10 @@ impl<T: Number> LinearSolver for Multigrid<T> {
             (pattern, last) = (coarser, unknowns);
         }
         let n = pattern.n;
-        self.coarse = Coarse { own: vec![T::default(); n], double: [vec![0.0; n], vec![0.0; n]] };
-        self.coarsest.analyse(&pattern, &last)
+        self.coarsest.analyse(&pattern, &last)?;
+        let bytes = self.coarsest.predicted().and_then(|cost| cost.read).unwrap_or(0);
+        self.coarse = Coarse { own: vec![T::default(); n], double: [vec![0.0; n], vec![0.0; n]], bytes };
+        Ok(())
     }
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
@@ -226,7 +229,8 @@ impl<T: Number> LinearSolver for Multigrid<T> {
     }
 
     fn largest_factor(&self) -> usize {
-        self.coarsest.largest_factor()
+        let blocks = self.levels.iter().map(|level| level.smoother.largest());
+        blocks.fold(self.coarsest.largest_factor(), usize::max)
     }
 
     fn spent(&self) -> Vec<Spent> {

@@ -47,6 +47,11 @@ impl<T: Number> Smoother<T> {
         Smoother { factors, unknowns, spans, starts, colours, work, vectors: Vectors::new() }
     }
 
+    /// Unknowns of the largest block.
+    pub fn largest(&self) -> usize {
+        self.unknowns.iter().map(<[u32]>::len).max().unwrap_or(0)
+    }
+
     /// Bytes of the factors.
     pub fn bytes(&self) -> usize {
         size_of::<T>() * self.factors.len()

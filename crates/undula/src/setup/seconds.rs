@@ -17,7 +17,8 @@ const FACTORS: f64 = 0.25;
 const WHOLE: f64 = 4.0;
 
 impl Case {
-    /// Seconds of a processor for a step on `space`, within a factor of three; `None` where there are no steps.
+    /// Seconds of a processor for a step on `space`; `None` where there are no steps. Of sixteen cases they were from 0.6 to
+    /// 3.3 times what was measured, the most for a thin layer in space.
     pub(super) fn expected_seconds<const D: usize>(&self, space: &FsiSpace<D>) -> Option<f64> {
         self.time.as_ref()?;
         let unknowns = space.n_field_unknowns() as f64;
