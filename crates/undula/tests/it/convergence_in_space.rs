@@ -8,7 +8,7 @@ use undula::mesh::gmsh::write;
 use undula::verification::unit_square::errors;
 
 /// The unit cube, its lower half solid, in `mesh`.
-fn case(mesh: &str, more: &[&str]) -> Case {
+pub fn case(mesh: &str, more: &[&str]) -> Case {
     let text = format!(
         r#"
 [mesh]

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use undula::element::Shape;
+use undula::math::Tensor;
 use undula::mesh::generate::{hexahedra, rectangle, tube};
 use undula::mesh::gmsh::{AnyMesh, parse, parse_any, read, read_any, shape, write};
 use undula::mesh::{Curve, Mesh, MeshError};
@@ -366,12 +367,8 @@ fn folds_of_tetrahedra_are_found_between_their_nodes() {
         mesh.cell_nodes.truncate(10);
         mesh.cell_region.truncate(1);
         mesh.facets.clear();
-        let det = |a: [[f64; 3]; 3]| {
-            let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
-            a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
-        };
         let nodes = (0..Shape::Tetrahedron.n_nodes(12)).map(|n| Shape::Tetrahedron.lattice(12, n));
-        let dets = nodes.map(|at| det(mesh.map_gradient(0, at.map(|i| i as f64 / 12.0))));
+        let dets = nodes.map(|at| Tensor(mesh.map_gradient(0, at.map(|i| i as f64 / 12.0))).det());
         let least = dets.fold(f64::MAX, f64::min);
         match mesh.check_orientation() {
             Ok(()) => {

@@ -1,6 +1,7 @@
 //! Meshes of hexahedra: what is drawn out of plane ones, cuboids and tubes; checks, location, distance and refinement.
 
 use std::collections::HashSet;
+use undula::math::Tensor;
 use undula::mesh::generate::{
     annulus, bend, circles, cylinders, fsi_box, hexahedra, rectangle, tube, tube_graded, turek_hron,
 };
@@ -351,12 +352,9 @@ fn folds_of_hexahedra_are_found_between_their_nodes() {
         for i in 0..150 {
             let by = if degree == 1 { 1.5 } else { 0.4 } * f64::from(i % 10 + 1) / 10.0;
             let mesh = shaken(degree, by, &mut random);
-            let det = |a: [[f64; 3]; 3]| {
-                let minor = |i: usize, j: usize| a[1][i] * a[2][j] - a[1][j] * a[2][i];
-                a[0][0] * minor(1, 2) - a[0][1] * minor(0, 2) + a[0][2] * minor(0, 1)
-            };
             let at = |i: usize| [i % 13, i / 13 % 13, i / 169].map(|i| i as f64 / 12.0);
-            let least = (0..13 * 13 * 13).map(|i| det(mesh.map_gradient(0, at(i)))).fold(f64::MAX, f64::min);
+            let least =
+                (0..13 * 13 * 13).map(|i| Tensor(mesh.map_gradient(0, at(i))).det()).fold(f64::MAX, f64::min);
             match mesh.check_orientation() {
                 Ok(()) => {
                     sound += 1;

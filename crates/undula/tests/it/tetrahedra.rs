@@ -174,34 +174,10 @@ fn diagonals_stay_with_the_cells() {
 
 /// The unit cube, its lower half solid, in `n` cells per direction, cut in six.
 fn case(n: usize, more: &[&str]) -> Case {
-    let text = format!(
-        r#"
-[mesh]
-generator = "box"
-lower = [0, 0, 0]
-upper = [1, 1, 1]
-cells = [{n}, {n}, {n}]
-region.solid = "0.5 - y"
-[fluid]
-density = 1.3
-kinematic-viscosity = 0.4
-[solid]
-density = 2.1
-law = "st-venant-kirchhoff"
-mu = 3.0
-lambda = 4.0
-[motion]
-poisson = -0.2
-[boundary]
-left.condition = "no-slip"
-right.condition = "no-slip"
-front.condition = "no-slip"
-back.condition = "no-slip"
-bottom.condition = "clamped"
-top.condition = "do-nothing"
-"#
+    let mesh = format!(
+        "generator = \"box\"\nlower = [0, 0, 0]\nupper = [1, 1, 1]\ncells = [{n}, {n}, {n}]\nregion.solid = \"0.5 - y\""
     );
-    Case::from_toml(&text, "cube.toml", &sets(more)).unwrap_or_else(|e| panic!("{e}"))
+    super::convergence_in_space::case(&mesh, more)
 }
 
 /// Orders of v, u and p between the two numbers `n` of cubes per direction at least `least`, on bent cells.
