@@ -56,6 +56,8 @@ pub struct Linear<const D: usize> {
     multigrid: Option<multigrid::Settings>,
     /// Whether multigrid was asked for, and has failed.
     has_left: bool,
+    /// Whether there is memory for the factors of the whole matrix, and of the condensed one.
+    fits: [bool; 2],
     /// With the whole matrix and with the condensed one.
     made: [Option<Box<dyn Correction<D>>>; 2],
     /// Far couplings and scalar unknowns of the one in use.
@@ -77,6 +79,7 @@ impl<const D: usize> Linear<D> {
             krylov: None,
             multigrid: None,
             has_left: false,
+            fits: [true; 2],
             made,
             bordered: Bordered::default(),
             lift: Lift::new(),
@@ -90,10 +93,11 @@ impl<const D: usize> Linear<D> {
         self
     }
 
-    /// With multigrid in place of the factors of the condensed system; GMRES is then asked for, too.
+    /// With multigrid in place of the factors of the condensed system; GMRES is then asked for, too. `fits` says whether
+    /// the factors of the whole matrix and of the condensed one may take over where it fails.
     #[must_use]
-    pub fn with_multigrid(mut self, settings: Option<multigrid::Settings>) -> Linear<D> {
-        self.multigrid = settings;
+    pub fn with_multigrid(mut self, settings: Option<multigrid::Settings>, fits: [bool; 2]) -> Linear<D> {
+        (self.multigrid, self.fits) = (settings, if settings.is_some() { fits } else { [true; 2] });
         self
     }
 
@@ -102,11 +106,21 @@ impl<const D: usize> Linear<D> {
         self.krylov.is_some()
     }
 
-    /// Let the direct solver take over for the rest of the run where multigrid has failed; `false` if it is not in use.
+    /// Whether the direct solver has taken over.
+    pub const fn has_left_multigrid(&self) -> bool {
+        self.has_left
+    }
+
+    /// Let the direct solver take over for the rest of the run where multigrid has failed; `false` if it is not in use, or
+    /// if there is no memory for factors.
     pub fn leave_multigrid(&mut self) -> bool {
         let of_whole = self.made[0].as_mut().is_some_and(|made| !made.factored().is_exact());
-        let in_use = self.active == Linearization::Condensed || of_whole;
-        let is_left = in_use && self.multigrid.take().is_some();
+        let condensed = self.active == Linearization::Condensed;
+        (condensed || of_whole) && self.fits[usize::from(condensed)] && self.leave()
+    }
+
+    fn leave(&mut self) -> bool {
+        let is_left = self.multigrid.take().is_some();
         if is_left {
             self.has_left = true;
             self.krylov = None;
@@ -129,9 +143,9 @@ impl<const D: usize> Linear<D> {
         self.made.iter().flatten().flat_map(|made| made.solvers())
     }
 
-    /// Take the whole Jacobian for some steps; `false` if it is in use already.
+    /// Take the whole Jacobian for some steps; `false` if it is in use already, or if there is no memory for its factors.
     pub fn fall_back(&mut self) -> bool {
-        if self.active == Linearization::Newton {
+        if self.active == Linearization::Newton || !self.fits[0] {
             return false;
         }
         (self.active, self.detour) = (Linearization::Newton, DETOUR);
@@ -150,6 +164,7 @@ impl<const D: usize> Linear<D> {
             krylov: _,
             multigrid: _,
             has_left,
+            fits: _,
             made: _,
             bordered: _,
             lift: _,
@@ -161,7 +176,7 @@ impl<const D: usize> Linear<D> {
     pub fn restore(&mut self, saved: u32) {
         let detour = saved & !HAS_LEFT;
         if saved != detour {
-            self.leave_multigrid();
+            self.leave();
         }
         if detour > 0 && self.active != Linearization::Newton {
             (self.active, self.detour) = (Linearization::Newton, detour);

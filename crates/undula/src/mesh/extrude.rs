@@ -1,10 +1,13 @@
 //! Meshes of space from plane ones: each quadrilateral is drawn out into a column of hexahedra.
 
-use super::{Facet, Hierarchy, Mesh, MeshError};
+use super::{Facet, Hierarchy, Mesh, MeshError, Split};
 use crate::element::Shape;
 
 /// The sides at both ends, with the number of their facets in a hexahedron.
 const ENDS: [(&str, u8); 2] = [("front", 4), ("back", 5)];
+
+/// Layers are halved with a refinement if they are at most so many times as thick as small cells of the section.
+const THICK: f64 = 1.5;
 
 impl Mesh<2> {
     /// The mesh times `0 < z < depth` \[m\] in `layers` equal layers: hexahedra of the same geometry degree.
@@ -63,7 +66,7 @@ impl Mesh<2> {
             s => lower + s * (upper - lower),
         };
         let levels: Vec<f64> = (0..=n).map(level).collect();
-        Ok(self.drawn_along(&levels, &Columns { layers, halvings: 0 }))
+        Ok(self.drawn_along(&levels, &Columns { layers, splits: &[] }))
     }
 
     /// The same with layers between the `sides` \[m\], which rise.
@@ -75,7 +78,7 @@ impl Mesh<2> {
             sides[layer] + if part > 0.0 { part * (sides[layer + 1] - sides[layer]) } else { 0.0 }
         };
         let levels: Vec<f64> = (0..=self.degree * layers).map(level).collect();
-        Ok(self.drawn_along(&levels, &Columns { layers, halvings: 0 }))
+        Ok(self.drawn_along(&levels, &Columns { layers, splits: &[] }))
     }
 
     /// Whether it can be drawn out.
@@ -103,7 +106,7 @@ impl Mesh<2> {
     }
 
     /// The mesh with the nodes at each of `levels`, and cells in the order of `columns`.
-    fn drawn_along(&self, levels: &[f64], columns: &Columns) -> Mesh<3> {
+    fn drawn_along(&self, levels: &[f64], columns: &Columns<'_>) -> Mesh<3> {
         let (k, layers) = (self.degree, columns.layers);
         let mut mesh = Mesh {
             shape: Shape::Hexahedron,
@@ -137,54 +140,100 @@ impl Mesh<2> {
     }
 }
 
+/// How a plane mesh is drawn out.
+#[derive(Copy, Clone, Debug)]
+pub struct Extrusion {
+    /// Of all layers \[m\].
+    pub depth: f64,
+    /// Layers before the outer ones are halved.
+    pub layers: usize,
+    /// How often the first and the last layer are halved.
+    pub grading: usize,
+    /// Whether coarser meshes have half as many layers wherever that can be, as patches of eight cells need.
+    pub halved: bool,
+}
+
 impl Hierarchy<2> {
-    /// `finest`, the mesh that this is the hierarchy of, drawn out as by [`Mesh::extruded`], and its coarser meshes: each
-    /// is the coarser plane mesh in half as many layers. They end where a number of layers is odd.
+    /// `finest`, the mesh that this is the hierarchy of, drawn out as by [`Mesh::extruded_graded`], and its coarser meshes.
     ///
-    /// With coarser levels cell `8 c + 4 b + i` is half `b` of a layer above child `i` of the plane cell of cell `c`.
+    /// Each is the coarser plane mesh. It has half as many layers if they are alike, their number is even and they are
+    /// not thicker than the cells of the section are large; else it has the same layers, so that multigrid coarsens along
+    /// the strong couplings alone. The children of a cell are those of the plane cell, then in half as many layers
+    /// those of the upper half.
     ///
     /// # Errors
-    /// Those of [`Mesh::extruded`].
-    pub fn extruded(
-        &self,
-        finest: &Mesh<2>,
-        depth: f64,
-        layers: usize,
-    ) -> Result<(Mesh<3>, Hierarchy<3>), MeshError> {
-        let whole = finest.extruded(depth, layers)?;
-        let halvings = self.coarser().len().min(layers.trailing_zeros() as usize);
-        if halvings == 0 {
+    /// Those of [`Mesh::extruded_graded`].
+    pub fn extruded(&self, finest: &Mesh<2>, how: Extrusion) -> Result<(Mesh<3>, Hierarchy<3>), MeshError> {
+        let Extrusion { depth, layers, grading, .. } = how;
+        let whole = finest.extruded_graded(depth, layers, grading)?;
+        if self.coarser().is_empty() {
             return Ok((whole, Hierarchy::default()));
         }
-        let levels = &whole.nodes[..=finest.degree * layers];
-        let levels: Vec<f64> = levels.iter().map(|x| x[2]).collect();
-        let planes = &self.coarser()[self.coarser().len() - halvings..];
+        let layers = if grading == 0 { layers } else { layers + 2 * grading };
+        let levels: Vec<f64> = whole.nodes[..=finest.degree * layers].iter().map(|x| x[2]).collect();
+        let splits = self.splits_of_layers(finest, layers, how);
         let mut meshes = vec![];
-        for (j, plane) in planes.iter().chain([finest]).enumerate() {
-            let step = 1 << (halvings - j);
+        let halvings = |from: usize| splits[from..].iter().filter(|s| **s == Split::Whole).count();
+        for (j, plane) in self.levels(finest).enumerate() {
+            let step = 1 << halvings(j);
             let levels: Vec<f64> = levels.iter().copied().step_by(step).collect();
-            let columns = Columns { layers: layers / step, halvings: j };
+            let columns = Columns { layers: layers / step, splits: &splits[..j] };
             meshes.push(plane.drawn_along(&levels, &columns));
         }
         let finest = meshes.pop().unwrap_or(whole);
         let diagonals = vec![vec![]; meshes.len()];
-        Ok((finest, Hierarchy { coarser: meshes, diagonals }))
+        Ok((finest, Hierarchy { coarser: meshes, splits, diagonals }))
+    }
+
+    /// Whether the `layers` are halved with each refinement.
+    fn splits_of_layers(&self, finest: &Mesh<2>, layers: usize, how: Extrusion) -> Vec<Split> {
+        let mut layers = layers;
+        let mut splits = vec![];
+        let levels: Vec<&Mesh<2>> = self.levels(finest).skip(1).collect();
+        for plane in levels.into_iter().rev() {
+            let thickness = how.depth / layers as f64;
+            let fits = how.halved || thickness <= THICK * size_of_small_cells(plane);
+            let halves = how.grading == 0 && layers.is_multiple_of(2) && fits;
+            splits.push(if halves { Split::Whole } else { Split::Section });
+            layers /= if halves { 2 } else { 1 };
+        }
+        splits.reverse();
+        splits
     }
 }
 
-/// The order of cells that stand above those of a plane mesh.
-struct Columns {
-    layers: usize,
-    /// How many coarser levels there are, of half as many layers each.
-    halvings: usize,
+/// The size that a tenth of the cells are below \[m\].
+fn size_of_small_cells(mesh: &Mesh<2>) -> f64 {
+    let of = |cell| mesh.sizes(cell).into_iter().fold(0.0, f64::max);
+    let mut sizes: Vec<f64> = (0..mesh.n_cells()).map(of).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 10).copied().unwrap_or(0.0)
 }
 
-impl Columns {
+/// The order of cells that stand above those of a plane mesh.
+struct Columns<'a> {
+    layers: usize,
+    /// How the cells of the coarser levels are split, the coarsest first.
+    splits: &'a [Split],
+}
+
+impl Columns<'_> {
     /// Number of the cell in `layer` above plane cell `cell`.
     fn cell(&self, cell: usize, layer: usize) -> usize {
-        let j = self.halvings;
-        let coarsest = (self.layers >> j) * (cell >> (2 * j)) + (layer >> j);
-        (0..j).rev().fold(coarsest, |parent, j| parent * 8 + (cell >> (2 * j) & 3) + 4 * (layer >> j & 1))
+        let mut finer = self.splits.len();
+        let mut halvings = self.splits.iter().filter(|split| **split == Split::Whole).count();
+        let coarsest = (self.layers >> halvings) * (cell >> (2 * finer)) + (layer >> halvings);
+        self.splits.iter().fold(coarsest, |parent, split| {
+            finer -= 1;
+            let child = cell >> (2 * finer) & 3;
+            match split {
+                Split::Whole => {
+                    halvings -= 1;
+                    8 * parent + child + 4 * (layer >> halvings & 1)
+                }
+                Split::Section => 4 * parent + child,
+            }
+        })
     }
 
     /// The sides above the edges `facets`; their numbers in the cells are those of the edges.

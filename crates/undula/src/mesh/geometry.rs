@@ -228,6 +228,14 @@ impl<const D: usize> Mesh<D> {
         at.iter().flat_map(|&a| at.iter().map(move |&b| distance(a, b))).fold(0.0, f64::max)
     }
 
+    /// Distances of the centres of opposite facets of a cell \[m\], for quadrilaterals and hexahedra.
+    pub(crate) fn sizes(&self, cell: usize) -> [f64; D] {
+        std::array::from_fn(|d| {
+            let at = |end: f64| self.map(cell, std::array::from_fn(|e| if e == d { end } else { 0.5 }));
+            distance(at(0.0), at(1.0))
+        })
+    }
+
     /// The given cells as they appear in a message.
     pub(crate) fn list_cells(&self, cells: &[usize]) -> CellList {
         let size = self.diameter();

@@ -1,14 +1,15 @@
 //! The coarser meshes that a mesh was refined from.
 
-use super::{Curve, Facet, Mesh};
+use super::{Curve, Facet, Mesh, Split};
 use std::collections::HashMap;
 use std::ops::Range;
 
 /// The coarser meshes that a mesh was refined from, and which cells of one level make a cell of the next.
 ///
-/// The finest mesh is not part of it: it stands beside its hierarchy. Cell `2^D c + i` of a level is child `i` of cell
-/// `c` of the level before, in the order of [`Mesh::refine`]. The order of the cells is the whole relation, so that
-/// nothing is stored for it, and a mesh that is not refined has an empty list.
+/// The finest mesh is not part of it: it stands beside its hierarchy. Cell `n c + i` of a level is child `i` of cell `c`
+/// of the level before, which is split into `n`: `2^D` in the order of [`Mesh::refine`], or fewer, see [`Split`]. The
+/// order of the cells is the whole relation, so that nothing is stored for it, and a mesh that is not refined has an
+/// empty list.
 ///
 /// Names that the finest mesh gets after refinement are passed on by [`Hierarchy::named_as`], regions are left out on
 /// all levels by [`Hierarchy::restrict`]. What changes the cells of a refined mesh in another way makes a mesh without
@@ -17,6 +18,8 @@ use std::ops::Range;
 #[derive(Clone, Debug, Default)]
 pub struct Hierarchy<const D: usize> {
     pub(super) coarser: Vec<Mesh<D>>,
+    /// How the cells of each of them are split.
+    pub(super) splits: Vec<Split>,
     /// For each of them the diagonals along which its tetrahedra were split; empty for other shapes.
     pub(super) diagonals: Vec<Vec<u8>>,
 }
@@ -26,8 +29,7 @@ pub struct Hierarchy<const D: usize> {
 pub struct Child {
     /// The coarser cell.
     pub parent: usize,
-    /// Which of its children, in the order of [`Mesh::refine`]; [`Hierarchy::child_number`] is its number in
-    /// [`Shape::to_parent`](crate::element::Shape::to_parent).
+    /// Which of its children, in their order; [`Hierarchy::child_number`] is its number in [`Split::to_parent`].
     pub number: usize,
 }
 
@@ -41,7 +43,7 @@ impl<const D: usize> Hierarchy<D> {
             coarser.push(std::mem::replace(&mut finest, finer));
             diagonals.push(along);
         }
-        (finest, Hierarchy { coarser, diagonals })
+        (finest, Hierarchy { splits: vec![Split::Whole; coarser.len()], coarser, diagonals })
     }
 
     /// The coarser meshes, the coarsest first.
@@ -54,20 +56,27 @@ impl<const D: usize> Hierarchy<D> {
         self.coarser.iter().chain([finest])
     }
 
-    /// What cell `cell` of a level is of a cell of the level before.
-    pub const fn child(cell: usize) -> Child {
-        Child { parent: cell >> D, number: cell % (1 << D) }
+    /// How the cells of coarser mesh `level` are split.
+    pub fn split(&self, level: usize) -> Split {
+        self.splits[level]
     }
 
-    /// The number in [`Shape::to_parent`](crate::element::Shape::to_parent) of `child` of a cell of coarser mesh `level`.
+    /// What cell `cell` is of a cell of coarser mesh `level`, the one before its own.
+    pub fn child(&self, level: usize, cell: usize) -> Child {
+        let n = self.splits[level].children(D);
+        Child { parent: cell / n, number: cell % n }
+    }
+
+    /// The number in [`Split::to_parent`] of `child` of a cell of coarser mesh `level`.
     pub fn child_number(&self, level: usize, child: Child) -> usize {
         let diagonal = self.diagonals[level].get(child.parent).copied().unwrap_or(0);
         self.coarser[level].shape.child_number(child.number, diagonal)
     }
 
-    /// The cells of a level that cell `parent` of the level before was split into, in the order of their numbers.
-    pub const fn children(parent: usize) -> Range<usize> {
-        parent << D..(parent + 1) << D
+    /// The cells that cell `parent` of coarser mesh `level` is split into, in the order of their numbers.
+    pub fn children(&self, level: usize, parent: usize) -> Range<usize> {
+        let n = self.splits[level].children(D);
+        parent * n..(parent + 1) * n
     }
 
     /// The hierarchy of `finest`, the same mesh with other names: coarser cells and facets are called as their
@@ -78,13 +87,14 @@ impl<const D: usize> Hierarchy<D> {
     #[must_use]
     pub fn named_as(mut self, finest: &Mesh<D>) -> Self {
         let mut named: Vec<Mesh<D>> = vec![];
-        for mesh in self.coarser.into_iter().rev() {
-            let Some(mesh) = named_as_children(mesh, named.last().unwrap_or(finest)) else { break };
+        for (mesh, &split) in self.coarser.into_iter().zip(&self.splits).rev() {
+            let Some(mesh) = named_as_children(mesh, split, named.last().unwrap_or(finest)) else { break };
             named.push(mesh);
         }
         named.reverse();
-        let diagonals = self.diagonals.split_off(self.diagonals.len() - named.len());
-        Hierarchy { coarser: named, diagonals }
+        let first = self.diagonals.len() - named.len();
+        let (splits, diagonals) = (self.splits.split_off(first), self.diagonals.split_off(first));
+        Hierarchy { coarser: named, splits, diagonals }
     }
 
     /// The hierarchy of the finest mesh after its restriction to the regions `keep`, see [`Mesh::restrict`].
@@ -96,19 +106,21 @@ impl<const D: usize> Hierarchy<D> {
             let of_cells = mesh.cell_region.iter().zip(diagonals);
             of_cells.filter(|(region, _)| stays(**region)).map(|(_, diagonal)| *diagonal).collect()
         };
-        Hierarchy { coarser, diagonals: self.coarser.iter().zip(&self.diagonals).map(kept).collect() }
+        let diagonals = self.coarser.iter().zip(&self.diagonals).map(kept).collect();
+        Hierarchy { coarser, splits: self.splits.clone(), diagonals }
     }
 }
 
-/// `mesh` with the names of `finer`; `None` if these do not fit its cells and facets.
-fn named_as_children<const D: usize>(mut mesh: Mesh<D>, finer: &Mesh<D>) -> Option<Mesh<D>> {
-    if finer.shape != mesh.shape || finer.n_cells() != mesh.n_cells() << D {
+/// `mesh` with the names of `finer`, into whose cells its own are `split`; `None` if these do not fit its cells and facets.
+fn named_as_children<const D: usize>(mut mesh: Mesh<D>, split: Split, finer: &Mesh<D>) -> Option<Mesh<D>> {
+    let n = split.children(D);
+    if finer.shape != mesh.shape || finer.n_cells() != n * mesh.n_cells() {
         return None;
     }
     let region_of = |children: &[u16]| children.iter().all(|r| *r == children[0]).then_some(children[0]);
-    mesh.cell_region = finer.cell_region.chunks(1 << D).map(region_of).collect::<Option<_>>()?;
-    mesh.facets = parent_facets(finer, &finer.facets)?;
-    mesh.parts = parent_facets(finer, &finer.parts)?;
+    mesh.cell_region = finer.cell_region.chunks(n).map(region_of).collect::<Option<_>>()?;
+    mesh.facets = parent_facets(split, finer, &finer.facets)?;
+    mesh.parts = parent_facets(split, finer, &finer.parts)?;
     mesh.regions.clone_from(&finer.regions);
     mesh.boundaries.clone_from(&finer.boundaries);
     Some(mesh)
@@ -116,12 +128,13 @@ fn named_as_children<const D: usize>(mut mesh: Mesh<D>, finer: &Mesh<D>) -> Opti
 
 /// The coarser facets that `facets` of `finer` are the parts of, in the order of these; `None` if some of the parts of
 /// one are missing, or if a facet lies inside of a coarser cell.
-fn parent_facets<const D: usize>(finer: &Mesh<D>, facets: &[Facet]) -> Option<Vec<Facet>> {
+fn parent_facets<const D: usize>(split: Split, finer: &Mesh<D>, facets: &[Facet]) -> Option<Vec<Facet>> {
     let mut found: Vec<Facet> = vec![];
     let mut count: HashMap<(u32, u8, u16), usize> = HashMap::new();
     for facet in facets {
-        let Child { parent, number } = Hierarchy::<D>::child(facet.cell as usize);
-        if !finer.shape.child_on_facet(number, facet.local as usize) {
+        let cell = facet.cell as usize;
+        let (parent, number) = (cell / split.children(D), cell % split.children(D));
+        if !split.child_on_facet(finer.shape, number, facet.local as usize) {
             return None;
         }
         let coarse = Facet { cell: parent as u32, ..*facet };
@@ -131,5 +144,6 @@ fn parent_facets<const D: usize>(finer: &Mesh<D>, facets: &[Facet]) -> Option<Ve
         }
         *parts += 1;
     }
-    count.values().all(|parts| *parts == 1 << (D - 1)).then_some(found)
+    let whole = |(&(_, local, _), parts): (&(u32, u8, u16), &usize)| *parts == split.parts(D, local as usize);
+    count.iter().all(whole).then_some(found)
 }

@@ -10,10 +10,11 @@ use crate::mesh::Mesh;
 /// Cells are joined across facets where both are at most this part of their largest size.
 const THIN: f64 = 0.6;
 
-/// Groups of cells of `mesh`, each with `most` cells at most.
-pub fn groups<const D: usize>(mesh: &Mesh<D>, most: usize) -> Vec<Vec<u32>> {
+/// Groups of cells of `mesh`, each with `most` cells at most, where the first `axes` of a cell are coarsened: cells may
+/// be as long as they are along the others.
+pub fn groups<const D: usize>(mesh: &Mesh<D>, axes: usize, most: usize) -> Vec<Vec<u32>> {
     let n = mesh.n_cells();
-    let strong = strong_neighbours(mesh);
+    let strong = strong_neighbours(mesh, axes);
     let mut order: Vec<u32> = (0..n as u32).collect();
     // From the ends of columns.
     order.sort_by_key(|&cell| strong[cell as usize].len());
@@ -41,15 +42,15 @@ pub fn groups<const D: usize>(mesh: &Mesh<D>, most: usize) -> Vec<Vec<u32>> {
 }
 
 /// The cells across the facets to which each cell is thin.
-fn strong_neighbours<const D: usize>(mesh: &Mesh<D>) -> Vec<Vec<u32>> {
+fn strong_neighbours<const D: usize>(mesh: &Mesh<D>, axes: usize) -> Vec<Vec<u32>> {
     let mut strong = vec![vec![]; mesh.n_cells()];
     if mesh.shape.is_simplex() {
         return strong;
     }
-    let sizes: Vec<[f64; D]> = (0..mesh.n_cells()).map(|cell| sizes(mesh, cell)).collect();
+    let sizes: Vec<[f64; D]> = (0..mesh.n_cells()).map(|cell| mesh.sizes(cell)).collect();
     let is_thin = |cell: u32, local: u8| {
         let sizes = &sizes[cell as usize];
-        sizes[usize::from(local) / 2] <= THIN * sizes.iter().copied().fold(0.0, f64::max)
+        sizes[usize::from(local) / 2] <= THIN * sizes[..axes].iter().copied().fold(0.0, f64::max)
     };
     for [one, two] in mesh.facets_of_cells().inner {
         if is_thin(one.cell, one.local) && is_thin(two.cell, two.local) {
@@ -58,15 +59,6 @@ fn strong_neighbours<const D: usize>(mesh: &Mesh<D>) -> Vec<Vec<u32>> {
         }
     }
     strong
-}
-
-/// Distances of the centres of opposite facets.
-fn sizes<const D: usize>(mesh: &Mesh<D>, cell: usize) -> [f64; D] {
-    std::array::from_fn(|d| {
-        let at = |end: f64| mesh.map(cell, std::array::from_fn(|e| if e == d { end } else { 0.5 }));
-        let (start, end) = (at(0.0), at(1.0));
-        (0..D).map(|e| (end[e] - start[e]).powi(2)).sum::<f64>().sqrt()
-    })
 }
 
 /// Colours of lists of numbers below `n`: lists of one colour have none in common.

@@ -8,7 +8,7 @@ use super::lists::Lists;
 use super::weights::{ZERO, in_child, pressure_weights, weights};
 use crate::algebra::{Kind, Unknown};
 
-use crate::mesh::{Hierarchy, Mesh};
+use crate::mesh::{Mesh, Split};
 use crate::space::{FsiSpace, PressureKind, PressureSpace};
 
 /// A place without unknown.
@@ -81,10 +81,12 @@ pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>) -> Vec<Tie
     };
     let mut finer = (space.mesh.clone(), space.pressure.clone());
     let mut list = vec![];
-    for mesh in space.hierarchy.coarser().iter().rev() {
-        let coarser = coarser_pressure(space, mesh, &finer.1, kind);
+    for (number, mesh) in space.hierarchy.coarser().iter().enumerate().rev() {
+        let split = space.hierarchy.split(number);
+        let coarser = coarser_pressure(space, (mesh, split), &finer.1, kind);
         let (finer_level, coarser_level) = ((&finer.0, &finer.1), (mesh, &coarser));
-        let level = Coarsening { space, kind, given: &given, finer: finer_level, coarser: coarser_level };
+        let level =
+            Coarsening { space, kind, split, given: &given, finer: finer_level, coarser: coarser_level };
         let (tier, next_numbers, next_cells) = level.tier(&numbers, &cells);
         list.push(tier);
         (numbers, cells) = (next_numbers, next_cells);
@@ -96,12 +98,11 @@ pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>) -> Vec<Tie
 /// The pressures on the cells of `mesh` whose children have some.
 fn coarser_pressure<const D: usize>(
     space: &FsiSpace<D>,
-    mesh: &Mesh<D>,
+    (mesh, split): (&Mesh<D>, Split),
     finer: &PressureSpace<D>,
     kind: Kind,
 ) -> PressureSpace<D> {
-    let of =
-        |cell: usize| kind == Kind::Velocity && !finer.cell(Hierarchy::<D>::children(cell).start).is_empty();
+    let of = |cell: usize| kind == Kind::Velocity && !finer.cell(cell * split.children(D)).is_empty();
     PressureSpace::new(mesh, space.pressure.kind, of)
 }
 
@@ -109,6 +110,8 @@ fn coarser_pressure<const D: usize>(
 struct Coarsening<'a, const D: usize> {
     space: &'a FsiSpace<D>,
     kind: Kind,
+    /// How the coarser cells are split.
+    split: Split,
     given: &'a [bool],
     finer: (&'a Mesh<D>, &'a PressureSpace<D>),
     coarser: (&'a Mesh<D>, &'a PressureSpace<D>),
@@ -116,15 +119,16 @@ struct Coarsening<'a, const D: usize> {
 
 impl<const D: usize> Coarsening<'_, D> {
     fn tier(&self, numbers: &Numbers, cells: &Cells) -> (Tier, Numbers, Cells) {
-        let shape = self.space.mesh.shape;
+        let (shape, split) = (self.space.mesh.shape, self.split);
+        let n_children = split.children(D);
         let coarse_cells = self.cells(cells);
         let (coarse, unknowns) = self.numbers(&coarse_cells);
         let mut rows: Vec<Vec<(u32, f32)>> = vec![vec![]; numbers.n];
         let degree = self.space.nodes.degree;
         let tables: Vec<Vec<Vec<(usize, f64)>>> =
-            (0..1 << D).map(|child| weights(shape, degree, child)).collect();
+            (0..n_children).map(|child| weights(shape, split, degree, child)).collect();
         for (cell, nodes) in coarse_cells.nodes.iter().enumerate() {
-            for (child, fine) in Hierarchy::<D>::children(cell).enumerate() {
+            for (child, fine) in (cell * n_children..(cell + 1) * n_children).enumerate() {
                 for (&node, weights) in cells.nodes[fine].iter().zip(&tables[child]) {
                     for i in 0..D {
                         let row = numbers.v[node as usize * D + i];
@@ -141,27 +145,26 @@ impl<const D: usize> Coarsening<'_, D> {
                 self.pressures(cell, fine, child, (numbers, &coarse), &mut rows);
             }
         }
+        let (coarse, unknowns) = without_idle(coarse, unknowns, &mut rows);
         let mut lists = Lists::default();
         rows.into_iter().for_each(|row| lists.push(row));
         let continuous = matches!(self.finer.1.kind, PressureKind::Continuous(_));
-        let groups: Vec<Vec<u32>> = match self.kind {
-            Kind::Deformation => groups(self.finer.0, JOINED[D - 1] << (D - 1)),
-            _ => {
-                let children = |group: Vec<u32>| {
-                    group
-                        .into_iter()
-                        .flat_map(|parent| Hierarchy::<D>::children(parent as usize))
-                        .map(|c| c as u32)
-                };
-                groups(self.coarser.0, JOINED[D - 1])
-                    .into_iter()
-                    .map(|group| children(group).collect())
-                    .collect()
-            }
-        };
+        let groups = self.groups();
         let blocks = of_groups::<D>(&groups, numbers, cells, continuous);
         let tier = Tier { blocks, rows: lists, unknowns };
         (tier, coarse, coarse_cells)
+    }
+
+    /// The finer cells that the smoother takes together.
+    fn groups(&self) -> Vec<Vec<u32>> {
+        let (axes, n) = (self.split.axes(D), self.split.children(D) as u32);
+        if self.kind == Kind::Deformation {
+            return groups(self.finer.0, axes, JOINED[D - 1] << (D - 1));
+        }
+        let groups = groups(self.coarser.0, axes, JOINED[D - 1]);
+        let children =
+            |group: Vec<u32>| group.into_iter().flat_map(|cell| cell * n..(cell + 1) * n).collect();
+        groups.into_iter().map(children).collect()
     }
 
     /// Nodes of the coarser cells, and their pressures.
@@ -169,9 +172,9 @@ impl<const D: usize> Coarsening<'_, D> {
         let (mesh, pressure) = self.coarser;
         let (shape, degree) = (mesh.shape, self.space.nodes.degree);
         let found: Vec<(usize, usize)> =
-            (0..shape.n_nodes(degree)).map(|a| in_child(shape, degree, a)).collect();
+            (0..shape.n_nodes(degree)).map(|a| in_child(shape, self.split, degree, a)).collect();
         let nodes = |cell: usize| {
-            let children = Hierarchy::<D>::children(cell).start;
+            let children = cell * self.split.children(D);
             found.iter().map(|&(child, a)| finer.nodes[children + child][a]).collect()
         };
         Cells {
@@ -233,7 +236,7 @@ impl<const D: usize> Coarsening<'_, D> {
         if !needed {
             return;
         }
-        let table = pressure_weights((mesh, finer, fine), (coarse_mesh, coarser, cell), child);
+        let table = pressure_weights((mesh, finer, fine), (coarse_mesh, coarser, cell), (self.split, child));
         for (&dof, weights) in dofs.iter().zip(&table) {
             let row = numbers.p[dof as usize];
             if row == NONE || !rows[row as usize].is_empty() {
@@ -244,6 +247,26 @@ impl<const D: usize> Coarsening<'_, D> {
             rows[row as usize].extend(entries.filter(|(column, _)| *column != NONE));
         }
     }
+}
+
+/// The unknowns that `rows` have entries of, numbered anew. Where the finest level has eliminated the slopes of the
+/// pressure, nothing depends on those along an axis that is not halved.
+fn without_idle(
+    mut numbers: Numbers,
+    unknowns: Vec<Unknown>,
+    rows: &mut [Vec<(u32, f32)>],
+) -> (Numbers, Vec<Unknown>) {
+    let mut is_used = vec![false; numbers.n];
+    rows.iter().flatten().for_each(|&(column, _)| is_used[column as usize] = true);
+    let mut next = 0..numbers.n as u32;
+    let number = |used: &bool| used.then(|| next.next()).flatten().unwrap_or(NONE);
+    let renumbered: Vec<u32> = is_used.iter().map(number).collect();
+    let all = numbers.v.iter_mut().chain(&mut numbers.p).filter(|number| **number != NONE);
+    all.for_each(|number| *number = renumbered[*number as usize]);
+    rows.iter_mut().flatten().for_each(|(column, _)| *column = renumbered[*column as usize]);
+    numbers.n = next.start as usize;
+    let unknowns = unknowns.into_iter().zip(is_used).filter_map(|(unknown, used)| used.then_some(unknown));
+    (numbers, unknowns.collect())
 }
 
 /// The unknowns of groups of cells in the order of elimination: cell by cell, those that later cells have, too, behind the others, pressures behind the velocities that feel them.
@@ -317,7 +340,8 @@ mod tests {
         let power = |degree: usize, x: &[f64]| (0.3 + x[0] - 0.7 * x[D - 1] + 0.2 * x[1]).powi(degree as i32);
         // Coefficients of a velocity, the same in all components, and of a pressure of the pair's degrees.
         let pressure = &space.pressure;
-        let coarser = coarser_pressure(&space, &space.hierarchy.coarser()[0], pressure, Kind::Velocity);
+        let first = (&space.hierarchy.coarser()[0], space.hierarchy.split(0));
+        let coarser = coarser_pressure(&space, first, pressure, Kind::Velocity);
         let coarse_p = coefficients(&space.hierarchy.coarser()[0], &coarser, power);
         let mut next = coarse_p.iter();
         let coarse: Vec<f64> = unknowns

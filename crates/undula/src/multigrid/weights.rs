@@ -1,27 +1,27 @@
 //! Functions of a cell as functions of its children.
 
 use crate::element::{Shape, lagrange};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Split};
 use crate::space::{PressureKind, PressureSpace};
 
 /// Weights that are not zero begin here.
 pub const ZERO: f64 = 1e-12;
 
 /// A child and its node at node `a` of a cell.
-pub fn in_child(shape: Shape, degree: usize, a: usize) -> (usize, usize) {
+pub fn in_child(shape: Shape, split: Split, degree: usize, a: usize) -> (usize, usize) {
     let at = shape.lattice(degree, a).map(|i| 2 * i);
-    let found = (0..1 << shape.dim()).find_map(|child| {
-        let is_at = |b: &usize| shape.in_parent(degree, child, shape.lattice(degree, *b)) == at;
+    let found = (0..split.children(shape.dim())).find_map(|child| {
+        let is_at = |b: &usize| split.in_parent(shape, degree, child, shape.lattice(degree, *b)) == at;
         (0..shape.n_nodes(degree)).find(is_at).map(|b| (child, b))
     });
     found.expect("nodes of a cell are nodes of its children")
 }
 
 /// The nodes of a child from those of its cell: (node of the cell, weight) for each.
-pub fn weights(shape: Shape, degree: usize, child: usize) -> Vec<Vec<(usize, f64)>> {
+pub fn weights(shape: Shape, split: Split, degree: usize, child: usize) -> Vec<Vec<(usize, f64)>> {
     let of = |a: usize| {
         let xi = lagrange::node(shape, degree, a);
-        let values = lagrange::basis(shape, degree, &shape.to_parent(child, xi)).0;
+        let values = lagrange::basis(shape, degree, &split.to_parent(shape, child, xi)).0;
         values.into_iter().enumerate().filter(|(_, weight)| weight.abs() > ZERO).collect()
     };
     (0..shape.n_nodes(degree)).map(of).collect()
@@ -31,12 +31,12 @@ pub fn weights(shape: Shape, degree: usize, child: usize) -> Vec<Vec<(usize, f64
 pub fn pressure_weights<const D: usize>(
     (mesh, finer, fine): (&Mesh<D>, &PressureSpace<D>, usize),
     (coarse_mesh, coarser, cell): (&Mesh<D>, &PressureSpace<D>, usize),
-    child: usize,
+    (split, child): (Split, usize),
 ) -> Vec<Vec<f64>> {
     let shape = mesh.shape;
     let at_parent = |xi: [f64; 3]| {
         let inside: [f64; D] = std::array::from_fn(|d| xi[d]);
-        shape.to_parent(child, inside)
+        split.to_parent(shape, child, inside)
     };
     if let PressureKind::Continuous(degree) = finer.kind {
         let of = |a: usize| lagrange::basis(shape, degree, &at_parent(lagrange::node(shape, degree, a))).0;

@@ -102,7 +102,11 @@ impl<const D: usize> Run<D> {
                 self.write_checkpoint()?;
                 self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
             }
+            let had_left = self.has_left_multigrid();
             let row = self.simulation.step()?;
+            if self.has_left_multigrid() != had_left {
+                observer.note("linear.solver: multigrid did not converge, the direct solver takes over");
+            }
             if let Some(window) = &mut self.window {
                 window.observe(&self.simulation);
             }
@@ -112,6 +116,10 @@ impl<const D: usize> Run<D> {
             }
         }
         Ok(Flow::Continue)
+    }
+
+    const fn has_left_multigrid(&self) -> bool {
+        self.simulation.stepper.linear.has_left_multigrid()
     }
 
     /// Write what is due after a step. The row comes first: a checkpoint without its row would lead nowhere.

@@ -115,9 +115,7 @@ impl Case {
 
     /// Projections on patches need a mesh that has them.
     fn check_patches<const D: usize>(&self, space: &FsiSpace<D>) -> Result<(), Error> {
-        let how = &self.stabilization;
-        let needed = how.projects() && how.projection == Projection::Patch;
-        if !needed || system::patches(space).is_some() {
+        if !self.needs_patches() || system::patches(space).is_some() {
             return Ok(());
         }
         if space.mesh.shape == Shape::Tetrahedron {
@@ -130,6 +128,11 @@ impl Case {
             "the fluid does not consist of cells refined in {parts}: give mesh.refine of at least 1, or `cell`"
         );
         Err(self.refuse("stabilization.projection", message))
+    }
+
+    /// Whether the stabilisation projects on patches of cells.
+    pub(super) fn needs_patches(&self) -> bool {
+        self.stabilization.projects() && self.stabilization.projection == Projection::Patch
     }
 
     /// Parameters of the equations.
@@ -210,7 +213,7 @@ impl Case {
         let gmres = self.linear.krylov.or(levels.map(|_| WITH_MULTIGRID));
         let linear = Linear::new(self.newton.linearization, make)
             .with_krylov(gmres.map(krylov))
-            .with_multigrid(levels);
+            .with_multigrid(levels, self.direct_fits(&space));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),

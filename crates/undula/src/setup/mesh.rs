@@ -9,7 +9,7 @@ use crate::case::schema::Extrude;
 use crate::case::{Case, MeshSource, OwnMesh};
 use crate::error::Error;
 use crate::mesh::gmsh::AnyMesh;
-use crate::mesh::{Curve, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::mesh::{Curve, Extrusion, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
 use crate::system::Dim;
 
 /// The components of a position, or numbers along its coordinates.
@@ -152,11 +152,8 @@ impl Case {
             if !simplicial {
                 self.check_shape(&plane)?;
             }
-            let whole = if grading == 0 {
-                hierarchy.extruded(&plane, depth, layers)
-            } else {
-                plane.extruded_graded(depth, layers, grading).map(|mesh| (mesh, Hierarchy::default()))
-            };
+            let halved = self.needs_patches();
+            let whole = hierarchy.extruded(&plane, Extrusion { depth, layers, grading, halved });
             let (mesh, hierarchy) = whole.map_err(|e| self.blame("mesh.extrude", e))?;
             if simplicial {
                 return Ok((mesh.in_tetrahedra(), Hierarchy::default(), vec![]));

@@ -51,8 +51,8 @@ impl Case {
         } else if space.hierarchy.coarser().is_empty() && self.mesh.refine == 0 {
             "multigrid needs the coarser meshes of a refined one: give mesh.refine of at least 1"
         } else if space.hierarchy.coarser().is_empty() {
-            "multigrid needs coarser meshes, which are lost where cells are graded after mesh.refine, where a \
-             tube has an axis, and where the number of layers of an extruded mesh is odd"
+            "multigrid needs coarser meshes, which are lost where cells are graded after mesh.refine and where a \
+             tube has an axis"
         } else if space.nodes.n_lagrange < space.nodes.len() {
             "multigrid needs nodes of coarser meshes, and bubbles are none"
         } else {

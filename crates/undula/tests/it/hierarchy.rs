@@ -4,7 +4,7 @@ use crate::common::builtin;
 use crate::mesh::two_cubes;
 use std::collections::BTreeSet;
 use undula::mesh::generate::{cylinder, rectangle, schaefer_turek, tube, turek_hron};
-use undula::mesh::{Child, Curve, Facet, Hierarchy, Mesh};
+use undula::mesh::{Child, Curve, Extrusion, Facet, Hierarchy, Mesh, Split};
 
 /// Two refinements of `mesh`.
 fn twice<const D: usize>(mesh: Mesh<D>, curves: &[Curve<D>]) -> (Vec<Mesh<D>>, Hierarchy<D>) {
@@ -24,11 +24,12 @@ fn away<const D: usize>(a: [f64; D], b: [f64; D]) -> f64 {
 }
 
 /// Parents and children name each other, and regions are inherited.
-fn relatives_agree<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
+fn relatives_agree<const D: usize>(hierarchy: &Hierarchy<D>, level: usize, fine: &Mesh<D>) {
+    let coarse = &hierarchy.coarser()[level];
     let mut seen = 0;
     for parent in 0..coarse.n_cells() {
-        for (number, cell) in Hierarchy::<D>::children(parent).enumerate() {
-            assert_eq!(Hierarchy::<D>::child(cell), Child { parent, number });
+        for (number, cell) in hierarchy.children(level, parent).enumerate() {
+            assert_eq!(hierarchy.child(level, cell), Child { parent, number });
             assert_eq!((cell, fine.cell_region[cell]), (seen, coarse.cell_region[parent]));
             seen += 1;
         }
@@ -37,38 +38,36 @@ fn relatives_agree<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>) {
 }
 
 /// Points of the child are points of the parent, and the children fill it.
-fn children_fill_their_parents<const D: usize>(
-    coarse: &Mesh<D>,
-    fine: &Mesh<D>,
-    number: impl Fn(usize) -> usize,
-) {
+fn children_fill_their_parents<const D: usize>(hierarchy: &Hierarchy<D>, level: usize, fine: &Mesh<D>) {
+    let (coarse, split) = (&hierarchy.coarser()[level], hierarchy.split(level));
     let (whole, part) = (coarse.quality().volume, fine.quality().volume);
     for parent in 0..coarse.n_cells() {
         let size = coarse.cell_diameter(parent);
-        for cell in Hierarchy::<D>::children(parent) {
-            let number = number(cell);
+        for cell in hierarchy.children(level, parent) {
+            let number = hierarchy.child_number(level, hierarchy.child(level, cell));
             for i in 0..7 {
                 let xi: [f64; D] = std::array::from_fn(|d| (0.1 + 0.37 * (i * (d + 1)) as f64).fract());
                 let xi = coarse.shape.clamp(xi);
-                let in_parent = coarse.shape.to_parent(number, xi);
+                let in_parent = split.to_parent(coarse.shape, number, xi);
                 assert!(coarse.shape.outside(&in_parent) < 1e-15, "{in_parent:?}");
                 assert!(away(fine.map(cell, xi), coarse.map(parent, in_parent)) < 1e-13 * size.max(1.0));
             }
         }
-        let sum: f64 = Hierarchy::<D>::children(parent).map(|cell| part[cell]).sum();
+        let sum: f64 = hierarchy.children(level, parent).map(|cell| part[cell]).sum();
         assert!((sum / whole[parent] - 1.0).abs() < 1e-11, "{sum} {}", whole[parent]);
     }
 }
 
 /// The nodes of a parent are nodes of its children.
-fn nodes_stay<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>, number: impl Fn(usize) -> usize) {
+fn nodes_stay<const D: usize>(hierarchy: &Hierarchy<D>, level: usize, fine: &Mesh<D>) {
+    let (coarse, split) = (&hierarchy.coarser()[level], hierarchy.split(level));
     let (shape, degree) = (coarse.shape, coarse.degree);
     for parent in 0..coarse.n_cells() {
         let mut met = BTreeSet::new();
-        for cell in Hierarchy::<D>::children(parent) {
-            let number = number(cell);
+        for cell in hierarchy.children(level, parent) {
+            let number = hierarchy.child_number(level, hierarchy.child(level, cell));
             for (local, &node) in fine.cell(cell).iter().enumerate() {
-                let at = shape.in_parent(degree, number, shape.lattice(degree, local));
+                let at = split.in_parent(shape, degree, number, shape.lattice(degree, local));
                 if at.iter().all(|i| i % 2 == 0) {
                     let known = shape.number(degree, at.map(|i| i / 2));
                     let same = coarse.nodes[coarse.cell(parent)[known] as usize];
@@ -82,12 +81,11 @@ fn nodes_stay<const D: usize>(coarse: &Mesh<D>, fine: &Mesh<D>, number: impl Fn(
 }
 
 fn check_levels<const D: usize>((levels, hierarchy): &(Vec<Mesh<D>>, Hierarchy<D>), filled: bool) {
-    for (level, pair) in levels.windows(2).enumerate() {
-        let number = |cell: usize| hierarchy.child_number(level, Hierarchy::<D>::child(cell));
-        relatives_agree(&pair[0], &pair[1]);
-        nodes_stay(&pair[0], &pair[1], number);
+    for (level, fine) in levels[1..].iter().enumerate() {
+        relatives_agree(hierarchy, level, fine);
+        nodes_stay(hierarchy, level, fine);
         if filled {
-            children_fill_their_parents(&pair[0], &pair[1], number);
+            children_fill_their_parents(hierarchy, level, fine);
         }
     }
 }
@@ -100,6 +98,33 @@ fn every_child_lies_in_its_parent_and_has_its_region() {
     check_levels(&twice(two_cubes(), &[]), true);
     check_levels(&twice(two_cubes().in_tetrahedra(), &[]), true);
     check_levels(&twice(tube([0.03, 0.01, 0.002], [2, 8, 1], 0).unwrap().in_tetrahedra(), &[]), true);
+}
+
+/// Thick layers stay, so do an odd number of them and those that are not alike, unless patches need it otherwise.
+#[test]
+fn layers_of_extruded_meshes_are_halved_where_they_are_thin() {
+    // Cells of 1/4, 1/8 and 1/16.
+    let square = rectangle([0.0; 2], [1.0; 2], [4, 4], 0).unwrap();
+    let (plane, planes) = Hierarchy::refine(square, 2, &[]);
+    let (whole, section) = (Split::Whole, Split::Section);
+    for (layers, grading, halved, splits) in [
+        (16, 0, false, [whole, whole]),
+        (4, 0, false, [section, section]),
+        (12, 0, false, [whole, whole]),
+        (10, 0, false, [whole, section]),
+        (11, 0, false, [section, section]),
+        (22, 0, false, [section, whole]),
+        (8, 0, false, [whole, section]),
+        (4, 0, true, [whole, whole]),
+        (14, 1, true, [section, section]),
+    ] {
+        let how = Extrusion { depth: 1.0, layers, grading, halved };
+        let (finest, hierarchy) = planes.extruded(&plane, how).unwrap();
+        finest.check().unwrap();
+        let named = hierarchy.named_as(&finest);
+        assert_eq!([named.split(0), named.split(1)], splits, "{layers} {grading}");
+        check_levels(&(named.levels(&finest).cloned().collect(), named), true);
+    }
 }
 
 #[test]

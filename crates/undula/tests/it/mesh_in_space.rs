@@ -5,7 +5,7 @@ use undula::math::Tensor;
 use undula::mesh::generate::{
     annulus, bend, circles, cylinders, fsi_box, hexahedra, rectangle, tube, tube_graded, turek_hron,
 };
-use undula::mesh::{Curve, Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
+use undula::mesh::{Curve, Extrusion, Facet, FacetDistance, Hierarchy, Locator, Mesh, MeshError};
 
 fn count(mesh: &Mesh<3>, boundary: &str) -> usize {
     let number = mesh.boundary(boundary).unwrap();
@@ -137,9 +137,11 @@ fn what_cannot_be_extruded_is_refused() {
 fn hierarchies_are_extruded() {
     let ring = annulus([0.5, 1.0], [8, 1], 0).unwrap();
     let (plane, planes) = Hierarchy::refine(ring, 2, &circles([0.5, 1.0]));
-    for (layers, levels) in [(4, 2), (6, 1), (3, 0), (8, 2)] {
-        let (finest, hierarchy) = planes.extruded(&plane, 0.3, layers).unwrap();
+    let how = |depth: f64, layers| Extrusion { depth, layers, grading: 0, halved: true };
+    for layers in [4, 8, 12] {
+        let (finest, hierarchy) = planes.extruded(&plane, how(0.3, layers)).unwrap();
         finest.check().unwrap();
+        let levels = 2;
         assert_eq!((finest.n_cells(), hierarchy.coarser().len()), (layers * plane.n_cells(), levels));
         // Names that the finest mesh has are those of all levels.
         let named = hierarchy.clone().named_as(&finest);
@@ -165,7 +167,7 @@ fn hierarchies_are_extruded() {
             assert_eq!(sides(&same), sides(pair[1]));
         }
     }
-    assert!(planes.extruded(&plane, -1.0, 2).is_err());
+    assert!(planes.extruded(&plane, how(-1.0, 2)).is_err());
 }
 
 #[test]

@@ -162,7 +162,7 @@ fn diagonals_stay_with_the_cells() {
     let coarse = &part.coarser()[0];
     let mut seen = std::collections::BTreeSet::new();
     for cell in 0..whole.n_cells() {
-        let child = Hierarchy::<3>::child(cell);
+        let child = part.child(0, cell);
         let number = part.child_number(0, child);
         seen.insert(number);
         let at = coarse.map(child.parent, Shape::Tetrahedron.to_parent(number, [0.1, 0.2, 0.3]));
