@@ -1,7 +1,10 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
+use crate::args::{
+    BREAKDOWN, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, threads, with_causes,
+};
 use crate::digits::fixed;
+use crate::events::{self, Events};
 use crate::live::Live;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot, report};
@@ -20,6 +23,7 @@ use undula::simulation::{Row, Simulation};
 
 /// Runs the case; afterwards results stand beside published ones, and pictures are drawn.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    log_as(args.log);
     let case = match check::load(&args.case)? {
         Ok(case) => case,
         Err(code) => return Ok(code),
@@ -34,7 +38,9 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {
-        progress: Some(Progress::new(end, args.quiet)),
+        progress: Some(Progress::new(end, args.quiet, args.log)),
+        events: (args.log == Log::Json).then(Events::new),
+        directory: directory.clone(),
         quiet: args.quiet,
         verbose: args.verbose,
         stop: interrupt_flag()?,
@@ -56,6 +62,9 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let progress = display.progress.take();
     if let Some(live) = display.live.take() {
         live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
+    }
+    if args.log == Log::Json {
+        events::end(result.as_ref().map_err(ToString::to_string));
     }
     match result {
         Ok(summary) => finish(progress, &summary, &directory, args, end.is_some()),
@@ -84,6 +93,8 @@ pub fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
 /// Shows the steps of a run.
 struct Display {
     progress: Option<Progress>,
+    events: Option<Events>,
+    directory: PathBuf,
     quiet: bool,
     verbose: bool,
     stop: Arc<AtomicBool>,
@@ -92,10 +103,12 @@ struct Display {
 
 impl<const D: usize> Observer<D> for Display {
     fn start(&mut self, simulation: &Simulation<D>) {
-        if !self.quiet {
-            for note in simulation.case.notes() {
-                say(format_args!("note: {note}"));
-            }
+        if let Some(events) = &mut self.events {
+            events.start(simulation, &self.directory);
+            say_notes(simulation.case.notes());
+            say_notes(&simulation.case.notes_on(&simulation.stepper.assembler.space));
+        } else if !self.quiet {
+            say_notes(simulation.case.notes());
             let unknowns = simulation.unknowns();
             let cells = simulation.stepper.assembler.space.mesh.n_cells();
             let Case { name, title, .. } = &simulation.case;
@@ -131,6 +144,9 @@ impl<const D: usize> Observer<D> for Display {
     fn after_step(&mut self, simulation: &Simulation<D>, row: &Row) -> Flow {
         if let Some(live) = &self.live {
             live.row(row);
+        }
+        if let Some(events) = &mut self.events {
+            events.step(simulation, row);
         }
         let names = simulation.names();
         let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
