@@ -25,10 +25,14 @@ mod schema;
 mod shell;
 mod study;
 
+pub use args::with_causes;
 use args::{Cli, Command};
 use clap::Parser;
 use std::ffi::OsString;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use undula::case::Case;
+use undula::output::FieldSnapshot;
 
 /// The program with the command line `args`, the first of which is its name; returns its exit code. Mistakes in the
 /// command line itself, `--help` and `--version` end the process.
@@ -56,4 +60,42 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE
     })
+}
+
+/// What `undula check` says of a case.
+///
+/// # Errors
+/// An [`undula::Error`] if the case does not fit its mesh.
+pub fn summary(case: Case) -> anyhow::Result<String> {
+    let (case, overview) = check::measured(case)?;
+    Ok(check::summary(&case, Some(&overview))?)
+}
+
+/// What `undula keys PATTERN` prints; all keys if the pattern is empty.
+pub fn keys(pattern: &str) -> String {
+    keys::aligned(&undula::case::keys::search(pattern))
+}
+
+/// Writes the page of the run in `directory` into `to`, by default its `report.html`, and returns its path.
+///
+/// # Errors
+/// If a file of the run cannot be read, or the page cannot be written.
+pub fn report(directory: &Path, to: Option<&Path>) -> anyhow::Result<PathBuf> {
+    report::write(directory, to)
+}
+
+/// Draws the pictures of the run in `directory` into `to`, by default its `plots`, and returns their paths.
+///
+/// # Errors
+/// If a file of the run cannot be read, or a picture cannot be written.
+pub fn plot(directory: &Path, to: Option<&Path>) -> anyhow::Result<Vec<PathBuf>> {
+    plot::plot_directory(directory, to)
+}
+
+/// A picture of the fields as PNG, in space of a cut across the shortest side; `None` where there is no such `field`.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub fn picture(fields: FieldSnapshot, field: &str, title: &str) -> anyhow::Result<Option<Vec<u8>>> {
+    plot::picture_of(fields, field, title)?.map(|image| image.png()).transpose()
 }

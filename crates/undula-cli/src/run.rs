@@ -8,7 +8,6 @@ use crate::events::{self, Events};
 use crate::live::Live;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot, report};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -16,7 +15,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use undula::case::Case;
 use undula::error::Error;
 use undula::output::directory::{HISTORY, SUMMARY};
-use undula::output::{OutputError, Status, Summary};
+use undula::output::{Status, Summary};
 use undula::results::computed::case_of;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
@@ -274,11 +273,6 @@ fn show_results(summary: &Summary, directory: &Path) {
     }
 }
 
-/// Whether it is the disk, not the choice of the directory.
-fn no_room(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge)
-}
-
 /// An error: 2 where the input is to blame, else 1.
 pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
     match &error {
@@ -286,12 +280,7 @@ pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
             say(format_args!("breakdown: there is no equilibrium to start with: {failure}"));
             Ok(ExitCode::from(BREAKDOWN))
         }
-        Error::Directory(OutputError::Io { source, .. }) if no_room(source.kind()) => Err(error.into()),
-        Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
-            bad_input(error)
-        }
-        _ if error.is_too_large() => bad_input(error),
-        Error::Load(e) if e.is_bad_input() => bad_input(error),
+        _ if error.is_bad_input() => bad_input(error),
         _ => Err(error.into()),
     }
 }

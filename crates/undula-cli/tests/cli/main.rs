@@ -15,6 +15,7 @@ mod jacobian;
 mod keys;
 mod live;
 mod log;
+mod manual;
 mod modes;
 mod multigrid;
 mod outputs;
