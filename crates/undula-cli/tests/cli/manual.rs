@@ -31,7 +31,7 @@ fn boxes(text: &str) -> Vec<(Vec<&str>, Vec<&str>)> {
 }
 
 /// Runs the commands of the page `name` in a directory of its own, where boxes `in NAME` have a copy of that folder.
-/// Settings behind a box shorten its runs; `expect N` is the exit code.
+/// Settings behind a box shorten its runs; `expect N` is the exit code. Pictures are drawn on the first page only.
 fn run_page(name: &str) {
     let here = Place::new(&format!("manual-{name}"));
     let text = fs::read_to_string(docs().join(format!("manual/{name}.md"))).unwrap();
@@ -60,6 +60,10 @@ fn run_page(name: &str) {
             let arguments = line.strip_prefix("undula ").unwrap_or_else(|| panic!("{name}: {line}"));
             let takes_sets = arguments.starts_with("run ") || arguments.starts_with("check ");
             let mut command = here.command(arguments, if takes_sets { &sets } else { &[] });
+            if arguments.starts_with("run ") && name != "first-run" {
+                // Pictures take most of the time of a short run.
+                command.arg("--quiet");
+            }
             let said = super::Said::of(command.current_dir(&folder).output().unwrap());
             assert_eq!(said.code, Some(code), "{name}: {line}\n{}{}", said.out, said.err);
         }
