@@ -1,10 +1,13 @@
 //! The command line: its arguments, and the functions for output that all subcommands share.
 
 // For tests, too, which have this file elsewhere.
+#[path = "args/log.rs"]
+mod log;
 #[path = "args/plot.rs"]
 mod plot;
 
 use clap::{Args, Parser, Subcommand};
+pub use log::{Log, event, log_as, say, say_notes, tell};
 pub use plot::{AnimatedField, Plane, PlotArgs, SurfaceField};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -95,6 +98,9 @@ pub struct RunArgs {
     /// Print the scaled residual after every Newton iteration
     #[arg(short, long, conflicts_with = "quiet")]
     pub verbose: bool,
+    /// What standard error has: text for people, or one JSON object a line for programs (with --quiet, too)
+    #[arg(long, value_enum, value_name = "FORM", default_value_t = Log::Text)]
+    pub log: Log,
 }
 
 /// `undula check`.
@@ -324,19 +330,8 @@ pub const INTERRUPTED: u8 = 130;
 
 /// Prints a mistake in the input and returns exit code 2, as for mistakes on the command line.
 pub fn bad_input(message: impl Display) -> anyhow::Result<ExitCode> {
-    say(message);
+    tell("error", message);
     Ok(ExitCode::from(2))
-}
-
-/// Prints a line on standard error. Errors of writing are ignored (a reader such as `head` may have closed the pipe): a
-/// computation does not depend on its readers.
-pub fn say(line: impl Display) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
-}
-
-/// Prints notes on standard error.
-pub fn say_notes(notes: &[String]) {
-    notes.iter().for_each(|note| say(format_args!("note: {note}")));
 }
 
 /// Prints text for people on standard output and ignores errors, as [`say`] does.

@@ -30,7 +30,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<ExitCode> {
 ///
 /// # Errors
 /// If the run from which it starts is not there, or if it does not fit its mesh.
-fn measured(case: Case) -> Result<(Case, Overview), Error> {
+pub fn measured(case: Case) -> Result<(Case, Overview), Error> {
     let case = with_start(case)?;
     let overview = case.check_mesh_and_measure()?;
     Ok((case, overview))

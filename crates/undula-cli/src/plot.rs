@@ -21,7 +21,7 @@ pub use picture::solid_cells;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use surface::Surface;
-use tetrahedra::read_fields;
+use tetrahedra::{as_hexahedra, read_fields};
 use undula::output::{Collection, FieldSnapshot, History, OutputError, RunDirectory, Summary};
 use undula::results::computed::Results;
 
@@ -59,13 +59,20 @@ pub fn picture_at(dir: &Path, time: Option<f64>, field: &str) -> anyhow::Result<
     let Some((at, file)) = collection.entries().iter().rev().find(|(at, _)| is_before(*at)) else {
         return Ok(None);
     };
-    let snapshot = read_fields(collection.resolve(file))?;
-    let title = format!("t = {} s", fixed(*at, *at, 3));
-    let view = match snapshot.kind.dim() {
-        2 => View::whole(&snapshot),
-        _ => View::middle(&snapshot).map_err(NotDrawn)?,
+    picture_of(read_fields(collection.resolve(file))?, field, &format!("t = {} s", fixed(*at, *at, 3)))
+}
+
+/// The fields as a picture, with streamlines unless it is that of the deformation; `None` where there is no such field.
+///
+/// # Errors
+/// If it cannot be drawn.
+pub fn picture_of(fields: FieldSnapshot, field: &str, title: &str) -> anyhow::Result<Option<figure::Image>> {
+    let fields = as_hexahedra(fields);
+    let view = match fields.kind.dim() {
+        2 => View::whole(&fields),
+        _ => View::middle(&fields).map_err(NotDrawn)?,
     };
-    picture::image(&view, field, &title, field != "deformation")
+    picture::image(&view, field, title, field != "deformation")
 }
 
 /// What is drawn of fields in three dimensions.

@@ -1,6 +1,6 @@
 //! What a run tells while it goes on.
 
-use crate::args::say;
+use crate::args::{Log, say};
 use crate::digits::fixed;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -44,14 +44,17 @@ pub struct Progress {
 #[derive(Debug)]
 enum Mode {
     Quiet,
+    /// Messages alone: steps are told by others.
+    Messages,
     Lines,
     Bar(ProgressBar),
 }
 
 impl Progress {
     /// For a run until `end_time` \[s\], or a stationary one.
-    pub fn new(end_time: Option<f64>, quiet: bool) -> Self {
+    pub fn new(end_time: Option<f64>, quiet: bool, log: Log) -> Self {
         let mode = match quiet {
+            _ if log == Log::Json => Mode::Messages,
             true => Mode::Quiet,
             false if std::io::stderr().is_terminal() => Mode::Bar(bar(end_time)),
             false => Mode::Lines,
@@ -68,7 +71,7 @@ impl Progress {
             None => describe(info),
         };
         match &self.mode {
-            Mode::Quiet => {}
+            Mode::Quiet | Mode::Messages => {}
             Mode::Bar(bar) => {
                 let share = self.end_time.map_or(0.0, |end| info.time / end);
                 bar.set_position((share.clamp(0.0, 1.0) * LENGTH as f64) as u64);
@@ -87,7 +90,7 @@ impl Progress {
         match &self.mode {
             Mode::Quiet => {}
             Mode::Bar(bar) => bar.println(text),
-            Mode::Lines => say(text),
+            Mode::Lines | Mode::Messages => say(text),
         }
     }
 
@@ -102,7 +105,7 @@ impl Progress {
     pub fn finish(self, text: &str, behind: &str) {
         let line = format!("{text} after {}{behind}", duration(self.begun.elapsed().as_secs_f64()));
         match self.mode {
-            Mode::Quiet => {}
+            Mode::Quiet | Mode::Messages => {}
             Mode::Bar(bar) => {
                 bar.finish_and_clear();
                 say(&line);
@@ -175,7 +178,7 @@ mod tests {
 
     #[test]
     fn a_line_says_where_the_run_is() {
-        let progress = Progress::new(Some(10.0), true);
+        let progress = Progress::new(Some(10.0), true, Log::Text);
         let begun = Instant::now();
         let line = progress.in_time(&info(30, 3.0), 10.0, (1.0, 10, begun), begun + Duration::from_secs(4));
         assert_eq!(
@@ -189,7 +192,7 @@ mod tests {
 
     #[test]
     fn nothing_is_divided_by_zero() {
-        let mut progress = Progress::new(Some(0.0), true);
+        let mut progress = Progress::new(Some(0.0), true, Log::Text);
         [0.0, 0.0, f64::NAN].into_iter().for_each(|time| progress.update(&info(1, time)));
         progress.message("halved");
         progress.finish("interrupted", "");

@@ -1,11 +1,13 @@
 //! `undula run`: compute a case and show how it goes.
 
-use crate::args::{BREAKDOWN, INTERRUPTED, RunArgs, bad_input, say, show, threads, with_causes};
+use crate::args::{
+    BREAKDOWN, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, threads, with_causes,
+};
 use crate::digits::fixed;
+use crate::events::{self, Events};
 use crate::live::Live;
 use crate::progress::{Progress, StepInfo};
 use crate::{check, compare, plot, report};
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -13,13 +15,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use undula::case::Case;
 use undula::error::Error;
 use undula::output::directory::{HISTORY, SUMMARY};
-use undula::output::{OutputError, Status, Summary};
+use undula::output::{Status, Summary};
 use undula::results::computed::case_of;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
 
 /// Runs the case; afterwards results stand beside published ones, and pictures are drawn.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
+    log_as(args.log);
     let case = match check::load(&args.case)? {
         Ok(case) => case,
         Err(code) => return Ok(code),
@@ -34,7 +37,9 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     };
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {
-        progress: Some(Progress::new(end, args.quiet)),
+        progress: Some(Progress::new(end, args.quiet, args.log)),
+        events: (args.log == Log::Json).then(Events::new),
+        directory: directory.clone(),
         quiet: args.quiet,
         verbose: args.verbose,
         stop: interrupt_flag()?,
@@ -56,6 +61,9 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     let progress = display.progress.take();
     if let Some(live) = display.live.take() {
         live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
+    }
+    if args.log == Log::Json {
+        events::end(result.as_ref().map_err(ToString::to_string));
     }
     match result {
         Ok(summary) => finish(progress, &summary, &directory, args, end.is_some()),
@@ -84,6 +92,8 @@ pub fn interrupt_flag() -> anyhow::Result<Arc<AtomicBool>> {
 /// Shows the steps of a run.
 struct Display {
     progress: Option<Progress>,
+    events: Option<Events>,
+    directory: PathBuf,
     quiet: bool,
     verbose: bool,
     stop: Arc<AtomicBool>,
@@ -92,10 +102,12 @@ struct Display {
 
 impl<const D: usize> Observer<D> for Display {
     fn start(&mut self, simulation: &Simulation<D>) {
-        if !self.quiet {
-            for note in simulation.case.notes() {
-                say(format_args!("note: {note}"));
-            }
+        if let Some(events) = &mut self.events {
+            events.start(simulation, &self.directory);
+            say_notes(simulation.case.notes());
+            say_notes(&simulation.case.notes_on(&simulation.stepper.assembler.space));
+        } else if !self.quiet {
+            say_notes(simulation.case.notes());
             let unknowns = simulation.unknowns();
             let cells = simulation.stepper.assembler.space.mesh.n_cells();
             let Case { name, title, .. } = &simulation.case;
@@ -131,6 +143,9 @@ impl<const D: usize> Observer<D> for Display {
     fn after_step(&mut self, simulation: &Simulation<D>, row: &Row) -> Flow {
         if let Some(live) = &self.live {
             live.row(row);
+        }
+        if let Some(events) = &mut self.events {
+            events.step(simulation, row);
         }
         let names = simulation.names();
         let leading = simulation.leading().map(|i| (names[i].as_str(), row.values[i], simulation.units()[i]));
@@ -258,11 +273,6 @@ fn show_results(summary: &Summary, directory: &Path) {
     }
 }
 
-/// Whether it is the disk, not the choice of the directory.
-fn no_room(kind: ErrorKind) -> bool {
-    matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge)
-}
-
 /// An error: 2 where the input is to blame, else 1.
 pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
     match &error {
@@ -270,12 +280,7 @@ pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
             say(format_args!("breakdown: there is no equilibrium to start with: {failure}"));
             Ok(ExitCode::from(BREAKDOWN))
         }
-        Error::Directory(OutputError::Io { source, .. }) if no_room(source.kind()) => Err(error.into()),
-        Error::Case(_) | Error::Mesh(_) | Error::Directory(_) | Error::Resume(_) | Error::Stationary(_) => {
-            bad_input(error)
-        }
-        _ if error.is_too_large() => bad_input(error),
-        Error::Load(e) if e.is_bad_input() => bad_input(error),
+        _ if error.is_bad_input() => bad_input(error),
         _ => Err(error.into()),
     }
 }

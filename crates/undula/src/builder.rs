@@ -1,6 +1,7 @@
 //! Cases made in a program: settings, a mesh and a material, checked like a case file.
 
 use crate::case::builtin::text_and_name;
+use crate::case::expression::{Functions, OwnFunction};
 use crate::case::literal::{number, string};
 use crate::case::{Case, OwnMesh, SolidLaw, SolidSpec};
 use crate::error::Error;
@@ -27,6 +28,7 @@ pub struct CaseBuilder {
     name: String,
     settings: Vec<String>,
     mesh: Option<OwnMesh>,
+    functions: Functions,
     law: Option<OwnLaw>,
 }
 
@@ -55,8 +57,18 @@ impl CaseBuilder {
     /// # Ok::<(), undula::Error>(())
     /// ```
     pub fn new(name: &str) -> CaseBuilder {
-        let (text, name) = (format!("name = {}\n", string(name)), format!("{name}.toml"));
-        CaseBuilder { text, name, settings: vec![], mesh: None, law: None }
+        CaseBuilder::from_toml(&format!("name = {}\n", string(name)), &format!("{name}.toml"))
+    }
+
+    /// Begins with the text of a case file; messages call it `name`, beside which files are looked for.
+    ///
+    /// ```
+    /// let wrong = undula::CaseBuilder::from_toml("[mesh]\ngenerator = 7\n", "own.toml").build().unwrap_err();
+    /// assert!(wrong.to_string().contains("own.toml:2:13: mesh.generator = 7"), "{wrong}");
+    /// ```
+    pub fn from_toml(text: &str, name: &str) -> CaseBuilder {
+        let (functions, settings) = Default::default();
+        CaseBuilder { text: text.into(), name: name.into(), settings, mesh: None, functions, law: None }
     }
 
     /// Begins with the built-in case of that name, else with the case file at that path.
@@ -65,7 +77,43 @@ impl CaseBuilder {
     /// Neither exists, or the file cannot be read.
     pub fn load(path_or_builtin: &str) -> Result<CaseBuilder, Error> {
         let (text, name) = text_and_name(path_or_builtin)?;
-        Ok(CaseBuilder { text, name, settings: vec![], mesh: None, law: None })
+        Ok(CaseBuilder::from_toml(&text, &name))
+    }
+
+    /// Adds settings `key=value` with values in TOML, as after `--set`.
+    ///
+    /// ```
+    /// let case = undula::CaseBuilder::load("fsi3")?.with(["time.end=1".into(), "solid=none".into()]).build()?;
+    /// assert!(case.solids.is_empty());
+    /// # Ok::<(), undula::Error>(())
+    /// ```
+    pub fn with(mut self, settings: impl IntoIterator<Item = String>) -> CaseBuilder {
+        self.settings.extend(settings);
+        self
+    }
+
+    /// Lets expressions call `function` as `table("name", t)`, in place of the file of that name.
+    ///
+    /// A run with such a function can be resumed by a program that gives one of this name; whether it is the same is not
+    /// known.
+    ///
+    /// ```
+    /// use undula::{CaseBuilder, OwnFunction, Simulation};
+    /// let pulse = OwnFunction::new(|t| t.sin().powi(2), |t| (2.0 * t).sin());
+    /// let case = CaseBuilder::load("cfd3")?
+    ///     .function("pulse", pulse)
+    ///     .set("mesh.refine", 0)
+    ///     .set("boundary.inflow.velocity", [r#"y*(0.41 - y)*table("pulse", t)"#, "0"])
+    ///     .build()?;
+    /// let mut simulation = Simulation::new(case, 1)?;
+    /// let time = simulation.step()?.time;
+    /// let inflow = simulation.fields().at([0.0, 0.205])?.velocity[0];
+    /// assert!((inflow - 0.205_f64.powi(2) * time.sin().powi(2)).abs() < 1e-12);
+    /// # Ok::<(), undula::Error>(())
+    /// ```
+    pub fn function(mut self, name: &str, function: OwnFunction) -> CaseBuilder {
+        self.functions.0.insert(name.into(), function);
+        self
     }
 
     /// Sets the dotted `key`, such as `mesh.refine`. Later settings win.
@@ -116,7 +164,7 @@ impl CaseBuilder {
     }
 
     fn checked(&self) -> Result<Case, Error> {
-        Ok(Case::from_toml_on(&self.text, &self.name, &self.settings, self.mesh.as_ref())?)
+        Ok(Case::from_toml_on(&self.text, &self.name, &self.settings, self.mesh.as_ref(), &self.functions)?)
     }
 
     /// The case with the law in place of that of `[solid]`.

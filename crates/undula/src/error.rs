@@ -46,6 +46,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether the input is to blame, and not the computation or the system.
+    pub fn is_bad_input(&self) -> bool {
+        match self {
+            Error::Directory(error) => !error.is_no_room(),
+            Error::Load(error) => error.is_bad_input(),
+            Error::Case(_) | Error::Mesh(_) | Error::Resume(_) | Error::Stationary(_) => true,
+            _ => self.is_too_large(),
+        }
+    }
+
     /// Whether the problem does not fit the program, whatever the memory.
     pub fn is_too_large(&self) -> bool {
         matches!(self, Error::Solver(SolverError::TooLarge(_)))

@@ -204,6 +204,7 @@ pub mod verification;
 
 pub use builder::{CaseBuilder, Setting};
 pub use case::Case;
+pub use case::expression::OwnFunction;
 pub use error::Error;
 pub use functional::fields::{Fields, PointFields};
 pub use math::{Scalar, Tensor};

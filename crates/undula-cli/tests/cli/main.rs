@@ -14,6 +14,8 @@ mod input;
 mod jacobian;
 mod keys;
 mod live;
+mod log;
+mod manual;
 mod modes;
 mod multigrid;
 mod outputs;
@@ -27,7 +29,7 @@ mod tables;
 
 // Sources of the program, of which some tests call functions.
 #[path = "../../src/args.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, unused_imports)]
 mod args;
 #[path = "../../src/cases.rs"]
 mod cases;

@@ -18,6 +18,7 @@ mod stabilization;
 use super::builtin::{builtin_case, builtin_cases};
 use super::conditions::Condition;
 use super::error::{CaseErrors, suggestion};
+use super::expression::Functions;
 use super::profile::Profile;
 use super::raw::{Document, Origin, Value};
 use super::read::{Checker, Section};
@@ -42,18 +43,19 @@ impl Case {
     /// assert_eq!(errors.to_string(), "own.toml:4:11: fluid.density = -1: expected a number above 0");
     /// ```
     pub fn from_toml(text: &str, file_name: &str, overrides: &[String]) -> Result<Self, CaseErrors> {
-        Self::from_toml_on(text, file_name, overrides, None)
+        Self::from_toml_on(text, file_name, overrides, None, Functions::NONE)
     }
 
-    /// The same on the `mesh` that the program gives, if it does.
+    /// The same on the `mesh` that the program gives, if it does, with its `functions`.
     pub(crate) fn from_toml_on(
         text: &str,
         file_name: &str,
         overrides: &[String],
         mesh: Option<&OwnMesh>,
+        functions: &Functions,
     ) -> Result<Self, CaseErrors> {
         let document = Document::parse(text, file_name, overrides).map_err(CaseErrors)?;
-        Self::from_document(&document, Checker::new(&document, mesh))
+        Self::from_document(&document, Checker::new(&document, mesh, functions))
     }
 
     /// The case in the `text` that a run has left. Tables of values are not read: wherever their files are now, the
@@ -63,7 +65,7 @@ impl Case {
     /// As [`Case::from_toml`].
     pub(crate) fn from_record(text: &str) -> Result<Self, CaseErrors> {
         let document = Document::parse(text, "case.toml", &[]).map_err(CaseErrors)?;
-        let mut checker = Checker::new(&document, None);
+        let mut checker = Checker::new(&document, None, Functions::NONE);
         checker.reads_tables = false;
         Self::from_document(&document, checker)
     }

@@ -19,6 +19,7 @@
 
 mod derivative;
 mod functions;
+mod own;
 mod parse;
 mod program;
 mod rows;
@@ -26,6 +27,8 @@ mod table;
 mod tree;
 
 pub(crate) use functions::is_name;
+pub(crate) use own::Functions;
+pub use own::OwnFunction;
 use parse::Parsed;
 use program::Program;
 pub(crate) use rows::Files;
@@ -104,7 +107,7 @@ impl Expression {
     /// assert_eq!(error.to_string(), "unknown function `sinn`; did you mean `sin`? (at byte 4)");
     /// ```
     pub fn parse(source: &str) -> Result<Self, ExpressionError> {
-        Self::parse_in(source, Files::In(Path::new("")))
+        Self::parse_in(source, Files::In(Path::new(""), Functions::NONE))
     }
 
     /// The same with tables from `files`.
@@ -204,6 +207,10 @@ impl Expression {
     /// Which table has no value at the point `x` \[m\] and time `t` \[s\], in words; empty if all have one.
     pub fn gap(&self, x: &[f64; 3], t: f64) -> String {
         let Some((call, argument)) = self.program.gap(x, t) else { return String::new() };
+        if call.table.own.is_some() {
+            let name = call.table.path.display();
+            return format!("; the function `{name}` of the program has no value at {argument}");
+        }
         let [first, last] = call.table.range().unwrap_or_default();
         let (file, text) = (call.table.path.display(), &call.argument);
         format!(

@@ -6,7 +6,7 @@ mod vectors;
 pub(super) use vectors::Vectors;
 
 use super::error::{CaseError, did_you_mean, quoted};
-use super::expression::Files;
+use super::expression::{Files, Functions};
 use super::raw::{Document, Item, Origin, Table, Value};
 use super::schema::OwnMesh;
 use super::{keys, synonyms};
@@ -21,6 +21,8 @@ pub(super) struct Checker<'d> {
     pub document: &'d Document,
     /// The mesh, if the program gives it.
     pub mesh: Option<&'d OwnMesh>,
+    /// Functions that the program gives.
+    pub functions: &'d Functions,
     /// Whether tables of values are read; else their values are 1.
     pub reads_tables: bool,
     /// Each with the byte it belongs to, to be sorted at the end.
@@ -38,9 +40,20 @@ pub(super) struct Checker<'d> {
 }
 
 impl<'d> Checker<'d> {
-    pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>) -> Self {
+    pub fn new(document: &'d Document, mesh: Option<&'d OwnMesh>, functions: &'d Functions) -> Self {
         let (errors, notes, origins, coordinates, vectors, is_plane) = Default::default();
-        Self { document, mesh, reads_tables: true, errors, notes, coordinates, vectors, is_plane, origins }
+        Self {
+            document,
+            mesh,
+            functions,
+            reads_tables: true,
+            errors,
+            notes,
+            coordinates,
+            vectors,
+            is_plane,
+            origins,
+        }
     }
 
     /// Where tables are that a value from `origin` names: beside the case file, or in the working directory if it comes
@@ -49,8 +62,8 @@ impl<'d> Checker<'d> {
         let folder = Path::new(&self.document.file_name).parent();
         match origin {
             _ if !self.reads_tables => Files::Unread,
-            Origin::File(_) => Files::In(folder.unwrap_or(Path::new(""))),
-            Origin::Set(_) => Files::In(Path::new("")),
+            Origin::File(_) => Files::In(folder.unwrap_or(Path::new("")), self.functions),
+            Origin::Set(_) => Files::In(Path::new(""), self.functions),
         }
     }
 

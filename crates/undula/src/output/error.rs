@@ -89,6 +89,13 @@ pub enum OutputError {
 }
 
 impl OutputError {
+    /// Whether it is the disk, not the choice of the file.
+    pub fn is_no_room(&self) -> bool {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+        matches!(self, OutputError::Io { source, .. }
+            if matches!(source.kind(), StorageFull | QuotaExceeded | FileTooLarge))
+    }
+
     /// For `map_err`: `action` on `path` failed.
     pub(crate) fn io(action: &'static str, path: impl AsRef<Path>) -> impl FnOnce(io::Error) -> OutputError {
         move |source| OutputError::Io { action, path: path.as_ref().to_path_buf(), source }

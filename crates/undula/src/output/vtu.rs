@@ -52,6 +52,16 @@ fn version(kind: CellKind, degree: usize) -> &'static str {
     if vtk_cell_type(kind, degree) == 72 { "2.1" } else { "1.0" }
 }
 
+impl FieldSnapshot {
+    /// The number of the type of the cells in VTK, and the points of each cell in the order of VTK.
+    pub fn vtk_cells(&self) -> (u8, Vec<i64>) {
+        let order = vtk_order(self.kind, self.degree);
+        let cells = self.cells.chunks_exact(self.points_per_cell());
+        let nodes = cells.flat_map(|cell| order.iter().map(|&i| i64::from(cell[i]))).collect();
+        (vtk_cell_type(self.kind, self.degree), nodes)
+    }
+}
+
 /// Writes `snapshot` at time `time` \[s\], atomically.
 ///
 /// # Errors
@@ -74,15 +84,14 @@ pub fn write_vtu(
         Precision::Double => false,
     };
     let mut data = Appended::default();
-    let order = vtk_order(snapshot.kind, snapshot.degree);
+    let (cell_type, nodes) = snapshot.vtk_cells();
     let flat: Vec<u8> = snapshot.points.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
     let points = data.array("Float64", "Points", 3, &flat);
-    let nodes = snapshot.cells.chunks_exact(n).flat_map(|cell| order.iter().map(|&i| cell[i]));
-    let connectivity: Vec<u8> = nodes.flat_map(|p| i64::from(p).to_le_bytes()).collect();
+    let connectivity: Vec<u8> = nodes.iter().flat_map(|p| p.to_le_bytes()).collect();
     let offsets: Vec<u8> = (1..=n_cells).flat_map(|c| ((n * c) as i64).to_le_bytes()).collect();
     let cells = data.array("Int64", "connectivity", 1, &connectivity)
         + &data.array("Int64", "offsets", 1, &offsets)
-        + &data.array("UInt8", "types", 1, &vec![vtk_cell_type(snapshot.kind, snapshot.degree); n_cells]);
+        + &data.array("UInt8", "types", 1, &vec![cell_type; n_cells]);
     let point_data: String = snapshot.point_data.iter().map(|f| data.field(f, n_points, single)).collect();
     let cell_data: String = snapshot.cell_data.iter().map(|f| data.field(f, n_cells, single)).collect();
     let version = version(snapshot.kind, snapshot.degree);

@@ -64,7 +64,7 @@ fn backflow<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -
 }
 
 /// What the summary says of a failure.
-pub(super) fn describe<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Breakdown {
+pub fn describe<const D: usize>(simulation: &Simulation<D>, failure: &StepFailure) -> Breakdown {
     let cause = &failure.details.cause;
     let Special { cause, sentence, remedy, place } =
         special(simulation, failure).unwrap_or_else(|| Special {

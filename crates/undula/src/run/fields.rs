@@ -6,8 +6,17 @@ use crate::element::Shape;
 use crate::functional::fields::nodal_pressure;
 use crate::functional::nodal::{FIELDS, NodalField, WallShear, in_body};
 use crate::output::{CellKind, Field, FieldSnapshot};
+use crate::simulation::Simulation;
 use crate::space::{FsiSpace, Region, State};
 use crate::system::Physics;
+
+/// The fields that the case of `simulation` writes, with the cells that it wants.
+pub fn written_fields<const D: usize>(simulation: &Simulation<D>) -> FieldSnapshot {
+    let Simulation { case, stepper, .. } = simulation;
+    let assembler = &stepper.assembler;
+    let fields = fields(&assembler.space, &assembler.physics, &stepper.new, &case.output, &case.smooth());
+    if case.output.curved { fields } else { fields.linear() }
+}
 
 /// The fields that `output` names, on the mesh that it wants.
 ///

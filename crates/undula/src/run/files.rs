@@ -1,15 +1,15 @@
 //! A run with its open files: what is written, and when.
 
 use super::checkpoint::{self, OfRun};
-use super::identity::{mesh_hash, table_hashes};
+use super::identity::mesh_hash;
 use super::rows::{columns, numbers};
+use super::summary::{Spent, summary_of};
 use super::window::Window;
-use super::{Flow, Observer, RunOptions, fields};
+use super::{Flow, Observer, RunOptions, written_fields};
 use crate::error::Error;
-use crate::functional::balance::Balance;
 use crate::output::{
-    Breakdown, Checkpoint, Collection, HistoryWriter, OutputError, Phases, Precision, Provenance,
-    RunDirectory, Status, Summary, hash, peak_memory, processor_seconds, text_of, write_vtu,
+    Breakdown, Checkpoint, Collection, HistoryWriter, OutputError, Precision, Provenance, RunDirectory,
+    Status, Summary, hash, text_of, write_vtu,
 };
 use crate::simulation::{Row, Simulation};
 use std::time::{Duration, Instant};
@@ -171,14 +171,9 @@ impl<const D: usize> Run<D> {
         }
         self.verify()?;
         let name = self.directory.field_name(step);
-        let stepper = &self.simulation.stepper;
-        let output = &self.simulation.case.output;
-        let assembler = &stepper.assembler;
-        let smooth = self.simulation.case.smooth();
-        let snapshot = fields(&assembler.space, &assembler.physics, &stepper.new, output, &smooth);
-        let snapshot = if output.curved { snapshot } else { snapshot.linear() };
-        write_vtu(self.directory.path().join(&name), &snapshot, stepper.time, Precision::Auto)?;
-        self.collection.add(stepper.time, name)?;
+        let snapshot = written_fields(&self.simulation);
+        write_vtu(self.directory.path().join(&name), &snapshot, self.simulation.time(), Precision::Auto)?;
+        self.collection.add(self.simulation.time(), name)?;
         self.last_fields = Some(step);
         Ok(())
     }
@@ -216,42 +211,17 @@ impl<const D: usize> Run<D> {
     }
 
     fn summary(&self, status: Status, breakdown: Option<Breakdown>) -> Summary {
-        let simulation = &self.simulation;
-        let newton = &simulation.stepper.newton;
+        let wall = self.wall_before + self.start.elapsed().as_secs_f64();
+        let spent = Spent { wall, output: self.output_seconds };
+        let summary = summary_of(&self.simulation, status, breakdown, spent);
         Summary {
-            status,
-            case: simulation.case.name.clone(),
-            start: simulation.case.initial.as_ref().map(ToString::to_string),
-            cells: simulation.stepper.assembler.space.mesh.n_cells(),
-            unknowns: simulation.unknowns(),
-            steps: simulation.steps,
-            newton_steps: newton.counters.newton_steps as u64,
-            jacobians: newton.counters.jacobians as u64,
-            rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
-            factorizations: newton.counters.factorizations as u64,
-            threads: simulation.threads(),
-            wall_seconds: self.wall_before + self.start.elapsed().as_secs_f64(),
-            phases: Phases {
-                assembly: newton.seconds.assembly,
-                factorization: newton.seconds.factorization,
-                solve: newton.seconds.solve,
-                output: self.output_seconds,
-            },
-            linear_iterations: newton.counters.linear_iterations as u64,
-            direct_fallbacks: newton.counters.fallbacks as u64,
-            largest_factor_unknowns: simulation.stepper.linear.largest_factor(),
-            cpu_seconds: processor_seconds(),
-            peak_memory_bytes: peak_memory(),
-            mass_balance: simulation.balance.as_ref().and_then(Balance::mass),
-            swept_volume: simulation.balance.as_ref().and_then(Balance::swept),
-            functionals: simulation.statistics(),
-            breakdown,
             provenance: Provenance {
                 case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
                 mesh_hash: self.mesh.clone(),
-                table_hashes: table_hashes(&simulation.case),
-                ..Provenance::now(self.commit.clone())
+                commit: self.commit.clone(),
+                ..summary.provenance
             },
+            ..summary
         }
     }
 

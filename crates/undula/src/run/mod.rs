@@ -8,11 +8,14 @@ mod identity;
 mod inflow;
 mod resume;
 mod rows;
+mod summary;
 mod window;
 
+pub use breakdown::describe as breakdown_of;
 pub use checkpoint::restore_latest;
-pub use fields::{fields, snapshot};
+pub use fields::{fields, snapshot, written_fields};
 pub use inflow::{Inflow, inflow};
+pub use summary::{Spent, summary_of};
 
 use crate::case::Case;
 use crate::error::Error;

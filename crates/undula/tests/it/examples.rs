@@ -210,8 +210,8 @@ fn examples_are_short_and_on_the_landing_page() {
 fn the_front_has_its_names() {
     #[allow(unused_imports)]
     use undula::{
-        Case, CaseBuilder, Deformation, Error, Fields, Located, Material, Mesh, MeshError, PointFields, Row,
-        Scalar, Setting, Simulation, StoredEnergy, Tensor,
+        Case, CaseBuilder, Deformation, Error, Fields, Located, Material, Mesh, MeshError, OwnFunction,
+        PointFields, Row, Scalar, Setting, Simulation, StoredEnergy, Tensor,
     };
     // A simulation can be moved to a thread, an error out of it.
     fn can_be_sent<T: Send>() {}

@@ -1,5 +1,6 @@
 //! Reading of tables of values: text files with two columns.
 
+use super::own::Functions;
 use super::table::{Interpolation, Row, Table};
 use crate::output::hash;
 use std::path::{Path, PathBuf};
@@ -10,8 +11,8 @@ const ROUNDING: f64 = 1e-9;
 /// Where tables are read from.
 #[derive(Copy, Clone, Debug)]
 pub(crate) enum Files<'a> {
-    /// Beside the files of this folder, where their paths are relative.
-    In(&'a Path),
+    /// Beside the files of this folder, where their paths are relative; a function of the program comes first.
+    In(&'a Path, &'a Functions),
     /// Nowhere: a table is known by its name and the hash that may stand behind it, as in `inflow.csv#6c62…`.
     Unread,
 }
@@ -24,7 +25,10 @@ impl Files<'_> {
     pub(super) fn table(&self, name: &str, how: Interpolation) -> Result<Table, String> {
         let relative = Path::new(name).is_relative();
         let folder = match self {
-            Files::In(folder) => folder,
+            Files::In(_, Functions(own)) if own.contains_key(name) => {
+                return Ok(Table::of_program(name, own[name].clone()));
+            }
+            Files::In(folder, _) => folder,
             Files::Unread => {
                 let (path, hash) = name.rsplit_once('#').unwrap_or((name, name));
                 return Ok(Table::new((PathBuf::from(path), relative), hash.into(), how, vec![]));

@@ -1,5 +1,6 @@
 //! Functions of one argument that are given by a table of values.
 
+use super::own::OwnFunction;
 use std::path::PathBuf;
 
 /// Words for [`Interpolation`].
@@ -7,6 +8,9 @@ const WORDS: [&str; 3] = ["linear", "cubic", "periodic"];
 
 /// An argument that lies beyond an end by this part of the arguments is at the end: sums of time steps are rounded.
 const ROUNDING: f64 = 1e-9;
+
+/// The hash of all functions of programs, whose content is not known.
+const OWN: &str = "own";
 
 /// How the values of a table are joined.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -66,12 +70,14 @@ pub struct Table {
     rows: Vec<Row>,
     /// d_i of cubic tables.
     slopes: Vec<f64>,
+    /// In place of the rows, a function of the program whose name the path is.
+    pub(crate) own: Option<OwnFunction>,
 }
 
 /// Whether the functions are equal, wherever the files are.
 impl PartialEq for Table {
     fn eq(&self, other: &Self) -> bool {
-        self.hash == other.hash && self.interpolation == other.interpolation
+        self.hash == other.hash && self.interpolation == other.interpolation && self.own == other.own
     }
 }
 
@@ -79,7 +85,13 @@ impl Table {
     /// The table of `rows`, whose arguments rise.
     pub(super) fn new(file: (PathBuf, bool), hash: String, how: Interpolation, rows: Vec<Row>) -> Table {
         let slopes = if how.cubic && !rows.is_empty() { slopes(&rows, how.periodic) } else { vec![] };
-        Table { path: file.0, relative: file.1, hash, interpolation: how, rows, slopes }
+        Table { path: file.0, relative: file.1, hash, interpolation: how, rows, slopes, own: None }
+    }
+
+    /// The function `own` of the program, called `name`.
+    pub(super) fn of_program(name: &str, own: OwnFunction) -> Table {
+        let table = Table::new((PathBuf::from(name), false), OWN.into(), Interpolation::default(), vec![]);
+        Table { own: Some(own), ..table }
     }
 
     /// First and last argument.
@@ -112,7 +124,7 @@ impl Table {
     /// The value at `argument`; NaN beyond the ends of a table that is not periodic.
     #[inline]
     pub(super) fn value(&self, argument: f64) -> f64 {
-        let Some((i, s)) = self.find(argument) else { return self.nothing(1.0) };
+        let Some((i, s)) = self.find(argument) else { return self.other(argument) };
         let (left, right) = (&self.rows[i], &self.rows[i + 1]);
         if !self.interpolation.cubic {
             return (1.0 - s) * left.value + s * right.value;
@@ -124,13 +136,24 @@ impl Table {
 
     /// The derivative at `argument`; of a linear table to the right of a row.
     pub(super) fn slope(&self, argument: f64) -> f64 {
-        let Some((i, s)) = self.find(argument) else { return self.nothing(0.0) };
+        let Some((i, s)) = self.find(argument) else { return self.other_slope(argument) };
         let line = line(&self.rows[i], &self.rows[i + 1]);
         if !self.interpolation.cubic {
             return line;
         }
         let (left, right) = (self.slopes[i], self.slopes[i + 1]);
         6.0 * s * (1.0 - s) * line + (1.0 - s) * (1.0 - 3.0 * s) * left + s * (3.0 * s - 2.0) * right
+    }
+
+    /// The value where no rows have one.
+    #[cold]
+    fn other(&self, argument: f64) -> f64 {
+        self.own.as_ref().map_or(self.nothing(1.0), |own| own.value(argument))
+    }
+
+    #[cold]
+    fn other_slope(&self, argument: f64) -> f64 {
+        self.own.as_ref().map_or(self.nothing(0.0), |own| own.slope(argument))
     }
 
     /// What stands in place of a value: NaN beyond the ends, `unread` if the file was not read.

@@ -1,0 +1,62 @@
+//! Lines on standard error: text, or with `--log json` one JSON object each.
+
+use serde_json::{Value, json};
+use std::fmt::Display;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What lines on standard error are.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum Log {
+    /// Text for people
+    #[default]
+    Text,
+    /// One JSON object a line
+    Json,
+}
+
+/// Whether they are JSON. The choice is one of the program, not of a run: mistakes in the input come before any run.
+static JSON: AtomicBool = AtomicBool::new(false);
+
+/// Words that begin a line of text and are the event of a line of JSON.
+const EVENTS: [&str; 4] = ["note", "warning", "breakdown", "error"];
+
+/// Chooses what lines are from here on.
+pub fn log_as(log: Log) {
+    JSON.store(log == Log::Json, Ordering::Relaxed);
+}
+
+/// Prints a line on standard error. Errors of writing are ignored (a reader such as `head` may have closed the pipe): a
+/// computation does not depend on its readers.
+pub fn say(line: impl Display) {
+    tell("message", line);
+}
+
+/// [`say`] of a line that is the event `name` unless its first word says another one.
+pub fn tell(name: &str, line: impl Display) {
+    let line = line.to_string();
+    if !JSON.load(Ordering::Relaxed) {
+        return write(&line);
+    }
+    let said = EVENTS.iter().find_map(|&name| Some((name, line.strip_prefix(name)?.strip_prefix(": ")?)));
+    let (name, text) = said.unwrap_or((name, &line));
+    event(name, json!({ "text": text }));
+}
+
+/// Prints the event `name` with its `values`, an object, as a line of JSON.
+pub fn event(name: &str, values: Value) {
+    let mut line = json!({ "event": name });
+    if let (Some(line), Value::Object(values)) = (line.as_object_mut(), values) {
+        line.extend(values);
+    }
+    write(&line.to_string());
+}
+
+fn write(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints notes on standard error.
+pub fn say_notes(notes: &[String]) {
+    notes.iter().for_each(|note| say(format_args!("note: {note}")));
+}

@@ -1,0 +1,143 @@
+//! The manual: its commands run, its links lead somewhere, its numbers are those of the files that they come from.
+
+use super::Place;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn docs() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap().join("docs")
+}
+
+/// The pages of the manual with their texts.
+fn pages() -> Vec<(PathBuf, String)> {
+    let files = fs::read_dir(docs().join("manual")).unwrap().map(|entry| entry.unwrap().path());
+    let mut pages: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    pages.sort();
+    assert!(pages.len() >= 7, "{pages:?}");
+    pages.into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The words behind ```` ```sh ```` and the commands of each box.
+fn boxes(text: &str) -> Vec<(Vec<&str>, Vec<&str>)> {
+    let mut found = vec![];
+    let mut lines = text.lines();
+    while let Some(line) = lines.next() {
+        if let Some(words) = line.strip_prefix("```sh") {
+            let commands = lines.by_ref().take_while(|line| *line != "```").collect();
+            found.push((words.split_whitespace().collect(), commands));
+        }
+    }
+    found
+}
+
+/// Runs the commands of the page `name` in a directory of its own, where boxes `in NAME` have a copy of that folder.
+/// Settings behind a box shorten its runs; `expect N` is the exit code. Pictures are drawn on the first page only.
+fn run_page(name: &str) {
+    let here = Place::new(&format!("manual-{name}"));
+    let text = fs::read_to_string(docs().join(format!("manual/{name}.md"))).unwrap();
+    let boxes = boxes(&text);
+    assert!(!boxes.is_empty(), "{name} has no commands");
+    for (words, commands) in boxes {
+        let (mut sets, mut code, mut folder) = (vec![], 0, here.0.clone());
+        for pair in words.chunks_exact(2) {
+            match pair[0] {
+                "--set" => sets.push(pair[1]),
+                "expect" => code = pair[1].parse().unwrap(),
+                "in" => {
+                    folder = here.file(pair[1]);
+                    if !folder.exists() {
+                        fs::create_dir(&folder).unwrap();
+                        for file in fs::read_dir(docs().join("manual").join(pair[1])).unwrap() {
+                            let file = file.unwrap();
+                            fs::copy(file.path(), folder.join(file.file_name())).unwrap();
+                        }
+                    }
+                }
+                other => panic!("{name}: {other}"),
+            }
+        }
+        for line in commands {
+            let arguments = line.strip_prefix("undula ").unwrap_or_else(|| panic!("{name}: {line}"));
+            let takes_sets = arguments.starts_with("run ") || arguments.starts_with("check ");
+            let mut command = here.command(arguments, if takes_sets { &sets } else { &[] });
+            if arguments.starts_with("run ") && name != "first-run" {
+                // Pictures take most of the time of a short run.
+                command.arg("--quiet");
+            }
+            let said = super::Said::of(command.current_dir(&folder).output().unwrap());
+            assert_eq!(said.code, Some(code), "{name}: {line}\n{}{}", said.out, said.err);
+        }
+    }
+}
+
+#[test]
+fn the_first_run_goes_as_the_manual_says() {
+    run_page("first-run");
+}
+
+#[test]
+fn a_geometry_of_its_own_goes_as_the_manual_says() {
+    run_page("own-geometry");
+}
+
+#[test]
+fn what_is_chosen_and_what_goes_wrong_is_as_the_manual_says() {
+    ["choosing", "trouble", "coming-from", "extending"].into_iter().for_each(run_page);
+}
+
+#[test]
+fn links_of_the_manual_lead_somewhere() {
+    let mut pages = pages();
+    for other in ["SUMMARY.md", "python.md", "log.md", "report.md"] {
+        let path = docs().join(other);
+        pages.push((path.clone(), fs::read_to_string(path).unwrap()));
+    }
+    let mut count = 0;
+    for (path, text) in &pages {
+        let links = text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link);
+        let includes =
+            text.split("{{#include ").skip(1).filter_map(|rest| rest.split_once("}}")).map(|(file, _)| file);
+        for link in links.chain(includes).filter(|link| !link.contains("://")) {
+            let file = link.split('#').next().unwrap();
+            assert!(path.parent().unwrap().join(file).exists(), "{}: {link}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 60, "{count} links");
+}
+
+#[test]
+fn numbers_of_the_manual_are_those_of_the_files_they_come_from() {
+    let mut rows = 0;
+    for (path, text) in pages() {
+        let lines: Vec<&str> = text.lines().collect();
+        for (n, line) in lines.iter().enumerate() {
+            let Some(source) = line.strip_prefix("<!-- numbers: ").and_then(|rest| rest.strip_suffix(" -->"))
+            else {
+                continue;
+            };
+            let source = fs::read_to_string(docs().parent().unwrap().join(source)).unwrap();
+            let cells = |row: &str| -> Vec<String> {
+                row.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect()
+            };
+            let table: Vec<Vec<String>> = source.lines().filter(|l| l.starts_with('|')).map(cells).collect();
+            let above = lines[..n].iter().rev().skip(1).take_while(|row| row.starts_with('|'));
+            for row in above.filter(|row| !row.starts_with("| ---")) {
+                let found = table.iter().any(|known| cells(row).iter().all(|cell| known.contains(cell)));
+                assert!(found, "{}:{}: {row}", path.display(), n + 1);
+                rows += 1;
+            }
+        }
+    }
+    assert!(rows > 15, "{rows} rows");
+}
+
+#[test]
+fn every_built_in_case_has_its_place_in_the_manual() {
+    let text = fs::read_to_string(docs().join("manual/examples.md")).unwrap();
+    for case in undula::case::builtin::builtin_cases() {
+        assert!(text.contains(&format!("undula run {}\n", case.name)), "{}", case.name);
+        let title = undula::case::Case::builtin(case.name, &[]).unwrap().title;
+        assert!(text.contains(&title), "{}: {title}", case.name);
+    }
+}
