@@ -82,4 +82,5 @@ mod transfer;
 mod valve;
 mod vibration;
 mod viscosity;
+mod vtu_meshes;
 mod womersley;
