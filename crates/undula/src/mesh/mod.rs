@@ -24,6 +24,7 @@ mod seams;
 mod tetrahedra;
 mod topology;
 mod triangulate;
+mod wall;
 
 pub use curve::Curve;
 pub use distance::FacetDistance;
@@ -34,6 +35,7 @@ pub use quality::Quality;
 pub use regions::INTERFACE;
 pub use seams::Seam;
 pub use topology::{Facets, Side};
+pub use wall::{Wall, ring};
 
 use crate::element::Shape;
 use std::collections::HashSet;

@@ -83,4 +83,6 @@ mod valve;
 mod vibration;
 mod viscosity;
 mod vtu_meshes;
+mod walled_cases;
+mod walls;
 mod womersley;
