@@ -33,6 +33,21 @@ tube     | mesh.cells=[40,16,1] mesh.grading=0 time.end=8e-3
 tube     | time.end=1.1e-2
 tube     | mesh.grading=3 time.end=6e-3
 tube     | mesh.cells=[60,8,1] mesh.grading=3 time.step=5e-5 time.end=5.2e-3
+land     | mesh.cells=[10,1,1]
+land     | mesh.cells=[20,2,2]
+land     | mesh.cells=[40,4,4]
+land     | mesh.cells=[10,1,1] space.velocity=P2
+land     | mesh.cells=[10,1,1] space.velocity=P3
+land     | mesh.cells=[10,2,2] space.velocity=P2
+land     | mesh.cells=[20,2,2] space.velocity=P2
+fsi-box  | mesh.grading=0 space.velocity=P2
+fsi-box  | mesh.grading=0 space.velocity=P3
+fsi-box  | mesh.grading=0 space.velocity=P2-bubble
+fsi-box  | mesh.grading=1 space.velocity=P2
+tube     | time.step=5e-4 time.end=8e-3
+tube     | time.step=5e-4 time.end=8e-3 space.velocity=P2
+tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3
+tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3 space.velocity=P2-bubble
 tube-2d  | mesh.refine=0 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3 time.step=2.5e-5

@@ -21,7 +21,10 @@ pub fn schema() -> Value {
         for part in tables {
             place = child(place, part);
         }
-        place["properties"][*last] = of_key(key);
+        match *last {
+            NAME => place["additionalProperties"] = of_key(key),
+            last => place["properties"][last] = of_key(key),
+        }
     }
     whole
 }

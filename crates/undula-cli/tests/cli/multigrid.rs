@@ -196,7 +196,8 @@ fn a_direct_solver_takes_over_where_multigrid_fails() {
         assert_eq!(here.json("out/summary.json")["direct_fallbacks"], 1);
         is_near(&with("linear.solver=multifrontal"), &rows, more);
         let sets = [&[MULTIGRID], &weak[..], more].concat();
-        here.run(&format!("run {case} --force"), &sets).expect(0, &["did not converge, the direct solver takes over"]);
+        here.run(&format!("run {case} --force"), &sets)
+            .expect(0, &["did not converge, the direct solver takes over"]);
     }
 }
 

@@ -28,7 +28,7 @@ macro_rules! cases {
 static CASES: &[BuiltinCase] = cases![
     "cfd1", "cfd2", "cfd3", "csm1", "csm2", "csm3", "fsi1", "fsi2", "fsi3", "dfg-2d1", "dfg-2d2", "dfg-2d3",
     "rotor", "flap", "cavity", "tube-2d", "cylinder", "pump", "valve", "dfg-3d1z", "dfg-3d3z", "cook",
-    "fsi-box", "tube",
+    "fsi-box", "tube", "land",
 ];
 
 /// All built-in cases.

@@ -15,6 +15,7 @@ impl Case {
         for (name, expression) in &self.mesh.region {
             found.push((key::join("mesh.region", name), expression));
         }
+        found.extend(self.mesh.wall.iter().map(|wall| ("mesh.wall.thickness".to_string(), &wall.thickness)));
         found.extend(self.mesh.axis().iter().map(|expression| ("mesh.axis".to_string(), expression)));
         for load in self.loads() {
             found.extend(load.force.iter().map(|expression| (load.key.clone(), expression)));
@@ -38,6 +39,7 @@ impl Case {
     /// The same to be changed, without keys.
     fn expressions_mut(&mut self) -> Vec<&mut Expression> {
         let mut found: Vec<&mut Expression> = self.mesh.region.values_mut().collect();
+        found.extend(self.mesh.wall.iter_mut().map(|wall| &mut wall.thickness));
         if let MeshSource::Tube { axis, .. } = &mut self.mesh.source {
             found.extend(axis);
         }

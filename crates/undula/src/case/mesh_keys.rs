@@ -5,9 +5,9 @@ use super::schema::GENERATORS;
 use crate::space::COORDINATES;
 
 /// The keys of `[mesh]`.
-pub(super) static MESH: [Key; 17] = [
+pub(super) static MESH: [Key; 20] = [
     word("mesh.generator", &GENERATORS, "none", "built-in mesh, instead of `file`"),
-    text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1), relative to the case file"),
+    text("mesh.file", "none", "Gmsh file (formats 2.2 and 4.1) or VTU file, relative to the case file"),
     number("mesh.scale", "m", "1", "length of one unit of the coordinates in the file"),
     word("mesh.coordinates", &COORDINATES, "cartesian", "what the coordinates of the mesh mean"),
     number("mesh.refine", "", "0", "uniform refinements"),
@@ -46,5 +46,17 @@ pub(super) static MESH: [Key; 17] = [
         "0",
         "halvings of the first and the last layer towards front and back",
     ),
+    text(
+        "mesh.wall.surface",
+        "none",
+        "boundaries in space that a wall grows from: region `wall`, boundaries `outer`, `wall-OPENING`",
+    ),
+    number(
+        "mesh.wall.thickness",
+        "m",
+        "required with surface",
+        "thickness of the wall: a number or an expression of x, y, z on the surface",
+    ),
+    number("mesh.wall.layers", "", "1", "layers of cells through the wall, before refinement"),
     text("mesh.region.NAME", "none", "box, annulus: expression of x, y that is positive inside the region"),
 ];

@@ -23,7 +23,7 @@ pub use crate::physics::{MotionModel, SolidLaw};
 use crate::space::{Against, Walls};
 pub use crate::tangent::{Linearization, Tangent};
 pub use crate::time::{AdaptiveSettings, DomainMotion, Scheme};
-pub use mesh::{Extrude, GENERATORS, MeshSource, MeshSpec, OwnMesh};
+pub use mesh::{Extrude, GENERATORS, MeshSource, MeshSpec, OwnMesh, WallSpec};
 pub use solver::{GMRES, KRYLOV, LinearSpec, NewtonSpec, OutputSpec, TimeSpec, WITH_MULTIGRID};
 use std::collections::BTreeMap;
 

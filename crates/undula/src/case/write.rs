@@ -9,7 +9,9 @@ use super::expression::{Expression, Table};
 use super::initial::Initial;
 use super::literal::{number, numbers, string};
 use super::profile::PROFILES;
-use super::schema::{Case, Condition, Extrude, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent};
+use super::schema::{
+    Case, Condition, Extrude, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent, WallSpec,
+};
 use super::{key, keys};
 use crate::algebra::{PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
@@ -191,6 +193,11 @@ impl Case {
             out.key("extrude.depth", number(depth));
             out.key("extrude.layers", layers.to_string());
             out.key("extrude.grading", grading.to_string());
+        }
+        if let Some(WallSpec { surface, thickness, layers }) = &self.mesh.wall {
+            out.key("wall.surface", names(surface));
+            out.key("wall.thickness", expression(thickness));
+            out.key("wall.layers", layers.to_string());
         }
         out.choice("coordinates", &COORDINATES, &self.mesh.coordinates);
         out.key("refine", self.mesh.refine.to_string());

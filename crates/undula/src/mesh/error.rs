@@ -114,9 +114,27 @@ pub enum MeshError {
         /// What is wrong and what would be right.
         reason: String,
     },
+    /// A cell or point of a mesh file that cannot be used.
+    #[error("{}: {item}: {reason}", path.display())]
+    Item {
+        /// The file.
+        path: PathBuf,
+        /// `cell` or `point` with its number, from 0.
+        item: String,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
     /// Cells of a shape on which the finite elements do not live, in words.
     #[error("{0}")]
     WrongCells(String),
+    /// A wall that cannot be grown.
+    #[error("{reason}")]
+    Wall {
+        /// Its key that is to blame.
+        key: &'static str,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
     /// A name that the mesh does not have.
     #[error("the mesh has no {kind} `{name}`; it has {known}")]
     UnknownName {

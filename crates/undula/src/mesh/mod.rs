@@ -25,6 +25,7 @@ mod split;
 mod tetrahedra;
 mod topology;
 mod triangulate;
+mod wall;
 
 pub use curve::Curve;
 pub use distance::FacetDistance;
@@ -37,6 +38,7 @@ pub use regions::INTERFACE;
 pub use seams::Seam;
 pub use split::Split;
 pub use topology::{Facets, Side};
+pub use wall::{Wall, ring};
 
 use crate::element::Shape;
 use std::collections::HashSet;

@@ -91,13 +91,17 @@ impl Fit<'_> {
         self.absent_boundaries();
         for (name, regions) in &self.names.boundaries {
             let (fluid, solid) = self.touches(regions);
-            if name == INTERFACE || !(fluid || solid) {
+            if name == INTERFACE {
                 continue;
             }
             let key = key::join("boundary", name);
             let condition = self.case.boundary.get(name);
+            // A part may be seen from a region that is left out.
             if condition.is_some() && self.is_part(name) {
                 self.error(&key, self.part_of_interface(name));
+                continue;
+            }
+            if !(fluid || solid) {
                 continue;
             }
             match condition {

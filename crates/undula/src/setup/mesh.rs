@@ -5,11 +5,11 @@ use super::names::MeshNames;
 use super::regions::mesh_key;
 use crate::case::error::{CaseError, CaseErrors};
 use crate::case::expression::Expression;
-use crate::case::schema::Extrude;
+use crate::case::schema::{Extrude, WallSpec};
 use crate::case::{Case, MeshSource, OwnMesh};
 use crate::error::Error;
 use crate::mesh::gmsh::AnyMesh;
-use crate::mesh::{Curve, Extrusion, Hierarchy, INTERFACE, Mesh, MeshError, generate, gmsh};
+use crate::mesh::{Curve, Extrusion, Hierarchy, INTERFACE, Mesh, MeshError, Wall, generate, gmsh};
 use crate::system::Dim;
 
 /// The components of a position, or numbers along its coordinates.
@@ -181,11 +181,35 @@ impl Case {
         let is_made = !matches!(self.mesh.source, MeshSource::File(_));
         let mesh =
             if is_made && self.space.velocity.is_simplicial() { in_tetrahedra(&mesh, &curves) } else { mesh };
+        let mesh = self.walled(mesh)?;
         let (mesh, hierarchy) = Hierarchy::refine(mesh, self.mesh.refine as usize, &curves);
         match self.mesh.axis() {
             [] => Ok((mesh, hierarchy, curves)),
             axis => self.bent(mesh, axis),
         }
+    }
+
+    /// The mesh with the wall that the case asks for.
+    fn walled(&self, mesh: Mesh<3>) -> Result<Mesh<3>, Error> {
+        let Some(WallSpec { surface, thickness, layers }) = &self.mesh.wall else { return Ok(mesh) };
+        let gap = std::cell::RefCell::new(String::new());
+        let at = |x: [f64; 3]| {
+            let value = thickness.eval(&x, 0.0);
+            if value.is_nan() && gap.borrow().is_empty() {
+                gap.replace(thickness.gap(&x, 0.0));
+            }
+            value
+        };
+        let blame = |e| match e {
+            MeshError::Wall { key, .. } => {
+                self.refuse(&format!("mesh.wall.{key}"), format!("{e}{}", gap.borrow()))
+            }
+            MeshError::UnknownName { .. } => self.blame("mesh.wall.surface", e),
+            _ => self.blame(mesh_key(self), e),
+        };
+        let mesh = mesh.with_wall(&Wall { surface, thickness: &at, layers: *layers }).map_err(blame)?;
+        self.check_memory(Some(&mesh))?;
+        Ok(mesh)
     }
 
     /// A straight tube along the curve that its axis follows.

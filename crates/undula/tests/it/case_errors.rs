@@ -351,7 +351,7 @@ fn a_case_that_is_not_there() {
         told("missing/own.toml").0,
         "no such case or file: `missing/own.toml`; built-in cases are `cfd1`, `cfd2`, `cfd3`, `csm1`, `csm2`, `csm3`, \
          `fsi1`, `fsi2`, `fsi3`, `dfg-2d1`, `dfg-2d2`, `dfg-2d3`, `rotor`, `flap`, `cavity`, `tube-2d`, `cylinder`, `pump`, `valve`, \
-         `dfg-3d1z`, `dfg-3d3z`, `cook`, `fsi-box`, `tube`"
+         `dfg-3d1z`, `dfg-3d3z`, `cook`, `fsi-box`, `tube`, `land`"
     );
     // A directory exists, but it cannot be read as a file.
     assert!(!told("src").1);

@@ -4,13 +4,13 @@ use crate::common::{FLUID, builtin, sets, turek_hron, wrong_builtin};
 use undula::case::builtin::builtin_cases;
 use undula::case::expression::Expression;
 use undula::case::*;
-use undula::mesh::generate::{cook, dfg_3d, fsi_box, rectangle, schaefer_turek, tube};
+use undula::mesh::generate::{cook, dfg_3d, fsi_box, hexahedra, rectangle, schaefer_turek, tube};
 use undula::setup::names::MeshNames;
 use undula::space::Walls;
 
 #[test]
 fn every_builtin_case_loads_and_survives_the_way_back() {
-    assert_eq!(builtin_cases().len(), 24);
+    assert_eq!(builtin_cases().len(), 25);
     for shipped in builtin_cases() {
         let case = builtin(shipped.name, &[]);
         assert_eq!(case.name, shipped.name);
@@ -34,6 +34,11 @@ fn builtin_cases_fit_their_mesh() {
             name if name.starts_with("dfg-3d") => MeshNames::of(&dfg_3d(0).extruded(0.41, 1).unwrap()),
             "cook" => MeshNames::of(&cook(0).extruded(1e-3, 1).unwrap()),
             "fsi-box" => MeshNames::of(&fsi_box(0, 1).unwrap()),
+            "land" => {
+                let mut mesh = hexahedra([0.0; 3], [1.0; 3], [1; 3], 0).unwrap();
+                mesh.regions = vec!["solid".into()];
+                MeshNames::of(&mesh)
+            }
             "tube" => MeshNames::of(&tube([0.05, 0.005, 0.001], [20, 8, 1], 0).unwrap()),
             _ => turek_hron(),
         };

@@ -9,7 +9,7 @@ use undula::case::builtin::builtin_cases;
 use undula::case::keys::{KEYS, Key, find};
 
 /// Cases that together have a value for each key that has a default.
-const CASES: [&[&str]; 12] = [
+const CASES: [&[&str]; 13] = [
     &[],
     &["space.velocity=Q1", "functional.f.component=y"],
     &["stabilization.transport=lps", "time.adaptive.safety=0.8"],
@@ -29,6 +29,7 @@ const CASES: [&[&str]; 12] = [
     ],
     &["mesh.generator=none", "mesh.file=none.msh"],
     &["mesh.extrude={depth=1,layers=1}"],
+    &["mesh.generator=fsi-box", "mesh.wall={surface=\"walls\",thickness=1}"],
 ];
 
 const TEXT: &str = r#"

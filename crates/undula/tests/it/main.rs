@@ -82,4 +82,7 @@ mod transfer;
 mod valve;
 mod vibration;
 mod viscosity;
+mod vtu_meshes;
+mod walled_cases;
+mod walls;
 mod womersley;

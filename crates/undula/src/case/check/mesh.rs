@@ -5,7 +5,7 @@ use super::resolve;
 use crate::case::error::quoted;
 use crate::case::expression::Expression;
 use crate::case::read::{POSITIVE, Section, Vectors};
-use crate::case::schema::{Extrude, GENERATORS, MeshSource, MeshSpec};
+use crate::case::schema::{Extrude, GENERATORS, MeshSource, MeshSpec, WallSpec};
 use crate::choice;
 use crate::mesh::gmsh;
 use crate::space::COORDINATES;
@@ -21,6 +21,7 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     let refine = s.integer("refine", 0, 0..=10) as u32;
     let grading = s.integer("grading", 0, 0..=30) as u32;
     let (corners, extrude) = sizes(&mut s, root, generator.as_ref(), file.as_deref());
+    let wall = wall(&mut s, root, extrude.is_some());
     let radii = s.pair("radii", POSITIVE);
     let length = s.has("length").then(|| s.number("length", 1.0, POSITIVE));
     let axis = axis(&mut s);
@@ -32,11 +33,10 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     if s.has("scale") && file.is_none() {
         s.wrong("scale", "only for `file`: the generators make meshes in metres");
     }
-    if let Some(MeshSource::Annulus { .. }) = generator {
-        check_ring(&s, radii, corners.cells.as_deref(), 0);
-    }
-    if let Some(MeshSource::Tube { .. }) = generator {
-        check_ring(&s, radii, corners.cells.as_deref(), 1);
+    match generator {
+        Some(MeshSource::Annulus { .. }) => check_ring(&s, radii, corners.cells.as_deref(), 0),
+        Some(MeshSource::Tube { .. }) => check_ring(&s, radii, corners.cells.as_deref(), 1),
+        _ => {}
     }
     let source = match (generator, file) {
         (Some(MeshSource::Annulus { .. }), _) => {
@@ -58,12 +58,12 @@ pub(super) fn mesh(mut s: Section<'_, '_>, root: &Section<'_, '_>) -> Option<Mes
     };
     let source = own.map_or(source, |mesh| MeshSource::Own(mesh.clone()));
     s.finish();
-    let dimension = root.checker.vectors.get().len();
     Some(MeshSpec {
         source,
-        dimension,
+        dimension: root.checker.vectors.get().len(),
         scale,
         extrude,
+        wall,
         coordinates,
         refine,
         grading,
@@ -169,6 +169,41 @@ fn extrude(mut s: Section<'_, '_>) -> Option<Extrude> {
     Some(Extrude { depth, layers, grading })
 }
 
+/// The wall around a mesh of space.
+fn wall(of: &mut Section<'_, '_>, root: &Section<'_, '_>, is_extruded: bool) -> Option<WallSpec> {
+    let mut s = of.section("wall");
+    if !s.is_present() {
+        return None;
+    }
+    if root.checker.vectors.get() == Vectors::Plane {
+        of.wrong("wall", "only for meshes of space: this one is of the plane");
+    } else if is_extruded {
+        of.wrong(
+            "wall",
+            "not for extruded meshes: expected a file with cells of space, or a generator of space",
+        );
+    }
+    let surface = s.names("surface", "[\"lumen\"]", 1);
+    let thickness = s.expression("thickness");
+    for (key, about) in [
+        ("surface", "the boundary that the wall grows from, such as \"lumen\""),
+        ("thickness", "the thickness [m], a number or an expression of x, y, z"),
+    ] {
+        if !s.has(key) {
+            s.missing(key, about);
+        }
+    }
+    if thickness.as_ref().is_some_and(Expression::depends_on_time) {
+        s.wrong("thickness", "it is that of the undeformed wall and cannot depend on t");
+    }
+    if thickness.as_ref().and_then(Expression::constant_value).is_some_and(|h| h <= 0.0) {
+        s.wrong("thickness", "expected a number above 0");
+    }
+    let layers = s.integer("layers", 1, 1..=1000);
+    s.finish();
+    Some(WallSpec { surface: surface?, thickness: thickness?, layers })
+}
+
 /// Which generators take a key.
 const SIZES: [(&str, &[&str]); 7] = [
     ("lower", &["box"]),
@@ -222,9 +257,19 @@ fn check_ring(s: &Section<'_, '_>, radii: Option<[f64; 2]>, cells: Option<&[usiz
 
 /// Keys that say where the mesh comes from, if the program gives it.
 fn refuse_source(s: &Section<'_, '_>) {
-    for key in
-        ["generator", "file", "grading", "lower", "upper", "length", "radii", "cells", "axis", "region"]
-    {
+    for key in [
+        "generator",
+        "file",
+        "grading",
+        "lower",
+        "upper",
+        "length",
+        "radii",
+        "cells",
+        "axis",
+        "region",
+        "wall",
+    ] {
         if s.has(key) {
             s.wrong(key, "the program gives the mesh");
         }

@@ -19,6 +19,8 @@ pub struct MeshSpec {
     pub dimension: usize,
     /// How a plane mesh becomes one of space; `None`: it stays as it is.
     pub extrude: Option<Extrude>,
+    /// A wall that is grown outward from a surface of a mesh of space, before it is refined; `None`: none.
+    pub wall: Option<WallSpec>,
     /// What the coordinates mean.
     pub coordinates: Coordinates,
     /// Number of uniform refinements.
@@ -41,6 +43,17 @@ impl MeshSpec {
             _ => &[],
         }
     }
+}
+
+/// A wall around a mesh of space.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WallSpec {
+    /// The boundaries that it grows from.
+    pub surface: Vec<String>,
+    /// Its thickness \[m\] above a point of the surface.
+    pub thickness: Expression,
+    /// Layers of cells through it, before refinement.
+    pub layers: usize,
 }
 
 /// The plane mesh, refined as it is, along z.

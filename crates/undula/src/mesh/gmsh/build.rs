@@ -193,7 +193,7 @@ fn facets<const D: usize>(
     let mut named: BTreeMap<Side, (u16, &Element)> = BTreeMap::new();
     let what = groups.what;
     for &element in elements {
-        let refuse = |reason: String| Err(error(groups.source.path, element.at, reason));
+        let refuse = |reason: String| Err(groups.refuse(element, &reason));
         if groups.raw.group(element, groups.source)? == 0 {
             continue;
         }
@@ -257,7 +257,26 @@ impl<'a> Groups<'a> {
             }
             groups.by_tag.insert(*tag, index as u16);
         }
+        if groups.names.is_empty() {
+            groups.number();
+        }
         groups
+    }
+
+    /// Where no group has a name, as in files of meshio, their numbers are their names.
+    fn number(&mut self) {
+        let of_dim = self.raw.elements.iter().filter(|e| e.dim == self.dim);
+        let mut tags: Vec<i64> = of_dim.filter_map(|e| self.raw.group(e, self.source).ok()).collect();
+        tags.sort_unstable();
+        tags.dedup();
+        tags.retain(|tag| *tag != 0);
+        self.by_tag = tags.iter().zip(0..).map(|(&tag, index)| (tag, index)).collect();
+        self.names = tags.iter().map(i64::to_string).collect();
+    }
+
+    /// A mistake at an element, with the place of its middle.
+    fn refuse(&self, element: &Element, reason: &str) -> MeshError {
+        error(self.source.path, element.at, format!("{reason}{}", self.raw.place_of(&element.nodes)))
     }
 
     /// Index of the group of `element`, which must have a name.
@@ -273,14 +292,20 @@ impl<'a> Groups<'a> {
                               groups out: write the file with `Mesh.SaveAll = 0;`, or with `Mesh.MshFileVersion = 4.1;`";
                 return Err(error(self.source.path, element.at, reason.into()));
             }
+            None if group == 0 && self.raw.version == Version::Vtu => format!("a {what} in no group"),
             None if group == 0 => format!("a {what} in no physical group"),
             None => format!("a {what} in physical group {group}, which has no name"),
         };
-        let advice = format!(
-            "give its {} a named one, such as `Physical {kind}(\"{example}\") = {{…}};`",
-            kind.to_lowercase()
-        );
-        Err(error(self.source.path, element.at, format!("{reason}: {advice}")))
+        let advice = match self.raw.version {
+            Version::Vtu => format!(
+                "give it a number in an array of the cells called `region`, or 1 in one of 0 and 1 called `{example}`"
+            ),
+            _ => format!(
+                "give its {} a named one, such as `Physical {kind}(\"{example}\") = {{…}};`",
+                kind.to_lowercase()
+            ),
+        };
+        Err(self.refuse(element, &format!("{reason}: {advice}")))
     }
 
     /// What is wrong with an element that is in the file twice, as version 2.2 has those of several groups.

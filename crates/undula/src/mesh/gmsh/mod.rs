@@ -8,12 +8,16 @@
 //! out; tetrahedra have 4 or 10 nodes, hexahedra 8 or 27. In Gmsh: `Physical Surface("fluid") = {…};`, `Physical Curve("walls") = {…};` and
 //! `Physical Volume("fluid") = {…};`, `Physical Surface("walls") = {…};` in space, `Mesh.ElementOrder = 2`, for
 //! quadrilaterals and hexahedra `Mesh.RecombineAll = 1` and for 9 and 27 nodes `Mesh.SecondOrderIncomplete = 0`.
+//!
+//! If no group of a dimension has a name, as in files of meshio, groups are called by their numbers. VTU files are read
+//! here, too, see `vtu`.
 
 mod build;
 mod kinds;
 mod raw;
 mod sections;
 mod source;
+mod vtu;
 mod write;
 
 pub use write::write;
@@ -59,8 +63,7 @@ pub fn read(path: &Path) -> Result<Mesh<2>, MeshError> {
 /// As [`read`].
 pub fn dimension(path: &Path) -> Result<usize, MeshError> {
     let bytes = bytes(path)?;
-    let raw = sections::parse(&mut Source::new(&bytes, path))?;
-    Ok(build::dimension(&raw))
+    Ok(build::dimension(&contents(&mut Source::new(&bytes, path))?))
 }
 
 /// Shape of the cells of the mesh in file `path`; nothing but the cells is looked at.
@@ -70,7 +73,7 @@ pub fn dimension(path: &Path) -> Result<usize, MeshError> {
 pub fn shape(path: &Path) -> Result<Shape, MeshError> {
     let bytes = bytes(path)?;
     let mut source = Source::new(&bytes, path);
-    let raw = sections::parse(&mut source)?;
+    let raw = contents(&mut source)?;
     let kind = build::kind(&raw, &source)?;
     kind.shape.ok_or_else(|| source.error("the mesh has no cells".into()))
 }
@@ -81,7 +84,7 @@ pub fn shape(path: &Path) -> Result<Shape, MeshError> {
 /// As [`read`].
 pub fn parse_any(bytes: impl AsRef<[u8]>, path: &Path) -> Result<AnyMesh, MeshError> {
     let mut source = Source::new(bytes.as_ref(), path);
-    let raw = sections::parse(&mut source)?;
+    let raw = contents(&mut source)?;
     match build::dimension(&raw) {
         2 => build::mesh(raw, &source).map(AnyMesh::Plane),
         _ => build::mesh(raw, &source).map(AnyMesh::Space),
@@ -94,8 +97,17 @@ pub fn parse_any(bytes: impl AsRef<[u8]>, path: &Path) -> Result<AnyMesh, MeshEr
 /// As [`read`].
 pub fn parse(bytes: impl AsRef<[u8]>, path: &Path) -> Result<Mesh<2>, MeshError> {
     let mut source = Source::new(bytes.as_ref(), path);
-    let raw = sections::parse(&mut source)?;
+    let raw = contents(&mut source)?;
     build::mesh(raw, &source)
+}
+
+/// The nodes and elements of a file of either kind.
+fn contents(source: &mut Source) -> Result<raw::Raw, MeshError> {
+    if vtu::is_vtu(source.bytes()) {
+        vtu::parse(source.bytes(), source.path)
+    } else {
+        sections::parse(source)
+    }
 }
 
 fn bytes(path: &Path) -> Result<Vec<u8>, MeshError> {

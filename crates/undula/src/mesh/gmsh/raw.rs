@@ -1,6 +1,7 @@
 //! What a `.msh` file contains, and which groups its elements are in.
 
 use super::source::{At, Source};
+use crate::math::{rounded, shortest};
 use crate::mesh::MeshError;
 use std::collections::HashMap;
 
@@ -15,6 +16,8 @@ pub(super) struct Raw {
     pub elements: Vec<Element>,
     /// Entities of version 4 by dimension and tag, and those of partitions.
     pub entities: [HashMap<(usize, i64), Entity>; 2],
+    /// Cells of a VTU file, points among them.
+    pub n_cells: usize,
 }
 
 /// A node.
@@ -46,11 +49,12 @@ impl Element {
     }
 }
 
-/// The two versions of the format.
+/// The two versions of the format, and files of VTK, whose names are as those of version 2.
 #[derive(Copy, Clone, PartialEq)]
 pub(super) enum Version {
     V2,
     V4,
+    Vtu,
 }
 
 /// A piece of the geometry.
@@ -62,6 +66,23 @@ pub(super) struct Entity {
 }
 
 impl Raw {
+    /// Nothing of a VTU file yet.
+    pub fn of_cells() -> Self {
+        let entities = [HashMap::new(), HashMap::new()];
+        Raw { version: Version::Vtu, names: vec![], nodes: vec![], elements: vec![], entities, n_cells: 0 }
+    }
+
+    /// Where the middle of these nodes is, as the end of a message; nothing if they are not there.
+    pub fn place_of(&self, nodes: &[u64]) -> String {
+        let at = |tag: &u64| self.nodes.iter().find(|node| node.tag == *tag).map(|node| node.x);
+        let points: Option<Vec<[f64; 3]>> = nodes.iter().map(at).collect();
+        let Some(points) = points.filter(|points| !points.is_empty()) else { return String::new() };
+        let mean = |d: usize| points.iter().map(|x| x[d]).sum::<f64>() / points.len() as f64;
+        let size = self.nodes.iter().flat_map(|node| node.x).fold(0.0, |size: f64, x| size.max(x.abs()));
+        let digits = |d: usize| shortest(rounded(mean(d), size, 6));
+        format!(" (at {}, {}, {})", digits(0), digits(1), digits(2))
+    }
+
     /// Adds an element; points are left out.
     pub fn add(&mut self, at: At, dim: usize, owner: i64, nodes: Vec<u64>) {
         if dim > 0 {
@@ -74,7 +95,7 @@ impl Raw {
     /// # Errors
     /// An entity in several groups.
     pub fn group(&self, element: &Element, source: &Source) -> Result<i64, MeshError> {
-        if self.version == Version::V2 {
+        if self.version != Version::V4 {
             return Ok(element.owner);
         }
         match self.groups(element.dim, element.owner) {

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 pub(super) fn parse(source: &mut Source) -> Result<Raw, MeshError> {
     let version = format(source)?;
     let entities = [HashMap::new(), HashMap::new()];
-    let mut raw = Raw { version, names: vec![], nodes: vec![], elements: vec![], entities };
+    let mut raw = Raw { version, names: vec![], nodes: vec![], elements: vec![], entities, n_cells: 0 };
     let (mut has_nodes, mut has_elements) = (false, false);
     while let Some(line) = source.line() {
         let Some(Ok(section)) = line.text.strip_prefix(b"$").map(std::str::from_utf8) else { continue };

@@ -12,6 +12,10 @@ pub(super) enum At {
     Line(usize),
     /// Byte of a binary file, from 0.
     Byte(usize),
+    /// Cell of a VTU file, from 0.
+    Cell(usize),
+    /// Point of a VTU file, from 0.
+    Point(usize),
 }
 
 impl fmt::Display for At {
@@ -19,6 +23,8 @@ impl fmt::Display for At {
         match self {
             At::Line(line) => write!(f, "line {line}"),
             At::Byte(byte) => write!(f, "byte {byte}"),
+            At::Cell(cell) => write!(f, "cell {cell}"),
+            At::Point(point) => write!(f, "point {point}"),
         }
     }
 }
@@ -29,6 +35,7 @@ pub(super) fn error(path: &Path, at: At, reason: String) -> MeshError {
     match at {
         At::Line(line) => MeshError::File { path, line, reason },
         At::Byte(byte) => MeshError::Binary { path, byte, reason },
+        At::Cell(_) | At::Point(_) => MeshError::Item { path, item: at.to_string(), reason },
     }
 }
 
@@ -61,6 +68,11 @@ impl<'a> Source<'a> {
         // An editor may have put a byte order mark in front.
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Source { path, encoding: Encoding::Text, bytes, at: 0, line: 0 }
+    }
+
+    /// The whole file.
+    pub fn bytes(&self) -> &'a [u8] {
+        self.bytes
     }
 
     /// Goes back to the first byte.
