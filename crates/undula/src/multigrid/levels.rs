@@ -5,14 +5,12 @@
 
 use super::clusters::groups;
 use super::lists::Lists;
+use super::numbers::{NONE, Numbers, without_idle};
 use super::weights::{ZERO, in_child, pressure_weights, weights};
 use crate::algebra::{Kind, Unknown};
 
 use crate::mesh::{Mesh, Split};
 use crate::space::{FsiSpace, PressureKind, PressureSpace};
-
-/// A place without unknown.
-const NONE: u32 = u32::MAX;
 
 /// Groups of coarser cells that are joined to a block at most, by dimension less one.
 const JOINED: [usize; 3] = [64, 64, 8];
@@ -40,15 +38,6 @@ pub enum System<'a> {
     },
     /// Of u, with unknowns at these places.
     Extension(&'a [u32]),
-}
-
-/// Numbers of the unknowns of a level.
-struct Numbers {
-    /// Of the components of v at each node.
-    v: Vec<u32>,
-    /// Of each pressure.
-    p: Vec<u32>,
-    n: usize,
 }
 
 /// The nodes and pressures of the cells of a level.
@@ -247,26 +236,6 @@ impl<const D: usize> Coarsening<'_, D> {
             rows[row as usize].extend(entries.filter(|(column, _)| *column != NONE));
         }
     }
-}
-
-/// The unknowns that `rows` have entries of, numbered anew. Where the finest level has eliminated the slopes of the
-/// pressure, nothing depends on those along an axis that is not halved.
-fn without_idle(
-    mut numbers: Numbers,
-    unknowns: Vec<Unknown>,
-    rows: &mut [Vec<(u32, f32)>],
-) -> (Numbers, Vec<Unknown>) {
-    let mut is_used = vec![false; numbers.n];
-    rows.iter().flatten().for_each(|&(column, _)| is_used[column as usize] = true);
-    let mut next = 0..numbers.n as u32;
-    let number = |used: &bool| used.then(|| next.next()).flatten().unwrap_or(NONE);
-    let renumbered: Vec<u32> = is_used.iter().map(number).collect();
-    let all = numbers.v.iter_mut().chain(&mut numbers.p).filter(|number| **number != NONE);
-    all.for_each(|number| *number = renumbered[*number as usize]);
-    rows.iter_mut().flatten().for_each(|(column, _)| *column = renumbered[*column as usize]);
-    numbers.n = next.start as usize;
-    let unknowns = unknowns.into_iter().zip(is_used).filter_map(|(unknown, used)| used.then_some(unknown));
-    (numbers, unknowns.collect())
 }
 
 /// The unknowns of groups of cells in the order of elimination: cell by cell, those that later cells have, too, behind the others, pressures behind the velocities that feel them.

@@ -6,6 +6,7 @@ mod levels;
 mod lists;
 mod matrix;
 mod number;
+mod numbers;
 mod smoother;
 mod transfer;
 mod triangular;

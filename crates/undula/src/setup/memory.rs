@@ -5,7 +5,6 @@ use crate::case::{
 };
 use crate::error::Error;
 use crate::mesh::{Mesh, generate};
-use crate::space::FsiSpace;
 use std::fs;
 
 /// Bytes of a run per cell at the largest size that was measured (4 000 to 31 000 cells of `fsi3`, steps with the
@@ -194,17 +193,6 @@ impl Case {
             _ => self.per_plane_cell() * self.factor(WHOLE) * kept as f64,
         };
         run + MESH * all as f64
-    }
-
-    /// Whether there is memory for a run with the factors of the whole matrix, and of the condensed one.
-    pub(super) fn direct_fits<const D: usize>(&self, space: &FsiSpace<D>) -> [bool; 2] {
-        let at_hand = available_memory().unwrap_or(f64::INFINITY);
-        [Linearization::Newton, Linearization::Condensed].map(|linearization| {
-            let mut case = self.clone();
-            (case.linear.solver, case.newton.linearization) = (LinearSolverKind::Multifrontal, linearization);
-            let cells = space.mesh.n_cells();
-            case.expected_bytes(cells, cells) <= at_hand
-        })
     }
 
     /// How much more factors need on tetrahedra with a continuous pressure.

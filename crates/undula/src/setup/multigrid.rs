@@ -1,6 +1,6 @@
 //! Whether a case takes multigrid, and what it must have for it.
 
-use super::memory::{MANY, size};
+use super::memory::{MANY, available_memory, size};
 use crate::algebra::LinearSolverKind;
 use crate::case::{Case, Linearization, Precision};
 use crate::element::Shape;
@@ -29,6 +29,17 @@ impl Case {
     pub(super) fn levels<const D: usize>(&self, space: &FsiSpace<D>) -> Option<multigrid::Settings> {
         let double = self.linear.precision == Precision::Double;
         self.takes_multigrid(space).then_some(multigrid::Settings { double, ..Default::default() })
+    }
+
+    /// Whether there is memory for a run with the factors of the whole matrix, and of the condensed one.
+    pub(super) fn direct_fits<const D: usize>(&self, space: &FsiSpace<D>) -> [bool; 2] {
+        let at_hand = available_memory().unwrap_or(f64::INFINITY);
+        [Linearization::Newton, Linearization::Condensed].map(|linearization| {
+            let mut case = self.clone();
+            (case.linear.solver, case.newton.linearization) = (LinearSolverKind::Multifrontal, linearization);
+            let cells = space.mesh.n_cells();
+            case.expected_bytes(cells, cells) <= at_hand
+        })
     }
 
     /// What was chosen in place of `automatic`, if it is not the usual solver.
