@@ -13,12 +13,15 @@ use undula::simulation::{Row, SetUp, Simulation};
 use undula::system::Dim;
 use undula::{Case, Error};
 
+/// What is done with the simulation between two steps.
+type Look = Box<dyn FnOnce(&dyn View) + Send>;
+
 /// What a run is asked for.
 pub enum Ask {
     /// The next step.
     Step,
     /// A look at the simulation.
-    Look(Box<dyn FnOnce(&dyn View) + Send>),
+    Look(Look),
 }
 
 /// What a run tells.
