@@ -201,6 +201,27 @@ fn a_direct_solver_takes_over_where_multigrid_fails() {
     }
 }
 
+/// Newton's method stalls, and multigrid fails for the whole Jacobian, too: the step is neither shortened nor given up.
+#[test]
+fn a_direct_solver_takes_over_in_the_same_step() {
+    let here = Place::new("multigrid-stalls");
+    here.write("lid.toml", LID);
+    let sets = [
+        "mesh.refine=2",
+        "mesh.cells=[6, 2]",
+        "mesh.extrude={ depth = 200, layers = 1 }",
+        "boundary.left.condition=velocity",
+        "boundary.left.velocity=[\"5*y*(1 - y)\", 0]",
+        "fluid.kinematic-viscosity=1e-4",
+        "time.end=0.05",
+        "time.max-halvings=0",
+    ];
+    let with = |solver: &str| here.rows("lid.toml", &[&TIGHT[..], &sets, &[solver]].concat());
+    let rows = with(MULTIGRID);
+    assert_eq!(here.json("out/summary.json")["direct_fallbacks"], 2);
+    is_near(&with("linear.solver=multifrontal"), &rows, &sets);
+}
+
 #[test]
 fn what_multigrid_cannot_do_is_said() {
     let here = Place::new("multigrid-input");

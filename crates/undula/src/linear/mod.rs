@@ -106,6 +106,11 @@ impl<const D: usize> Linear<D> {
         self.krylov.is_some()
     }
 
+    /// Whether multigrid is in use.
+    pub const fn is_multigrid(&self) -> bool {
+        self.multigrid.is_some()
+    }
+
     /// Whether the direct solver has taken over.
     pub const fn has_left_multigrid(&self) -> bool {
         self.has_left

@@ -102,10 +102,13 @@ impl<const D: usize> Run<D> {
                 self.write_checkpoint()?;
                 self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
             }
-            let had_left = self.has_left_multigrid();
+            let before = self.fallbacks();
             let row = self.simulation.step()?;
-            if self.has_left_multigrid() != had_left {
+            let now = self.fallbacks();
+            if now.0 != before.0 {
                 observer.note("linear.solver: multigrid did not converge, the direct solver takes over");
+            } else if now.1 != before.1 && self.simulation.stepper.linear.is_multigrid() {
+                observer.note("newton.linearization: a step did not converge, the whole Jacobian takes over for some steps");
             }
             if let Some(window) = &mut self.window {
                 window.observe(&self.simulation);
@@ -118,8 +121,10 @@ impl<const D: usize> Run<D> {
         Ok(Flow::Continue)
     }
 
-    const fn has_left_multigrid(&self) -> bool {
-        self.simulation.stepper.linear.has_left_multigrid()
+    /// Whether the direct solver has taken over from multigrid, and how many steps were begun anew.
+    const fn fallbacks(&self) -> (bool, usize) {
+        let stepper = &self.simulation.stepper;
+        (stepper.linear.has_left_multigrid(), stepper.newton.counters.fallbacks)
     }
 
     /// Write what is due after a step. The row comes first: a checkpoint without its row would lead nowhere.

@@ -1,8 +1,8 @@
 //! Whether a case takes multigrid, and what it must have for it.
 
-use super::memory::{MANY, available_memory, size};
+use super::memory::{IN_SPACE, MANY, available_memory, size};
 use crate::algebra::LinearSolverKind;
-use crate::case::{Case, Linearization, Precision};
+use crate::case::{Case, Linearization, MotionModel, Precision};
 use crate::element::Shape;
 use crate::error::Error;
 use crate::multigrid;
@@ -29,6 +29,17 @@ impl Case {
     pub(super) fn levels<const D: usize>(&self, space: &FsiSpace<D>) -> Option<multigrid::Settings> {
         let double = self.linear.precision == Precision::Double;
         self.takes_multigrid(space).then_some(multigrid::Settings { double, ..Default::default() })
+    }
+
+    /// Whether the extension has factors although the flow has multigrid.
+    pub(super) fn factorises_extension(&self) -> bool {
+        self.motion.model == MotionModel::Biharmonic && !self.solids.is_empty() && !self.fluids.is_empty()
+    }
+
+    /// Bytes of the factors of a direct solver in space.
+    pub(super) fn bytes_of_factors(&self, cells: usize) -> f64 {
+        let alike = self.alike(cells as f64);
+        IN_SPACE[1] * alike.powf(4.0 / 3.0)
     }
 
     /// Whether there is memory for a run with the factors of the whole matrix, and of the condensed one.

@@ -185,10 +185,12 @@ fn iterate<const D: usize>(
     let start = Start { old, guess, reference };
     let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;
     let mut solved = newton.solve(system, norm, reference);
-    let stopped = solved.as_ref().is_err_and(|e| *e == NewtonError::Stopped);
-    let of_linear = solved.as_ref().is_err_and(NewtonError::is_of_linear_iteration);
-    let leaves = of_linear && system.linear.leave_multigrid();
-    if leaves || solved.is_err() && !stopped && system.linear.fall_back() {
+    while let Err(error) = &solved {
+        // First the factors in place of multigrid, then the whole Jacobian.
+        let leaves = error.is_of_linear_iteration() && system.linear.leave_multigrid();
+        if *error == NewtonError::Stopped || !(leaves || system.linear.fall_back()) {
+            break;
+        }
         newton.forget();
         newton.counters.fallbacks += 1;
         let norm = start.set(newton, system).ok_or(NewtonError::Inadmissible)?;

@@ -22,12 +22,12 @@ impl Growth<'_> {
             }
         }
         let way_out = match good {
-            0.0 => "even a much thinner one would fold".to_string(),
+            0.0 => "even a much thinner one would fold: round the corner there, as by a fillet".to_string(),
             _ => format!("{:.2} of the thickness would do", (100.0 * good).floor() / 100.0),
         };
         let reason = format!(
             "the wall folds in {} cells, most at {at}: the surface is bent outwards there with a radius below the \
-             thickness; {way_out}",
+             thickness, or the wall leans too far beside an oblique opening; {way_out}",
             cells.count
         );
         refuse("thickness", reason)
