@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The built-in cases of space on several meshes: the tables of validation/space.md, about two hours on two cores.
+# The built-in cases of space on several meshes: the tables of validation/space.md, about two and a half hours on two cores.
 #
 #   validation/space.sh            all of them
 #   validation/space.sh NAME…      the cases named
@@ -25,6 +25,9 @@ dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=6 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=8 mesh.extrude.grading=2
+dfg-3d3z | time.step=0.02 linear.solver=multifrontal
+dfg-3d3z | time.step=0.02 linear.solver=multifrontal time.end=5 mesh.refine=1
+dfg-3d3z | time.step=0.02 linear.solver=multifrontal time.end=4.5 mesh.refine=1 mesh.extrude.layers=8 mesh.extrude.grading=2
 fsi-box  | mesh.grading=0
 fsi-box  | mesh.grading=1
 fsi-box  | mesh.grading=2
