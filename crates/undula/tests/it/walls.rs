@@ -190,7 +190,7 @@ fn walls_that_fold_or_meet_are_refused_with_the_place() {
             [|x| x[2], |x| (x[0] - 2.0) * 1f64.sin() + x[2] * 1f64.cos()],
         );
         let message = grown(&mesh, &["interface"], 1.6, 2).unwrap_err().to_string();
-        let part: f64 = message.split("below the thickness; ").nth(1).unwrap()[..4].parse().unwrap();
+        let part: f64 = message.split("beside an oblique opening; ").nth(1).unwrap()[..4].parse().unwrap();
         assert!(message.starts_with("the wall folds in ") && (0.55..0.7).contains(&part), "{message}");
         // The place is on the inside, beyond the axis of the bend.
         let at = message.split("most at (").nth(1).unwrap().split(')').next().unwrap();
