@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 
 import numpy as np
 import pytest
@@ -375,6 +376,11 @@ def test_meshes_come_from_arrays(tmp_path):
         undula.write_mesh(path, points, {"solid": cells + 1})
     with pytest.raises(ValueError, match="foot: expected rows"):
         undula.write_mesh(path, points, {"solid": cells}, {"foot": [[0, 1, 2, 3, 4]]})
+    block = types.SimpleNamespace(type="quad", dim=2, data=cells)
+    half = {"gmsh:physical": [np.arange(len(cells)) % 2 + 1]}
+    unnamed = types.SimpleNamespace(points=points, cells=[block], cell_data=half, field_data={"solid": [1, 2]})
+    with pytest.raises(ValueError, match="cells of quad in group 2, which has no name"):
+        undula.write_mesh(path, unnamed)
     if importlib.util.find_spec("meshio"):
         import meshio
 

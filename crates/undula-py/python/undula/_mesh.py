@@ -67,9 +67,12 @@ def _of_meshio(mesh: Any) -> tuple[Any, dict[str, Any], dict[str, Any]]:
         raise ValueError("expected a mesh of meshio with named physical groups (`field_data`, `gmsh:physical`)")
     known = {(int(number), int(of)): name for name, (number, of) in mesh.field_data.items()}
     found: dict[int, dict[str, list[Any]]] = {1: {}, 2: {}, 3: {}}
+    of_cells = max(block.dim for block in mesh.cells)
     for block, numbers in zip(mesh.cells, groups):
         for number in np.unique(numbers):
             name = known.get((int(number), block.dim))
+            if name is None and block.dim == of_cells:
+                raise ValueError(f"cells of {block.type} in group {number}, which has no name: expected a named region")
             if name is not None:
                 found[block.dim].setdefault(name, []).append(np.asarray(block.data)[np.asarray(numbers) == number])
     highest = max(of for of, names in found.items() if names)

@@ -361,9 +361,28 @@ fn files_that_are_no_mesh_are_refused_with_the_place() {
             "own.vtu: byte 0: data compressed by `vtkLZ4DataCompressor`: write the file with zlib",
         ),
         ("<VTKFile type=", "own.vtu: byte 0: the XML is broken"),
+        ("<VTKFile type=\"UnstructuredGrid\"><UnstructuredGrid>", "own.vtu: byte 51: the file ends before"),
     ] {
         let message = parse_any(text, Path::new("own.vtu")).map(drop).unwrap_err().to_string();
         assert!(message.starts_with(expected), "{message}");
+    }
+}
+
+/// Cells that an array lacks are not left out in silence, nor is the end of a file.
+#[test]
+fn a_part_of_a_mesh_is_refused() {
+    let (points, cells, region) = squares();
+    let bytes = Vtu::file(TEXT, &points, &cells, &[("region", region)]);
+    let whole = String::from_utf8(bytes).unwrap();
+    let refused = |text: &str| parse_any(text, Path::new("own.vtu")).map(drop).unwrap_err().to_string();
+    for (from, to) in [("3 3 3 3 3 3 1", "3 3 3 3 3 3"), (" 18 20 21", " 18 20"), (" 18 20 21", " 18 20 22")]
+    {
+        assert_eq!(whole.matches(from).count(), 1, "{from}: {whole}");
+        let message = refused(&whole.replace(from, to));
+        assert!(message.contains("expected as many of each"), "{message}");
+    }
+    for end in (0..whole.len() - "</VTKFile>\n".len()).step_by(7) {
+        refused(&whole[..end]);
     }
 }
 

@@ -71,6 +71,16 @@ fn add(piece: Piece, path: &Path, raw: &mut Raw) -> Result<(), MeshError> {
     else {
         return missing("cells (`connectivity`, `offsets` and `types`)");
     };
+    if offsets.len() != types.len() || offsets.last().is_some_and(|&end| end != nodes.len() as i64) {
+        let reason = format!(
+            "`types` has {} cells, `offsets` {} up to {}, `connectivity` {} points: expected as many of each",
+            types.len(),
+            offsets.len(),
+            offsets.last().unwrap_or(&0),
+            nodes.len()
+        );
+        return refuse(path, 0, reason);
+    }
     let (first, before) = (raw.nodes.len() as u64, raw.n_cells);
     for (i, x) in points.chunks_exact(3).enumerate() {
         let (at, tag) = (At::Point(first as usize + i), first + i as u64);

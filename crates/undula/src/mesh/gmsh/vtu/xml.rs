@@ -93,6 +93,13 @@ pub(super) fn pieces(bytes: &[u8], path: &Path) -> Result<Vec<Piece>, MeshError>
         let advice = "expected `<VTKFile type=\"UnstructuredGrid\">`, as ParaView, PyVista and meshio write with `.vtu`";
         return refuse(path, 0, format!("no VTU file: {advice}"));
     }
+    if find(if tail.is_empty() { header.as_bytes() } else { tail }, b"</VTKFile>").is_none() {
+        return refuse(
+            path,
+            bytes.len(),
+            "the file ends before `</VTKFile>`: a part of it is missing".into(),
+        );
+    }
     Ok(state.pieces)
 }
 
