@@ -53,14 +53,22 @@ impl Case {
         })
     }
 
-    /// What was chosen in place of `automatic`, if it is not the usual solver.
+    /// What was chosen in place of `automatic`, if it is not the usual solver, and whether no other can take over.
     pub(super) fn note_on_solver<const D: usize>(&self, space: &FsiSpace<D>) -> Option<String> {
-        let chosen = self.linear.solver == LinearSolverKind::Automatic && self.takes_multigrid(space);
+        if !self.takes_multigrid(space) {
+            return None;
+        }
         let cells = space.mesh.n_cells();
-        chosen.then(|| {
+        let chosen = self.linear.solver == LinearSolverKind::Automatic;
+        let chosen = chosen.then(|| {
             let factors = size(self.bytes_of_factors(cells));
-            format!("linear.solver: multigrid is taken, factors of {cells} cells would need about {factors}")
-        })
+            format!("multigrid is taken, factors of {cells} cells would need about {factors}")
+        });
+        let alone = (!self.direct_fits(space)[1]).then(|| {
+            "the run ends where multigrid does not converge: factors do not fit the memory".to_string()
+        });
+        let parts: Vec<String> = chosen.into_iter().chain(alone).collect();
+        (!parts.is_empty()).then(|| format!("linear.solver: {}", parts.join("; ")))
     }
 
     /// Multigrid that is asked for needs coarser meshes, and nodes that they have, too.
