@@ -1,5 +1,10 @@
 //! The `undula` command.
 
+mod memory;
+
+#[global_allocator]
+static MEMORY: memory::Told = memory::Told;
+
 fn main() -> std::process::ExitCode {
     undula_cli::command(std::env::args_os())
 }

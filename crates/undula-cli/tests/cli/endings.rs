@@ -171,3 +171,37 @@ fn a_full_disk_is_no_panic() {
     here.run("run fsi3 -o results --resume", &sets).expect(2, &["--force"]);
     here.run("run fsi3 -o results --force --quiet", &sets).expect(0, &[]);
 }
+
+/// An address space that is too small, wherever it ends: refused before, or told in a sentence; never a signal.
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_that_ends_is_told() {
+    let here = Place::new("memory");
+    let run = |limit: u64| {
+        let sets = ["mesh.refine=1", "time.end=0.01"];
+        let program = here.command("run fsi3 -o results --force --quiet --threads 1", &sets);
+        let words: Vec<_> = program.get_args().map(|a| format!("'{}'", a.to_str().unwrap())).collect();
+        let script = format!(
+            "ulimit -v {limit}; exec {} {}",
+            program.get_program().to_str().unwrap(),
+            words.join(" ")
+        );
+        Said::of(Command::new("sh").args(["-c", &script]).current_dir(&here.0).output().unwrap())
+    };
+    let (mut limit, mut told) = (40_000, 0);
+    loop {
+        let said = run(limit);
+        match said.code {
+            Some(0) => break,
+            Some(2) => assert!(said.err.contains(" GB") || said.err.contains(" MB"), "{limit}: {}", said.err),
+            Some(3) => {
+                assert!(said.err.contains("out of memory"), "{limit}: {}", said.err);
+                told += 1;
+            }
+            _ => panic!("{limit}: {:?}, {}", said.code, said.err),
+        }
+        limit += limit / 12;
+        assert!(limit < 4_000_000);
+    }
+    assert!(told > 0);
+}

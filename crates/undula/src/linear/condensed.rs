@@ -34,6 +34,7 @@ impl<const D: usize> Condensed<D> {
         make: &MakeSolver,
         (krylov, multigrid): (Option<KrylovSettings>, Option<multigrid::Settings>),
     ) -> Result<Condensed<D>, SolverError> {
+        assembler.eliminate_in_long_cells(multigrid.is_some());
         let system = assembler.try_condensed()?;
         let solver: Box<dyn LinearSolver> = match multigrid {
             Some(settings) => {

@@ -86,12 +86,12 @@ impl Case {
         };
         let way_out = match most {
             Some(most) => {
-                format!("{most} would need at least {}", gigabytes(self.bytes(coarse, most)))
+                format!("{most} would need at least {}", size(self.bytes(coarse, most)))
             }
             None => "expected fewer cells".into(),
         };
         let cells = coarse.0 * self.per_refinement().powi(refine as i32);
-        let [needed, at_hand] = [self.bytes(coarse, refine), at_hand].map(gigabytes);
+        let [needed, at_hand] = [self.bytes(coarse, refine), at_hand].map(size);
         let message =
             format!("{cells:.0} cells need at least {needed} of memory, {at_hand} are at hand; {way_out}");
         Err(self.refuse(key, message))

@@ -49,6 +49,8 @@ pub struct Assembler<const D: usize> {
     /// The whole matrix and the condensed one, once asked for.
     whole: Option<Whole>,
     condensed: Option<Arc<CondensedSystem>>,
+    /// Whether unknowns inside of long cells are eliminated from it, too.
+    eliminates_in_long: bool,
     /// Directions in the whole matrix and in the condensed one.
     directions: [DirectedBlocks<D>; 2],
     blocks: Blocks,
@@ -118,6 +120,7 @@ where
             closed: vec![],
             whole: None,
             condensed: None,
+            eliminates_in_long: false,
             directions: Default::default(),
             blocks: Blocks::default(),
             stabilized: false,

@@ -16,9 +16,9 @@ use crate::tangent::Linearization;
 const SETTLING: usize = 20;
 const SETTLED: f64 = 1e-7;
 
-/// Iterations after which a linear iteration whose load must be raised in parts is given up: a smaller part of the
-/// load changes nothing of its rate at the end.
-const PATIENCE: usize = 80;
+/// Iterations, all in all, of a linear iteration whose load must be raised in parts: a smaller part of the load
+/// changes nothing of its rate at the end.
+const PATIENCE: usize = 100;
 
 impl<const D: usize> Stepper<D> {
     /// The stationary solution at the present time, with the load raised in parts if need be.
@@ -29,7 +29,9 @@ impl<const D: usize> Stepper<D> {
         self.newton.gives_up =
             matches!(self.linear.active, Linearization::Reduced | Linearization::FixedPoint);
         self.attempts.clear();
+        let allowed = self.newton.settings.max_steps;
         let mut result = self.raise_load();
+        self.newton.settings.max_steps = allowed;
         if let Err(failure) = &mut result {
             failure.details.attempts = std::mem::take(&mut self.attempts);
         }
@@ -41,6 +43,8 @@ impl<const D: usize> Stepper<D> {
         let (mut load, mut increment) = (0.0f64, 1.0f64);
         let mut total = StepReport::none();
         let (mut last_load, mut spent) = (0.0f64, 0);
+        let allowed = self.newton.settings.max_steps;
+        let mut last_failure = None;
         while load < 1.0 {
             let next = (load + increment).min(1.0);
             match self.stationary_at(next, load, last_load, 0.0) {
@@ -60,24 +64,34 @@ impl<const D: usize> Stepper<D> {
                     }
                     let slow = matches!(failure.reason, NewtonError::Slow { .. }) || spent >= PATIENCE;
                     if increment < 1e-3 || self.newton.gives_up && slow {
-                        self.blame_rate(&mut failure, spent);
+                        self.blame_rate(&mut failure, spent, allowed);
                         return Err(failure);
                     }
                     increment = 0.5 * increment.min(1.0 - load);
+                    last_failure = Some(failure);
                 }
+            }
+            // After the first failure the parts share the iterations that are left.
+            if let (true, Some(mut failure)) = (self.newton.gives_up && load < 1.0, last_failure.take()) {
+                if spent >= PATIENCE {
+                    self.blame_rate(&mut failure, spent, allowed);
+                    return Err(failure);
+                }
+                self.newton.settings.max_steps = allowed.min(PATIENCE - spent);
+                last_failure = Some(failure);
             }
         }
         self.settle(&mut total)?;
         Ok(total)
     }
 
-    /// A linear iteration that failed after `spent` iterations, all in all: its rate is the cause.
-    fn blame_rate(&self, failure: &mut StepFailure, spent: usize) {
-        if let Cause::Slow { done, .. } = &mut failure.details.cause {
+    /// A linear iteration that failed after `spent` of the `allowed` iterations, all in all: its rate is the cause.
+    fn blame_rate(&self, failure: &mut StepFailure, spent: usize, allowed: usize) {
+        if let Cause::Slow { done, allowed: told, .. } = &mut failure.details.cause {
             *done = spent;
+            *told = if self.newton.settings.max_steps < allowed { PATIENCE } else { allowed };
         } else if let (true, [first, .., last]) = (self.newton.gives_up, failure.reason.norms()) {
             let rate = (last / first).powf(1.0 / (failure.reason.norms().len() - 1) as f64);
-            let allowed = self.newton.settings.max_steps;
             failure.details.cause = Cause::Slow { rate, done: spent, left: f64::INFINITY, allowed };
         }
     }

@@ -144,6 +144,20 @@ fn factors_cost_the_same_in_all_units_and_sizes() {
     }
 }
 
+/// On long cells factors find their pivots where they look for them: the slope of p along a cell of length L and width h,
+/// once eliminated, would make velocities stiff by (L/h)². Of 6601 unknowns 8000 pivots were refused then.
+#[test]
+fn long_cells_have_their_pivots() {
+    let place = place("long", &[]);
+    for depth in [5.0, 50.0] {
+        let extrude = format!("mesh.extrude={{depth={depth},layers=1}}");
+        let sets = ["mesh.refine=0", "linear.solver=multifrontal", extrude.as_str()];
+        undula(&place, "bench cfd3 --steps 1 --repeat 1 --threads 1 -o bench.json", &sets).expect(0, &[]);
+        let delayed = place.json("bench.json")["kernels"]["delayed"].as_f64().unwrap();
+        assert!(delayed < 600.0, "{delayed} delayed pivots with {depth} m");
+    }
+}
+
 /// A millimetre of water: d_0 was a hundredth of a metre.
 #[test]
 fn a_small_flap_moves_like_a_large_one() {
