@@ -37,6 +37,8 @@ pub enum Command {
     Modes(ModesArgs),
     /// List the built-in cases
     Cases,
+    /// List what can solve linear systems here beside the program itself (PETSc and its MPI), and what is missing
+    Engines,
     /// List the keys of a case with units, default values and meanings
     Keys(KeysArgs),
     /// Say what a word of the output or of a case means

@@ -8,11 +8,13 @@ mod cases;
 mod check;
 mod compare;
 mod digits;
+mod engines;
 mod events;
 mod explain;
 mod inf_sup;
 mod jacobian;
 mod keys;
+mod launch;
 mod live;
 mod modes;
 mod new;
@@ -37,13 +39,19 @@ use undula::output::FieldSnapshot;
 /// The program with the command line `args`, the first of which is its name; returns its exit code. Mistakes in the
 /// command line itself, `--help` and `--version` end the process.
 pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let result = match Cli::parse_from(args).command {
+    let command = Cli::parse_from(args).command;
+    if let Some(code) = launch::refuse() {
+        return code;
+    }
+    engines::name_libraries();
+    let result = match command {
         Command::Run(args) => run::run(&args),
         Command::Check(args) if args.jacobian => jacobian::run(&args),
         Command::Check(args) if args.inf_sup => inf_sup::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Cases => cases::run(),
+        Command::Engines => engines::run(),
         Command::Keys(args) => keys::run(&args),
         Command::Explain(args) => explain::run(&args),
         Command::New(args) => new::run(&args),
@@ -56,6 +64,7 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::manual(&args),
     };
+    undula::algebra::petsc::finish();
     result.unwrap_or_else(|error| {
         args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE

@@ -5,7 +5,8 @@
 //! ([`Direct`]): equilibration, a probe of every factorisation with a known solution,
 //! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
 //! compare it with; `definite` ones are for symmetric positive definite matrices, and store half. [`Gmres`] makes do
-//! with factors of an older matrix, and with any [`LinearOperator`] in place of the matrix. Every result is the same, bit for bit, for any number of threads.
+//! with factors of an older matrix, and with any [`LinearOperator`] in place of the matrix. [`petsc`] is a library that is loaded at run time. Every result is
+//! the same, bit for bit, for any number of threads.
 
 mod csr;
 mod direct;
@@ -15,6 +16,7 @@ mod multifrontal;
 #[cfg(feature = "mumps")]
 mod mumps;
 mod operator;
+pub mod petsc;
 mod scaling;
 mod solver;
 mod vector;
@@ -60,6 +62,25 @@ pub static SOLVERS: [Choice<LinearSolverKind>; 4] = [
         "automatic",
         LinearSolverKind::Automatic,
         "multigrid in space from 12 000 cells on if the mesh is refined",
+    ),
+];
+
+/// Who solves the systems of a step.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Engine {
+    /// Solvers of our own: see [`LinearSolverKind`].
+    Own,
+    /// PETSc, loaded at run time.
+    Petsc,
+}
+
+/// Their names in a case.
+pub static ENGINES: [Choice<Engine>; 2] = [
+    choice("own", Engine::Own, "the solvers of Undula, see linear.solver"),
+    choice(
+        "petsc",
+        Engine::Petsc,
+        "PETSc, loaded at run time, for the systems of Newton's method: see `undula engines`",
     ),
 ];
 

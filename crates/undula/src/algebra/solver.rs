@@ -98,6 +98,16 @@ pub trait LinearSolver: Send {
     /// iterations that see their own residual. Without factors `x` becomes NaN.
     fn apply(&mut self, b: &[f64], x: &mut [f64]);
 
+    /// A correction for an iteration that sees its own residual, with `a` the matrix last factored: as
+    /// [`LinearSolver::apply`], but judged where that can go wrong. Returns how many times the factors were applied.
+    ///
+    /// # Errors
+    /// If the solver says that it has a solution, and has not.
+    fn correct(&mut self, _a: &Csr, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
+        self.apply(b, x);
+        Ok(1)
+    }
+
     /// Whether [`LinearSolver::apply`] gives the solution but for rounding. Others precondition an iteration.
     fn is_exact(&self) -> bool {
         true
@@ -276,6 +286,9 @@ pub enum SolverError {
         /// The largest accepted.
         allowed: f64,
     },
+    /// A solver that is no part of the program.
+    #[error("{0}")]
+    Engine(String),
     /// Memory is short.
     #[error("no memory for the factors: {0}")]
     Memory(String),

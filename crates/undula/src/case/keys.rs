@@ -16,7 +16,7 @@ use super::mesh_keys::MESH;
 use super::profile::PROFILE_KEYS;
 use super::schema::KRYLOV;
 use super::{key, synonyms};
-use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::algebra::{ENGINES, PRECISIONS, SOLVERS};
 use crate::choice::Table;
 use crate::functional::body_energy::PARTS;
 use crate::functional::energy::ENERGIES;
@@ -161,6 +161,12 @@ static KEYS_BUT_DATA: &[Key] = &[
     number("newton.max-steps", "", "30", "iterations before a step counts as failed"),
     word("newton.start", &STARTS, "extrapolated", "start value of a step"),
     number("newton.line-search", "", "5", "halvings of a correction"),
+    word("linear.engine", &ENGINES, "own", "who solves the systems of Newton's method"),
+    text(
+        "linear.petsc.options",
+        "LU of MUMPS",
+        "options of PETSc: types of iteration and preconditioner, and theirs",
+    ),
     word("linear.solver", &SOLVERS, "multifrontal; in space automatic", "direct solver, or multigrid"),
     number("linear.refinement", "", "2", "steps of iterative refinement"),
     word(

@@ -13,7 +13,7 @@ use super::schema::{
     Case, Condition, Extrude, GENERATORS, KRYLOV, MeshSource, MotionModel, Scheme, Tangent, WallSpec,
 };
 use super::{key, keys};
-use crate::algebra::{PRECISIONS, SOLVERS};
+use crate::algebra::{ENGINES, Engine, PRECISIONS, SOLVERS};
 use crate::choice::{Choice, name_of, row_of};
 use crate::functional::nodal::FIELDS;
 use crate::physics::extension::{MOTIONS, OUTER, STIFFENING};
@@ -330,6 +330,7 @@ impl Case {
         out.choice("start", &STARTS, &newton.extrapolate);
         out.key("line-search", newton.settings.line_search.to_string());
         out.table("linear");
+        out.choice("engine", &ENGINES, &self.linear.engine);
         out.choice("solver", &SOLVERS, &self.linear.solver);
         out.choice("precision", &PRECISIONS, &self.linear.precision);
         out.variant("krylov", &KRYLOV, &self.linear.krylov);
@@ -338,6 +339,10 @@ impl Case {
             out.key("krylov-size", krylov.size.to_string());
         }
         out.key("refinement", self.linear.refinement.to_string());
+        if self.linear.engine == Engine::Petsc {
+            out.table("linear.petsc");
+            out.key("options", string(&self.linear.petsc));
+        }
     }
 }
 

@@ -41,7 +41,7 @@ impl<const D: usize> Condensed<D> {
                 let places = System::Flow { given: &assembler.is_given(), places: &system.places };
                 multigrid::multigrid(settings, tiers(&assembler.space, places), make(Purpose::Correction))
             }
-            None => make(Purpose::Correction),
+            None => make(Purpose::Condensed),
         };
         let factored = Factored::new(&system.pattern, &system.unknowns, solver, krylov)?;
         let extension = Extension::new(assembler, view, make, multigrid)?;
@@ -81,8 +81,7 @@ impl<const D: usize> Condensed<D> {
         let applied = if are_old {
             self.iterate(assembler.space.n_v(), rule)?
         } else {
-            self.factored.apply(&self.b, &mut self.x);
-            1
+            self.factored.correct(&self.b, &mut self.x)?
         };
         delta.fill(0.0);
         for (x, &place) in self.x.iter().zip(&self.system.places) {

@@ -16,9 +16,13 @@ pub type MakeSolver = Box<dyn Fn(Purpose) -> Box<dyn LinearSolver> + Send>;
 /// What a linear solver is for.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// Solutions as exact as can be.
+    /// The whole Jacobian of a step.
+    Whole,
+    /// The condensed system of a step.
+    Condensed,
+    /// Other solutions, as exact as can be.
     Exact,
-    /// Corrections in an iteration that sees its own residual.
+    /// Other corrections in an iteration that sees its own residual.
     Correction,
     /// The same where the matrix is symmetric and should be positive definite.
     Definite,
@@ -85,9 +89,10 @@ impl Factored {
         Ok(1 + self.solver.solve(&self.matrix, b, x)?.refinements)
     }
 
-    /// The factors applied once.
-    pub(super) fn apply(&mut self, b: &[f64], x: &mut [f64]) {
-        self.solver.apply(b, x);
+    /// x ← A⁻¹ b as far as an iteration needs it that sees its own residual; returns how many times the factors were
+    /// applied.
+    pub(super) fn correct(&mut self, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
+        self.solver.correct(&self.matrix, b, x)
     }
 
     /// x ← A⁻¹ b by GMRES; `before` and `after` make the factors those of a step with another k.

@@ -228,7 +228,7 @@ impl<const D: usize> Linear<D> {
                 let at_rest = view.rule.per_k == 0.0;
                 let solver = match self.multigrid.filter(|_| at_rest) {
                     Some(settings) => by_parts(assembler, &self.make, settings),
-                    None => (self.make)(Purpose::Exact),
+                    None => (self.make)(Purpose::Whole),
                 };
                 Box::new(Full::new(assembler, solver, self.krylov)?)
             }

@@ -5,6 +5,7 @@ use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
 use super::overview::Overview;
 use super::terms::has_correction;
+use crate::algebra::petsc::PetscSolver;
 use crate::algebra::{self, LinearSolver};
 use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
@@ -169,12 +170,13 @@ impl Case {
     where
         Dim<D>: Dimension<D>,
     {
+        let engine = self.check_engine()?;
         let marked = self.marked_mesh()?;
         let space = Arc::new(self.space_of(&marked)?);
         let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
-        notes.extend(self.note_on_solver(&space));
+        notes.extend(self.note_on_solver(&space).into_iter().chain(engine));
         notes.extend(self.notes_on_functionals());
         Ok((self.stepper_on(space, threads)?, notes))
     }
@@ -243,11 +245,17 @@ impl Case {
     fn make_solver(&self) -> MakeSolver {
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
+        let petsc = self.petsc_options().map(String::from);
         Box::new(move |purpose| -> Box<dyn LinearSolver> {
-            let (precision, definite, options) = match purpose {
-                Purpose::Exact => (Precision::Double, false, linear),
-                Purpose::Correction => (precision, false, algebra::Options::unprobed()),
-                Purpose::Definite => (precision, true, algebra::Options::unprobed()),
+            let (precision, definite, options) = match (purpose, &petsc) {
+                (Purpose::Whole | Purpose::Condensed, Some(options)) => {
+                    return Box::new(PetscSolver::new(options, linear.refinement));
+                }
+                (Purpose::Exact | Purpose::Whole, _) => (Precision::Double, false, linear),
+                (Purpose::Correction | Purpose::Condensed, _) => {
+                    (precision, false, algebra::Options::unprobed())
+                }
+                (Purpose::Definite, _) => (precision, true, algebra::Options::unprobed()),
             };
             kind.make(precision, definite, options)
         })
@@ -368,7 +376,7 @@ impl Case {
         self.check_equilibrium::<D>()?;
         self.build_functionals(&space)?;
         notes.extend(self.check_enclosed(&space)?);
-        notes.extend(self.note_on_solver(&space));
+        notes.extend(self.note_on_solver(&space).into_iter().chain(self.note_on_engine()?));
         notes.extend(self.notes_on(&space));
         notes.extend(self.notes_on_functionals());
         let memory = self.expected_bytes(mesh.n_cells(), space.mesh.n_cells());

@@ -9,12 +9,13 @@ use undula::case::builtin::builtin_cases;
 use undula::case::keys::{KEYS, Key, find};
 
 /// Cases that together have a value for each key that has a default.
-const CASES: [&[&str]; 13] = [
+const CASES: [&[&str]; 14] = [
     &[],
     &["space.velocity=Q1", "functional.f.component=y"],
     &["stabilization.transport=lps", "time.adaptive.safety=0.8"],
     &["newton.jacobian=finite-difference", "motion.model=jacobian-stiffened"],
     &["linear.krylov=gmres", "motion.model=biharmonic"],
+    &["linear.engine=petsc"],
     &["time.scheme=rannacher"],
     &["solid.law=mooney-rivlin", "time.adaptive.tolerance=1e-3"],
     &["time.scheme=stationary"],

@@ -2,6 +2,7 @@
 
 mod definite;
 mod matrices;
+mod petsc;
 
 use matrices::{Pressure, Setup, System};
 use std::sync::Arc;

@@ -1,6 +1,7 @@
 //! The tables `[time]`, `[newton]` and `[linear]`.
 
-use crate::algebra::{GmresSettings, PRECISIONS, SOLVERS};
+use crate::algebra::petsc::USUAL_OPTIONS;
+use crate::algebra::{ENGINES, Engine, GmresSettings, PRECISIONS, SOLVERS};
 use crate::case::choices::STARTS;
 use crate::case::error::quoted;
 use crate::case::expression::Expression;
@@ -296,10 +297,13 @@ pub(super) fn linear(
     } else {
         s.choice("solver", &SOLVERS, &["umfpack", "mumps"])
     };
+    let engine = s.choice("engine", &ENGINES, &[]).unwrap_or(Engine::Own);
+    let (petsc, is_petsc) = (petsc(&mut s, engine), engine == Engine::Petsc);
     let refinement = s.integer("refinement", 2, 0..=20);
     let precision = s.choice("precision", &PRECISIONS, &[]).unwrap_or(Precision::Single);
     let in_space = mesh.is_some_and(|mesh| mesh.dimension == 3);
-    let usual = if in_space { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
+    let usual =
+        if in_space && !is_petsc { LinearSolverKind::Automatic } else { LinearSolverKind::Multifrontal };
     let mut solver = solver.unwrap_or(usual);
     let is_condensed = linearization == Linearization::Condensed;
     let has_levels = at_rest.map_or(is_condensed, |solids| !solids.iter().any(|s| s.law.is_incompressible()));
@@ -309,9 +313,44 @@ pub(super) fn linear(
         s.note(note);
         solver = LinearSolverKind::Multifrontal;
     }
+    if is_petsc && matches!(solver, LinearSolverKind::Multigrid | LinearSolverKind::Automatic) {
+        let note =
+            "linear.solver has no effect: linear.engine is `petsc`, and the extension takes `multifrontal`";
+        s.note(note);
+        solver = LinearSolverKind::Multifrontal;
+    }
     let krylov = krylov(&mut s, solver == LinearSolverKind::Multigrid);
     s.finish();
-    LinearSpec { solver, refinement, precision, krylov }
+    LinearSpec { engine, petsc, solver, refinement, precision, krylov }
+}
+
+/// Options of PETSc: names that begin with `-` and a letter, each with a value or without.
+fn petsc(s: &mut Section<'_, '_>, engine: Engine) -> String {
+    if engine == Engine::Own && s.has("petsc") {
+        let note = "linear.petsc has no effect: linear.engine is `own`";
+        s.note(note);
+    }
+    let mut table = s.section("petsc");
+    let options = table.string("options");
+    let is_name = |word: &str| {
+        word.strip_prefix('-').is_some_and(|name| name.starts_with(|c: char| c.is_ascii_alphabetic()))
+    };
+    let mut before = None;
+    for word in options.iter().flat_map(|options| options.split_whitespace()) {
+        if !is_name(word) && !before.is_some_and(is_name) {
+            let message = match before {
+                None => format!("expected the name of an option, such as `-ksp_type`, not `{word}`"),
+                Some(value) => {
+                    format!("expected the name of an option behind the value `{value}`, not `{word}`")
+                }
+            };
+            table.wrong("options", message);
+            break;
+        }
+        before = Some(word);
+    }
+    table.finish();
+    options.unwrap_or_else(|| USUAL_OPTIONS.into())
 }
 
 /// GMRES on top of the factors, or with `multigrid`.

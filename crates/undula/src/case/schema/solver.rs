@@ -1,6 +1,7 @@
 //! How a case is computed and what is written: steps in time, nonlinear and linear solver, output.
 
-use crate::algebra::{GmresSettings, LinearSolverKind, Precision};
+use crate::algebra::petsc::USUAL_OPTIONS;
+use crate::algebra::{Engine, GmresSettings, LinearSolverKind, Precision};
 use crate::case::expression::Expression;
 use crate::choice::{Choice, choice};
 use crate::functional::nodal::NodalField;
@@ -60,7 +61,11 @@ impl Default for NewtonSpec {
 /// Linear solver.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinearSpec {
-    /// Which one.
+    /// Who solves the systems of Newton's method.
+    pub engine: Engine,
+    /// Options of PETSc, where that is the engine.
+    pub petsc: String,
+    /// Which one of our own; with another engine that of the extension.
     pub solver: LinearSolverKind,
     /// Steps of iterative refinement at most.
     pub refinement: usize,
@@ -73,6 +78,8 @@ pub struct LinearSpec {
 impl Default for LinearSpec {
     fn default() -> Self {
         LinearSpec {
+            engine: Engine::Own,
+            petsc: USUAL_OPTIONS.into(),
             solver: LinearSolverKind::Multifrontal,
             refinement: 2,
             precision: Precision::Single,

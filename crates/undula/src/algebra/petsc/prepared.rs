@@ -1,0 +1,92 @@
+//! A system of PETSc with what belongs to it here: the places of its entries, and the scales of its fields.
+
+use super::calls::Indices;
+use super::error::Trouble;
+use super::fields::{FieldScales, Layout, failure};
+use super::session::Session;
+use super::system::{Rows, System};
+use crate::algebra::{Csr, Kind, Pattern, Sizes, SolverError, Unknown};
+
+/// How many times the residual may be what an iteration is asked for: it may measure it in another norm.
+const SLACK: f64 = 10.0;
+
+#[derive(Debug)]
+pub(super) struct Prepared {
+    pub(super) system: System,
+    rows: Layout,
+    pub(super) scales: FieldScales,
+    /// Whether it solves without an iteration.
+    pub(super) is_direct: bool,
+    /// Relative reduction of the residual that an iteration is asked for.
+    pub(super) tolerance: f64,
+}
+
+/// The unknowns of each field, with the name that it has for `fieldsplit`.
+fn blocks(unknowns: &[Unknown], bits: usize) -> Option<Vec<(&'static str, Indices)>> {
+    let of = |kind: Kind| {
+        let places = unknowns.iter().enumerate().filter(move |(_, unknown)| unknown.kind == kind);
+        Indices::new(bits, places.map(|(i, _)| i))
+    };
+    let named = [("v", Kind::Velocity), ("u", Kind::Deformation), ("p", Kind::Pressure)];
+    named.into_iter().map(|(name, kind)| Some((name, of(kind)?))).collect()
+}
+
+impl Prepared {
+    /// For matrices of `pattern`, by `options`.
+    pub(super) fn new(
+        session: &Session,
+        options: &str,
+        pattern: &Pattern,
+        unknowns: &[Unknown],
+    ) -> Result<Prepared, Trouble> {
+        let bits = session.engine.index_bits;
+        let too_large = || {
+            let entries = pattern.nnz();
+            Trouble::plain(format!("{entries} entries are too many for its integers of {bits} bits"))
+        };
+        let rows = Layout::new(pattern);
+        let starts = Indices::new(bits, rows.starts().iter().copied()).ok_or_else(too_large)?;
+        let columns = Indices::new(bits, rows.columns(pattern)).ok_or_else(too_large)?;
+        let blocks = blocks(unknowns, bits).ok_or_else(too_large)?;
+        let system = System::new(session, &Rows { starts, columns }, options)?;
+        let (scales, tolerance) = (FieldScales::default(), 0.0);
+        let mut prepared = Prepared { system, rows, scales, is_direct: false, tolerance };
+        match prepared.configure(session, &blocks) {
+            Ok(()) => Ok(prepared),
+            Err(trouble) => {
+                prepared.system.destroy(session);
+                Err(trouble)
+            }
+        }
+    }
+
+    fn configure(&mut self, session: &Session, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
+        self.system.configure(session, blocks)?;
+        self.is_direct = self.system.types(session)?[0] == "preonly";
+        self.tolerance = self.system.tolerance(session)?;
+        Ok(())
+    }
+
+    /// Largest reduction of the residual that counts as converged; zero where nothing iterates.
+    pub(super) fn allowed(&self) -> f64 {
+        if self.is_direct { 0.0 } else { SLACK * self.tolerance }
+    }
+
+    /// Finds the scales of `a`.
+    pub(super) fn scale(&mut self, a: &Csr, unknowns: &[Unknown], sizes: Sizes) -> Result<(), SolverError> {
+        self.scales.update(a, unknowns, sizes)
+    }
+
+    /// Hands the entries of `a` over, scaled, and makes the preconditioner; why that failed, if it has.
+    pub(super) fn set(
+        &self,
+        session: &Session,
+        a: &Csr,
+        unknowns: &[Unknown],
+    ) -> Result<Option<&'static str>, Trouble> {
+        let factor = |row: usize, column: usize| self.scales.of(unknowns, row, column);
+        self.system.set_values(session, |values| self.rows.write(a, factor, values))?;
+        self.system.set_up(session)?;
+        self.system.failure(session).map(failure)
+    }
+}

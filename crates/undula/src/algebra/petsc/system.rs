@@ -1,0 +1,216 @@
+//! A matrix in PETSc, and its solver made from a string of options. All calls are made with the lock of the session.
+#![allow(unsafe_code)]
+
+use super::calls::{Indices, Object, call, text_of};
+use super::error::Trouble;
+use super::session::Session;
+use std::ffi::CString;
+use std::ptr::{null, null_mut};
+use std::slice;
+
+/// Matrix, solver and two vectors, with a database of options of their own.
+#[derive(Debug)]
+pub(super) struct System {
+    n: usize,
+    entries: usize,
+    options: Object,
+    matrix: Object,
+    solver: Object,
+    right: Object,
+    left: Object,
+}
+
+/// How a solve went, as PETSc sees it.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Outcome {
+    /// Positive where PETSc calls it converged.
+    pub(super) reason: i32,
+    pub(super) iterations: i64,
+    /// Why the preconditioner failed; 0: it did not.
+    pub(super) failure: i32,
+}
+
+/// Rows of a matrix with the columns of each, all columns sorted, and an entry on every diagonal.
+pub(super) struct Rows {
+    pub(super) starts: Indices,
+    pub(super) columns: Indices,
+}
+
+impl System {
+    /// With the options of a string; the values of the matrix are zero.
+    ///
+    /// # Errors
+    /// What PETSc refuses. What was made until then stays in memory.
+    pub(super) fn new(session: &Session, rows: &Rows, options: &str) -> Result<System, Trouble> {
+        let (petsc, world) = (&session.engine.petsc, session.world);
+        let (n, entries) = (rows.starts.len() - 1, rows.columns.len());
+        let [mut database, mut matrix, mut solver, mut right, mut left] = [Object::NONE; 5];
+        call!(petsc, PetscOptionsCreate(&raw mut database))?;
+        let text = CString::new(options).unwrap_or_default();
+        call!(petsc, PetscOptionsInsertString(database, text.as_ptr()))?;
+        let size = n as i64;
+        call!(petsc, MatCreate(world, &raw mut matrix))?;
+        call!(petsc, MatSetSizes(matrix, size, size, size, size))?;
+        // Sequential on one process, else distributed by rows: of the two calls one has no effect.
+        call!(petsc, MatSetType(matrix, c"aij".as_ptr()))?;
+        let (starts, columns) = (rows.starts.at(), rows.columns.at());
+        call!(petsc, MatSeqAIJSetPreallocationCSR(matrix, starts, columns, null()))?;
+        call!(petsc, MatMPIAIJSetPreallocationCSR(matrix, starts, columns, null()))?;
+        call!(petsc, MatCreateVecs(matrix, &raw mut right, &raw mut left))?;
+        call!(petsc, KSPCreate(world, &raw mut solver))?;
+        Ok(System { n, entries, options: database, matrix, solver, right, left })
+    }
+
+    /// Does something with the options of this system in force, and no others.
+    fn with_options<T>(
+        &self,
+        session: &Session,
+        act: impl FnOnce() -> Result<T, Trouble>,
+    ) -> Result<T, Trouble> {
+        let petsc = &session.engine.petsc;
+        call!(petsc, PetscOptionsPush(self.options))?;
+        let result = act();
+        call!(petsc, PetscOptionsPop())?;
+        result
+    }
+
+    /// Makes the solver what the options say; blocks of unknowns have names for `fieldsplit`.
+    pub(super) fn configure(&self, session: &Session, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
+        const COPY: i32 = 0;
+        let petsc = &session.engine.petsc;
+        self.with_options(session, || {
+            call!(petsc, KSPSetOperators(self.solver, self.matrix, self.matrix))?;
+            call!(petsc, KSPSetFromOptions(self.solver))?;
+            let preconditioner = self.preconditioner(session)?;
+            for (name, indices) in blocks.iter().filter(|(_, indices)| indices.len() > 0) {
+                let mut set = Object::NONE;
+                let (name, length) = (CString::new(*name).unwrap_or_default(), indices.len() as i64);
+                call!(petsc, ISCreateGeneral(session.world, length, indices.at(), COPY, &raw mut set))?;
+                // Without effect on other preconditioners.
+                call!(petsc, PCFieldSplitSetIS(preconditioner, name.as_ptr(), set))?;
+                call!(petsc, ISDestroy(&raw mut set))?;
+            }
+            Ok(())
+        })
+    }
+
+    fn preconditioner(&self, session: &Session) -> Result<Object, Trouble> {
+        let mut preconditioner = Object::NONE;
+        call!(session.engine.petsc, KSPGetPC(self.solver, &raw mut preconditioner))?;
+        Ok(preconditioner)
+    }
+
+    /// New values of the matrix, which `write` sets in the order of its entries.
+    pub(super) fn set_values(
+        &self,
+        session: &Session,
+        write: impl FnOnce(&mut [f64]),
+    ) -> Result<(), Trouble> {
+        let (petsc, mut values) = (&session.engine.petsc, null_mut());
+        call!(petsc, MatSeqAIJGetArray(self.matrix, &raw mut values))?;
+        // SAFETY: the values of the matrix, as many as it has entries, until they are given back.
+        write(unsafe { slice::from_raw_parts_mut(values, self.entries) });
+        call!(petsc, MatSeqAIJRestoreArray(self.matrix, &raw mut values))
+    }
+
+    /// Factors, hierarchies, and what else the options ask for.
+    pub(super) fn set_up(&self, session: &Session) -> Result<(), Trouble> {
+        let petsc = &session.engine.petsc;
+        self.with_options(session, || {
+            // Tells that the values are new.
+            call!(petsc, KSPSetOperators(self.solver, self.matrix, self.matrix))?;
+            call!(petsc, KSPSetUp(self.solver))?;
+            call!(petsc, KSPSetUpOnBlocks(self.solver))
+        })
+    }
+
+    /// x ← A⁻¹ b, as well as the options ask for.
+    pub(super) fn solve(&self, session: &Session, b: &[f64], x: &mut [f64]) -> Result<Outcome, Trouble> {
+        debug_assert_eq!((b.len(), x.len()), (self.n, self.n), "vectors do not fit the matrix");
+        let petsc = &session.engine.petsc;
+        self.in_vector(session, self.left, |values| values.copy_from_slice(b))?;
+        self.with_options(session, || call!(petsc, KSPSolve(self.solver, self.left, self.right)))?;
+        self.in_vector(session, self.right, |values| x.copy_from_slice(values))?;
+        self.outcome(session)
+    }
+
+    /// What has become of the last solve.
+    fn outcome(&self, session: &Session) -> Result<Outcome, Trouble> {
+        let (petsc, mut outcome) = (&session.engine.petsc, Outcome { reason: 0, iterations: 0, failure: 0 });
+        call!(petsc, KSPGetConvergedReason(self.solver, &raw mut outcome.reason))?;
+        call!(petsc, KSPGetIterationNumber(self.solver, &raw mut outcome.iterations))?;
+        outcome.failure = self.failure(session)?;
+        Ok(outcome)
+    }
+
+    /// Why the preconditioner failed; 0: it did not.
+    pub(super) fn failure(&self, session: &Session) -> Result<i32, Trouble> {
+        let mut failure = 0;
+        call!(session.engine.petsc, PCGetFailedReason(self.preconditioner(session)?, &raw mut failure))?;
+        Ok(failure)
+    }
+
+    fn in_vector(
+        &self,
+        session: &Session,
+        vector: Object,
+        act: impl FnOnce(&mut [f64]),
+    ) -> Result<(), Trouble> {
+        let (petsc, mut values) = (&session.engine.petsc, null_mut());
+        call!(petsc, VecGetArray(vector, &raw mut values))?;
+        // SAFETY: the values of a vector of this length, until they are given back.
+        act(unsafe { slice::from_raw_parts_mut(values, self.n) });
+        call!(petsc, VecRestoreArray(vector, &raw mut values))
+    }
+
+    /// Types of the iteration and of the preconditioner, such as `preonly` and `lu`.
+    pub(super) fn types(&self, session: &Session) -> Result<[String; 2], Trouble> {
+        let (petsc, mut of_solver, mut of_preconditioner) = (&session.engine.petsc, null(), null());
+        let preconditioner = self.preconditioner(session)?;
+        call!(petsc, KSPGetType(self.solver, &raw mut of_solver))?;
+        call!(petsc, PCGetType(preconditioner, &raw mut of_preconditioner))?;
+        // SAFETY: null, or names that live as long as the objects.
+        Ok([of_solver, of_preconditioner].map(|name| unsafe { text_of(name) }))
+    }
+
+    /// Relative reduction of the residual that the solver is asked for.
+    pub(super) fn tolerance(&self, session: &Session) -> Result<f64, Trouble> {
+        let ([mut relative, mut absolute, mut divergence], mut most) = ([0.0; 3], 0);
+        let petsc = &session.engine.petsc;
+        call!(
+            petsc,
+            KSPGetTolerances(
+                self.solver,
+                &raw mut relative,
+                &raw mut absolute,
+                &raw mut divergence,
+                &raw mut most
+            )
+        )?;
+        Ok(relative)
+    }
+
+    /// Options that nothing has asked for so far, without their `-`.
+    pub(super) fn unused(&self, session: &Session) -> Result<Vec<String>, Trouble> {
+        let (petsc, mut count, mut names, mut values) = (&session.engine.petsc, 0, null_mut(), null_mut());
+        let list = (&raw mut count, &raw mut names, &raw mut values);
+        call!(petsc, PetscOptionsLeftGet(self.options, list.0, list.1, list.2))?;
+        let count_found = usize::try_from(count).unwrap_or(0);
+        // SAFETY: an array of so many strings, until it is given back.
+        let found = (0..count_found).map(|i| unsafe { text_of(*names.add(i)) }).collect();
+        let list = (&raw mut count, &raw mut names, &raw mut values);
+        call!(petsc, PetscOptionsLeftRestore(self.options, list.0, list.1, list.2))?;
+        Ok(found)
+    }
+
+    /// Gives its memory back.
+    pub(super) fn destroy(mut self, session: &Session) {
+        let petsc = &session.engine.petsc;
+        // Nobody is left to be told of what fails here.
+        let _: Result<(), Trouble> = call!(petsc, KSPDestroy(&raw mut self.solver));
+        let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut self.left));
+        let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut self.right));
+        let _: Result<(), Trouble> = call!(petsc, MatDestroy(&raw mut self.matrix));
+        let _: Result<(), Trouble> = call!(petsc, PetscOptionsDestroy(&raw mut self.options));
+    }
+}
