@@ -120,6 +120,7 @@ const STEPS: [&str; 2] = ["time.step=0.2", "time.end=40"];
 
 /// p = (4.8 + R) Q, with every linearisation and with GMRES; the matrix has no entry more.
 #[test]
+#[ignore = "long"]
 fn a_resistance_is_a_coupling_of_rank_one() {
     let (p, resistance) = (3.2, 2.0);
     let q = p / (4.8 + resistance);

@@ -249,6 +249,7 @@ fn errors_in_space(setting: &Setting) -> [f64; 3] {
 /// Where stabilisation acts, it acts on p at t⁻ + θ k with parameters of the old state, in an equation that holds at
 /// t: what it adds, itself of the order of the error in space, is off by O(k) of itself.
 #[test]
+#[ignore = "long"]
 fn stabilized_pairs_are_off_by_part_of_the_error_in_space() {
     let residual = Stabilization { pressure: PressureTerm::Pspg, transport: TransportTerm::Supg, ..LPS };
     for setting in [

@@ -137,6 +137,7 @@ fn coupled_stationary_with_traction_free_outflow() {
 }
 
 #[test]
+#[ignore = "long"]
 fn coupled_in_time() {
     Run { steps: 2, ..COUPLED }.check("P1dc, 2 steps", [3.5050e-6, 7.6531e-7, 2.7489e-4]);
     Run { steps: 2, pressure: Continuous(1), ..COUPLED }

@@ -144,6 +144,7 @@ fn q2_q2_with_local_projection() {
 }
 
 #[test]
+#[ignore = "long"]
 fn q2_q2_with_local_projection_on_patches() {
     Q2_Q2.check(&[patched(LPS), patched(LPS_LPS)], Q1, QUADRATIC);
 }
@@ -155,6 +156,7 @@ fn residual_methods() {
 }
 
 #[test]
+#[ignore = "long"]
 fn p1_p1_on_triangles() {
     let curved = Run { cells: Cells::Curved, ..P1_P1 };
     curved.check(&[BREZZI_PITKARANTA, LPS, LPS_LPS, PSPG, PSPG_SUPG], Q1, LINEAR);

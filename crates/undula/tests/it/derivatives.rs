@@ -206,6 +206,7 @@ fn fluid_jacobian_is_theorem_5_2() {
 
 /// The same for the solid with every law, Lemma 5.5, with a loaded reference domain, too.
 #[test]
+#[ignore = "long"]
 fn solid_jacobian_is_lemma_5_5() {
     for material in materials() {
         for solid in [Solid::elastic(1e3, material), damped(material)] {

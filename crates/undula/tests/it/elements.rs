@@ -32,6 +32,7 @@ fn run(case: &str, [velocity, pressure]: [&str; 2], more: &[&str]) -> Simulation
 }
 
 #[test]
+#[ignore = "long"]
 fn fsi1_comes_near_the_reference_with_every_element() {
     let mut failures = vec![];
     for pair in PAIRS {

@@ -228,6 +228,7 @@ const MODELS: [&[&str]; 7] = [
 
 /// Condensed or whole Jacobian, fixed or sliding: the same solution of each model.
 #[test]
+#[ignore = "long"]
 fn linearizations_agree_for_every_model() {
     for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
         let soft = ["time.shift=1", "solid.mu=1e5", "solid.lambda=4e5", walls];
@@ -236,6 +237,7 @@ fn linearizations_agree_for_every_model() {
 }
 
 #[test]
+#[ignore = "long"]
 fn linearizations_agree_on_triangles() {
     for settings in
         [["space.velocity=P2", "motion.walls=sliding"], ["space.velocity=P2-bubble", "motion.walls=fixed"]]
@@ -266,6 +268,7 @@ fn linearizations_agree(model: &[&str], settings: &[&str]) {
 
 /// fsi1 does not depend on the extension, but for the error of the discretisation: 7 % in u_y on this mesh.
 #[test]
+#[ignore = "long"]
 fn fsi1_is_the_same_with_every_model() {
     for walls in ["motion.walls=fixed", "motion.walls=sliding"] {
         fsi1_is_the_same("space.velocity=Q2", walls, 0.02);
@@ -273,6 +276,7 @@ fn fsi1_is_the_same_with_every_model() {
 }
 
 #[test]
+#[ignore = "long"]
 fn fsi1_is_the_same_on_triangles() {
     fsi1_is_the_same("space.velocity=P2", "motion.walls=fixed", 0.02);
     fsi1_is_the_same("space.velocity=P3", "motion.walls=sliding", 0.02);

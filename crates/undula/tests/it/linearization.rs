@@ -65,6 +65,7 @@ fn same_solution(case: &str, settings: &[&str], ways: &[&[&str]]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn all_have_one_solution_at_rest() {
     same_solution("fsi1", &AT_REST, &WAYS[1..]);
 }
@@ -77,6 +78,7 @@ fn all_have_one_solution_in_motion() {
 /// Terms of the stabilisation keep their whole derivative, that with respect to u too: more than section 5.2.1 asks
 /// for, and they converge like the rest.
 #[test]
+#[ignore = "long"]
 fn stabilized_pairs_have_one_solution_in_motion() {
     for settings in [
         &["space.velocity=Q1", "stabilization.transport=lps"][..],
@@ -115,6 +117,7 @@ fn rate(residuals: &[f64]) -> f64 {
 }
 
 #[test]
+#[ignore = "long"]
 fn newton_is_quadratic_and_differences_nearly() {
     let reference = residuals(WAYS[0]);
     // Nodal values move ∇u at all points and in all components, so that their ε is smaller.
@@ -134,6 +137,7 @@ fn newton_is_quadratic_and_differences_nearly() {
 /// Section 5.2.3, Fig. 5.8: with ε = 1e-6 differences in nodal values take the iterations of the Jacobian by hand. In
 /// the units of the case a larger ε is off by its size, and a smaller one by cancellation.
 #[test]
+#[ignore = "long"]
 fn nodal_differences_take_the_steps_of_newton() {
     let settings =
         [&MOVING[..], &["space.pressure=Q2", "newton.rate-max=0.2", "newton.tolerance=1e-8"]].concat();
@@ -172,6 +176,7 @@ fn report(case: &str, settings: &[&str], seed: u64) -> JacobianReport {
 
 /// At random states of all kinds of problems all six agree with automatic differentiation.
 #[test]
+#[ignore = "long"]
 fn all_jacobians_agree() {
     let coupled = ["mesh.refine=0"];
     let current = [
@@ -290,6 +295,7 @@ fn settings_survive_being_written() {
 
 /// Without being told how many iterations they may take.
 #[test]
+#[ignore = "long"]
 fn stationary_cases_are_solved_by_every_linearization() {
     let drag = |linearization: &str| {
         let case = builtin("fsi1", &["mesh.refine=0", linearization]);

@@ -57,6 +57,7 @@ fn check(name: &str, sets: &[&str], stops: &[u64]) -> String {
 }
 
 #[test]
+#[ignore = "long"]
 fn every_scheme_resumes_with_the_same_bits() {
     for scheme in SCHEMES.iter().filter(|scheme| !scheme.ends_with("rannacher")) {
         check(scheme.rsplit('=').next().unwrap(), &[scheme], &[1, 7]);
@@ -142,6 +143,7 @@ fn rannacher_resumes_within_its_damping_steps() {
 
 /// With its past, wherever it stands; fields and steps land on their times.
 #[test]
+#[ignore = "long"]
 fn step_size_control_resumes_with_the_same_bits() {
     for scheme in ["shifted-crank-nicolson", "bdf2", "fractional-step-theta", "esdirk3", "esdirk4"] {
         let scheme = format!("time.scheme={scheme}");

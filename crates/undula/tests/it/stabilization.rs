@@ -123,6 +123,7 @@ fn added(space: &Arc<FsiSpace<2>>, how: &Stabilization, step: &StepView<'_>, for
 /// The Jacobian is the limit of differences, for both degrees and all methods, and the condensed matrix of a flow
 /// on its own is the Jacobian.
 #[test]
+#[ignore = "long"]
 fn derivatives_are_limits_of_differences() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     for pair in PAIRS {

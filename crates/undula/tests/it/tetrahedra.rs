@@ -286,6 +286,7 @@ fn all_jacobians_of_tetrahedra_agree() {
 
 /// Threads change no bit, and the condensed system arrives where the whole one does.
 #[test]
+#[ignore = "long"]
 fn condensed_is_whole_and_threads_change_no_bit() {
     for velocity in ["P2", "P2-bubble"] {
         let velocity = format!("space.velocity={velocity}");

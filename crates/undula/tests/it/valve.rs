@@ -40,6 +40,7 @@ fn run(more: &[&str]) -> (Vec<Instant>, f64, Simulation) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_valve_opens_and_falls_back_in_every_period() {
     let (steps, k) = (50, 0.02);
     let (list, theta, simulation) = run(&["time.step=0.02", "time.end=1.6"]);

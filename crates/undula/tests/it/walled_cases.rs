@@ -43,6 +43,7 @@ fn case(text: &str, overrides: &[&str]) -> Result<Case, String> {
 
 /// Lamé's thick tube on a bed of springs, plane strain: u = A r + B/r.
 #[test]
+#[ignore = "long"]
 fn a_grown_wall_under_pressure_is_that_of_lame() {
     let (mu, both, k, p, outer) = (3.0, 7.0, 5.0, 0.01, 2.0f64);
     let [[a, b], [c, d]] =

@@ -454,6 +454,7 @@ fn errors_of<const D: usize>(
 
 /// Of third order in the mesh with Q2 and P1dc; in time of the order of the scheme.
 #[test]
+#[ignore = "long"]
 fn the_wave_converges_in_space_and_time() {
     let wave = Wave::travelling();
     let run = |cells: [usize; 2], end: f64, steps: usize, more: &[&str]| {
@@ -506,6 +507,7 @@ fn in_space(length: f64, cells: [usize; 3], end: f64, steps: usize, more: &[&str
 /// In space the wave is that of (r, z), on an O-grid with curved cells. `UNDULA_WAVE` lists more runs in a tube of 3 m than a
 /// test has time for, as along,round,through,end,steps,velocity,pressure: those of `validation/space.md`.
 #[test]
+#[ignore = "long"]
 fn the_wave_in_space_converges() {
     if let Ok(list) = std::env::var("UNDULA_WAVE") {
         for run in list.split_whitespace() {
