@@ -24,6 +24,7 @@ mod pictures_space;
 mod report;
 mod space_cases;
 mod starters;
+mod stored;
 mod study;
 mod tables;
 
