@@ -12,7 +12,7 @@ one() { # name, picture, settings
     case " $names " in *" $name "*) ;; *) return 0 ;; esac
     "$program" run "$name" -o "$work/$name" --threads 1 --set output.report=false "$@" > "$work/$name.log" 2>&1
     # Pillow makes them small.
-    python3 -c "import sys; from PIL import Image; i = Image.open(sys.argv[1]); w = min(i.width, 1100); i.convert('RGB').resize((w, round(
+    python3 -c "import sys; from PIL import Image; i = Image.open(sys.argv[1]); w = round(min(i.width, 1100, 1000 * i.width / i.height)); i.convert('RGB').resize((w, round(
 i.height * w / i.width)), Image.LANCZOS).quantize(128).save(sys.argv[2], optimize=True)" "$work/$name/plots/$picture.png" "$here/$name.png"
     echo "$name $(stat -c %s "$here/$name.png")"
 }
