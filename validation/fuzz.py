@@ -410,7 +410,9 @@ class Fuzzer:
             kind = kinds[number % len(kinds)]
             shutil.rmtree(self.scratch, ignore_errors=True)
             os.makedirs(self.scratch)
+            started = time.monotonic()
             methods[kind](random.Random(f"{self.options.seed}-{number}"), number)
+            self.tally[kind]["hours"] += (time.monotonic() - started) / 3600
             self.tally[kind]["inputs"] += 1
             number += 1
         shutil.rmtree(self.scratch, ignore_errors=True)
@@ -419,10 +421,10 @@ class Fuzzer:
     def told(self, begun, number):
         print(f"{time.monotonic() - begun:.0f} s, {number - self.options.first} inputs, {sum(self.counts.values())} runs of the "
               f"program, {len(self.findings)} findings")
-        print("| kind | inputs | runs | processor hours | longest (s) | MiB | exit 0 | 1 | 2 | 3 | findings |")
+        print("| kind | hours | inputs | runs | processor (s) | longest (s) | MiB | exit 0 | 1 | 2 | 3 | findings |")
         for kind, tally in self.tally.items():
             exits = " | ".join(str(self.counts[f"{kind}: exit {code}"]) for code in (0, 1, 2, 3))
-            print(f"| {kind} | {tally['inputs']} | {tally['runs']} | {tally['seconds'] / 3600:.2f} | {tally['slowest']:.1f} | "
+            print(f"| {kind} | {tally['hours']:.2f} | {tally['inputs']} | {tally['runs']} | {tally['seconds']:.0f} | {tally['slowest']:.1f} | "
                   f"{tally['memory']} | {exits} | {tally['findings']} |", flush=True)
         return 1 if self.findings else 0
 
