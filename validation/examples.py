@@ -137,6 +137,24 @@ def hydrofoil():
     table(["viscosity (m²/s)", "frequency of a swing in the fluid at rest (Hz)"], rows)
 
 
+def flap():
+    """The tip at the times of the test."""
+    history, _ = run("flap", "flap")
+    at = lambda t: min(range(len(history["time"])), key=lambda i: abs(history["time"][i] - t))
+    rows = [[t, f"{history['ux_tip'][at(t)]:.4f}", published] for t, published in
+            ((0.3, 0.0884), (0.5, 0.1647), (0.7, 0.1951), (1.0, 0.1409))]
+    table(["t (s)", "u_x of the tip (m)", "preCICE tutorials"], rows)
+
+
+def cavity():
+    """Extrema of the bottom behind 11 s."""
+    history, _ = run("cavity", "cavity")
+    t, u = history["time"], history["uy_mid"]
+    turns = [i for i in range(1, len(u) - 1) if t[i] > 11 and (u[i] - u[i - 1]) * (u[i + 1] - u[i]) < 0]
+    rows = [[f"{t[i]:.2f}", f"{u[i]:.3f}", published] for i, published in zip(turns, (0.162, 0.254, 0.196, 0.267))]
+    table(["t (s)", "u_y of the middle (m)", "Valdés 2007"], rows)
+
+
 TEXT = """# Examples
 
 Cases that people bring, beside closed forms and under refinement. Values of `validation/examples.py`. `cargo test`
@@ -194,5 +212,16 @@ stiffer. A swing in the fluid at rest comes near to the mode with the added mass
 viscosity falls.
 """)
         hydrofoil()
+        print("""## flap
+
+The perpendicular flap of the preCICE tutorials, `undula run flap`: within 2 % (`tests/it/own_problems.rs`).
+""")
+        flap()
+        print("""## cavity
+
+Extrema of the flexible bottom, `undula run cavity`: within 10 % of those of Valdés 2007, section 6.2
+(`tests/it/own_problems.rs`). The published ones are read off a figure.
+""")
+        cavity()
     print_to.write_text(page.getvalue().rstrip() + "\n", encoding="utf-8")
     print(print_to)

@@ -5,7 +5,9 @@ usage: validation/kills.py PROGRAM [KILLS] [SEED]        100 kills in /tmp or $T
 
 Rows, fields, their list, and the arrays of the last checkpoint must have the same bytes.
 """
-import collections, os, random, signal, subprocess, sys, tempfile, time, zipfile
+import collections, os, random, signal, subprocess, sys, tempfile, time
+
+from bits import differing
 
 program = os.path.abspath(sys.argv[1])
 kills = int(sys.argv[2]) if len(sys.argv) > 2 else 100
@@ -17,21 +19,6 @@ SETS = ["mesh.refine=0", "time.step=0.01", "solid.body-force=[0,-2]", "output.ch
 def command(directory, end, *flags):
     sets = [word for value in SETS + [f"time.end={end}"] for word in ("--set", value)]
     return [program, "run", "fsi3", *sets, "--threads", "1", "--quiet", "-o", directory, *flags]
-
-
-def content(directory):
-    found = {}
-    for folder, _, files in os.walk(directory):
-        for name in files:
-            path = os.path.join(folder, name)
-            if name in ("history.csv", "fields.pvd", "case.toml") or name.endswith(".vtu"):
-                found[os.path.relpath(path, directory)] = open(path, "rb").read()
-    last = sorted(os.listdir(os.path.join(directory, "checkpoints")))[-1]
-    with zipfile.ZipFile(os.path.join(directory, "checkpoints", last)) as archive:
-        for member in archive.namelist():
-            if member.endswith(".npy"):
-                found[last + " " + member] = archive.read(member)
-    return found
 
 
 work = tempfile.mkdtemp(prefix="undula-kills-")
@@ -74,7 +61,6 @@ if child.returncode == 2 and ("holds none" in child.stderr or "missing" in child
     child = subprocess.run(command("parts", end, "--force"), capture_output=True, text=True)
 if child.returncode != 0 and "already completed" not in child.stderr:
     sys.exit(f"the last resume: code {child.returncode}: {child.stderr}")
-one, two = content("whole"), content("parts")
-differ = sorted(name for name in one.keys() | two.keys() if one.get(name) != two.get(name))
-print(dict(counts), f"{steps} steps, {len(one)} files and arrays compared, {time.time() - begun:.0f} s")
+differ, compared = differing("whole", "parts")
+print(dict(counts), f"{steps} steps, {compared} files and arrays compared, {time.time() - begun:.0f} s")
 sys.exit(f"they differ: {differ}; see {work}" if differ else 0)

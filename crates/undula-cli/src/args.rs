@@ -192,7 +192,7 @@ pub struct NewArgs {
     /// Built-in case to start from; with --mesh the file to write [default: that of the mesh, ending with .toml]
     #[arg(required_unless_present = "mesh")]
     pub name: Option<String>,
-    /// File to write [default: NAME.toml]
+    /// File to write, `-` for standard output [default: NAME.toml]
     #[arg(conflicts_with = "mesh")]
     pub file: Option<PathBuf>,
     /// Start from this Gmsh file instead: a case with all of its regions and boundaries
@@ -223,6 +223,10 @@ pub struct ReportArgs {
     /// File of the page [default: DIR/report.html]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
+    /// Cut a run in three dimensions by this plane, such as x=0.2 [m]; z alone is the middle of the domain; may be
+    /// repeated [default: across the shortest side of the domain, in its middle]
+    #[arg(long, value_name = "PLANE", value_parser = plot::plane)]
+    pub cut: Vec<Plane>,
 }
 
 /// How the runs of a study are computed.

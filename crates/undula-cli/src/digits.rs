@@ -15,9 +15,24 @@ pub fn significant(x: f64, digits: usize) -> String {
     if (1e-4..1e6).contains(&rounded.abs()) { rounded.to_string() } else { format!("{rounded:e}") }
 }
 
+/// `x` among numbers of size `size`, with up to `digits` digits of those: 0 where it is rounding.
+pub fn among(x: f64, size: f64, digits: usize) -> String {
+    if !size.is_normal() {
+        return significant(x, digits);
+    }
+    let unit = 10f64.powi(size.abs().log10().floor() as i32 + 1 - digits as i32);
+    if (x / unit).round() == 0.0 { "0".into() } else { significant(x, digits) }
+}
+
 #[cfg(test)]
 mod tests {
-    use super::{fixed, significant};
+    use super::{among, fixed, significant};
+
+    #[test]
+    fn rounding_among_larger_numbers_is_zero() {
+        assert_eq!([among(-1.98326e-9, 0.4, 6), among(0.205, 0.4, 6)], ["0", "0.205"]);
+        assert_eq!([among(-1.98326e-9, 1e-8, 6), among(0.0, 0.0, 6)], ["-1.98326e-9", "0"]);
+    }
 
     #[test]
     fn significant_digits_are_counted_from_the_first() {

@@ -137,8 +137,11 @@ static ENTRIES: &[Entry] = &[
     },
     Entry {
         words: &["linear_iterations"],
-        place: "summary.json",
-        text: &["How often factors, or a cycle of multigrid, were applied, summed over all steps."],
+        place: "summary.json, column of history.csv",
+        text: &[
+            "How often factors, or a cycle of multigrid, were applied: in a step, in summary.json summed over all steps. The",
+            "column is there where the solver is iterative (multigrid, or linear.krylov).",
+        ],
     },
     Entry {
         words: &["largest_factor_unknowns"],

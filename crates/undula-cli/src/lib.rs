@@ -90,7 +90,7 @@ pub fn keys(pattern: &str) -> String {
 /// # Errors
 /// If a file of the run cannot be read, or the page cannot be written.
 pub fn report(directory: &Path, to: Option<&Path>) -> anyhow::Result<PathBuf> {
-    report::write(directory, to)
+    report::write(directory, to, &[])
 }
 
 /// Draws the pictures of the run in `directory` into `to`, by default its `plots`, and returns their paths.

@@ -70,7 +70,10 @@ impl Live {
             row.names().iter().cloned().zip(row.values.iter().map(|&x| json!(x))).collect();
         let event = json!({
             "step": row.step, "time": row.time, "force_time": row.force_time, "values": values,
-            "counts": { "newton_steps": row.newton_steps, "jacobians": row.jacobians, "min_J": row.min_j },
+            "counts": {
+                "newton_steps": row.newton_steps, "linear_iterations": row.linear_iterations,
+                "jacobians": row.jacobians, "min_J": row.min_j,
+            },
         });
         let mut state = self.shared.state();
         state.rows.push_back((row.step, event));
@@ -121,7 +124,7 @@ impl Shared {
         }
         let path = first.strip_prefix("GET ").and_then(|rest| rest.split(' ').next()).filter(|_| is_ours);
         match path.and_then(|path| path.split_once("?after=").or(Some((path, "0")))) {
-            Some(("/", _)) => match report::text(&self.directory, true) {
+            Some(("/", _)) => match report::text(&self.directory, true, &[]) {
                 Ok(page) => send(stream, "200 OK", &page),
                 Err(_) => send(stream, "503 Service Unavailable", BEGINS),
             },

@@ -86,7 +86,7 @@ pub struct Views {
 
 /// A picture that was asked for and cannot be drawn: why, and what to do.
 #[derive(Debug)]
-pub struct NotDrawn(String);
+pub struct NotDrawn(pub String);
 
 impl std::fmt::Display for NotDrawn {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {

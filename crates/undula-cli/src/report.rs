@@ -8,9 +8,10 @@ mod sections;
 mod series;
 mod space;
 
-use crate::args::{ReportArgs, bad_input, print};
+use crate::args::{Plane, ReportArgs, bad_input, print};
 use crate::compare::{Published, published};
 use crate::page::Html;
+use crate::plot::NotDrawn;
 use crate::plot::colors::{PLASMA, Rgb, VIRIDIS};
 use fields::{Scene, scene};
 use serde_json::{Value, json};
@@ -43,21 +44,22 @@ pub fn run(args: &ReportArgs) -> anyhow::Result<ExitCode> {
         Ok(run) if !run.summary().is_file() => {
             bad_input(format_args!("{}: this run has no summary.json", args.dir.display()))
         }
-        Ok(_) => {
-            let path = write(&args.dir, args.output.as_deref())?;
-            print(&format!("{}\n", path.display()))
-        }
+        Ok(_) => match write(&args.dir, args.output.as_deref(), &args.cut) {
+            Err(error) if error.is::<NotDrawn>() => bad_input(error),
+            written => written.and_then(|path| print(&format!("{}\n", path.display()))),
+        },
     }
 }
 
 /// Writes the page of the run in `directory` into `to`, by default `report.html` in that directory, and returns its path.
+/// In space it has these `cuts`, by default one across the shortest side.
 ///
 /// # Errors
-/// If a file of the run cannot be read, or the page cannot be written.
-pub fn write(directory: &Path, to: Option<&Path>) -> anyhow::Result<PathBuf> {
+/// If a file of the run cannot be read, or the page cannot be written; [`NotDrawn`] for a plane that meets nothing.
+pub fn write(directory: &Path, to: Option<&Path>, cuts: &[Plane]) -> anyhow::Result<PathBuf> {
     let run = RunDirectory::open(directory)?;
     let path = to.map_or_else(|| run.report(), Path::to_path_buf);
-    let text = text(directory, false)?;
+    let text = text(directory, false, cuts)?;
     write_atomic(&path, |file| std::io::Write::write_all(file, text.as_bytes()))?;
     Ok(path)
 }
@@ -76,8 +78,8 @@ struct Content<'a> {
 /// The page of the run in `directory`; one that is `live` asks its server for news.
 ///
 /// # Errors
-/// If a file of the run cannot be read.
-pub fn text(directory: &Path, live: bool) -> anyhow::Result<String> {
+/// As [`write`].
+pub fn text(directory: &Path, live: bool, cuts: &[Plane]) -> anyhow::Result<String> {
     let run = &RunDirectory::open(directory)?;
     let results = Results::read(directory)?;
     let published = published(&results);
@@ -89,7 +91,7 @@ pub fn text(directory: &Path, live: bool) -> anyhow::Result<String> {
     };
     let histories = series::histories(&content.results, rows)?;
     let reference = content.results.case.as_ref().is_some_and(|case| !case.output.deformed);
-    let mut fields = scene(run, reference)?;
+    let mut fields = scene(run, reference, cuts)?;
     if let (Scene::Shown(scene, _), Some((_, overview))) = (&mut fields, &content.overview) {
         scene["axes"] = json!(if overview.around_axis { ["r", "z", ""] } else { ["x", "y", "z"] });
     }

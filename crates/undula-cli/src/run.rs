@@ -247,7 +247,7 @@ fn show_report(directory: &Path) {
     if !wanted {
         return;
     }
-    match report::write(directory, None) {
+    match report::write(directory, None, &[]) {
         Ok(path) => show(&format!("report    {}\n", path.display())),
         Err(error) => say(format_args!("note: no report: {}", with_causes(&error))),
     }

@@ -11,6 +11,7 @@ pub use initial::with_start;
 #[doc(hidden)]
 pub use memory::Memory;
 pub use row::Row;
+pub(crate) use summary::Columns;
 
 use crate::case::{Case, TimeSpec};
 use crate::error::Error;
@@ -43,7 +44,7 @@ pub struct Simulation<const D: usize = 2> {
     /// Spaces, equations, solvers, and the solution.
     #[doc(hidden)]
     pub stepper: Stepper<D>,
-    /// Rows so far.
+    /// Rows so far. A run with files keeps the last ones only; other programs may remove rows, too.
     pub history: Vec<Row>,
     /// Steps done.
     pub steps: u64,
@@ -239,6 +240,7 @@ impl<const D: usize> Simulation<D> {
 
     fn step_here(&mut self) -> Result<Row, Error> {
         self.stepper.remember();
+        let before = self.stepper.newton.counters.linear_iterations;
         let result = self.step_in_time();
         if let Err(Error::Breakdown(failure)) = &result
             && failure.is_stop()
@@ -252,7 +254,8 @@ impl<const D: usize> Simulation<D> {
         if let Some(balance) = &mut self.balance {
             balance.observe(&self.stepper.new, self.stepper.time);
         }
-        let row = self.evaluate(&report);
+        let mut row = self.evaluate(&report);
+        row.linear_iterations = self.stepper.newton.counters.linear_iterations - before;
         self.history.push(row.clone());
         self.report = report;
         Ok(row)
@@ -359,6 +362,7 @@ impl<const D: usize> Simulation<D> {
             min_j: report.min_j,
             newton_steps: report.newton_steps,
             jacobians: report.jacobians,
+            linear_iterations: 0,
             names: self.names.clone(),
         }
     }

@@ -74,7 +74,7 @@ pub enum SurfaceField {
 }
 
 /// A plane from text such as `x=0.2` or `y`.
-fn plane(text: &str) -> Result<Plane, String> {
+pub fn plane(text: &str) -> Result<Plane, String> {
     let (name, place) = text.split_once('=').map_or((text, None), |(name, place)| (name, Some(place)));
     let axis = ["x", "y", "z"].iter().position(|axis| *axis == name.trim());
     let at = place.map(|place| place.trim().parse::<f64>().ok().filter(|at| at.is_finite()));

@@ -92,6 +92,16 @@ impl Figure {
         self.scene.elements.push(text);
     }
 
+    /// [`Figure::text`] that begins at `at`, or ends at the right edge where it would leave the drawing.
+    pub fn text_within(&mut self, at: (f64, f64), content: &str, size: u32, ink: Rgb) {
+        let (edge, width) = (self.scene.width - 4.0, width_of(content, size));
+        if at.0 + width > edge {
+            self.text((edge, at.1), content, size, Anchor::End, ink);
+        } else {
+            self.text(at, content, size, Anchor::Start, ink);
+        }
+    }
+
     /// Draws `inside` such that nothing leaves `panel`.
     pub fn clipped(&mut self, panel: &Panel, inside: impl FnOnce(&mut Self)) {
         let Panel { left: x, top: y, width, height, .. } = *panel;
@@ -356,6 +366,11 @@ pub fn readable(size: f64, unit: &str) -> (f64, String) {
     });
     let power = format!("10{}", raised.collect::<String>());
     (10.0_f64.powi(-exponent), format!("{power} {unit}").trim_end().to_string())
+}
+
+/// About how wide a text is.
+fn width_of(content: &str, size: u32) -> f64 {
+    CHARACTER * f64::from(size) * content.chars().count() as f64
 }
 
 /// `name [unit]`, or the name alone.

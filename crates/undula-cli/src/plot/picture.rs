@@ -163,7 +163,7 @@ pub(super) fn legend(figure: &mut Figure, bar: &Panel, label: &str) {
         figure.line((x, y), (x + 4.0, y), INK, 1.0);
         figure.text((x + 8.0, y + 4.0), &label, 12, Anchor::Start, INK);
     }
-    figure.text((bar.left, bar.top - 9.0), label, 13, Anchor::Start, INK);
+    figure.text_within((bar.left, bar.top - 9.0), label, 13, INK);
 }
 
 /// The colours of the bar, from below.

@@ -4,8 +4,9 @@ use super::arrays::{film, size};
 use super::layer::{Layer, between};
 use super::quantity::Quantity;
 use super::space;
-use crate::plot::solid_cells;
+use crate::args::{Plane, say_notes};
 use crate::plot::tetrahedra::read_fields;
+use crate::plot::{NotDrawn, solid_cells};
 use serde_json::{Value, json};
 use undula::output::{Collection, Field, FieldSnapshot, RunDirectory};
 
@@ -51,11 +52,11 @@ pub enum Scene {
 }
 
 /// The fields of the run in `run`, of as many of its moments as a page has room for; `reference` says that its files have
-/// the points of the reference domain.
+/// the points of the reference domain. Fields in space are cut by `planes`.
 ///
 /// # Errors
-/// If a file cannot be read.
-pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
+/// If a file cannot be read; [`NotDrawn`] for a plane that meets nothing.
+pub fn scene(run: &RunDirectory, reference: bool, planes: &[Plane]) -> anyhow::Result<Scene> {
     if !run.collection().is_file() {
         return Ok(Scene::None);
     }
@@ -75,8 +76,13 @@ pub fn scene(run: &RunDirectory, reference: bool) -> anyhow::Result<Scene> {
     let solid = solid_cells(&last);
     // Cuts are made there, so that they do not depend on the moment.
     let still = FieldSnapshot { points: undeformed(&last, reference), ..last.clone() };
-    let mut layers =
-        if dim == 2 { vec![Layer::plane(&still, &solid)] } else { space::layers(&still, &solid) };
+    if dim == 2 && !planes.is_empty() {
+        say_notes(&["--cut has no effect: the run is one of two dimensions".into()]);
+    }
+    let mut layers = match dim {
+        2 => vec![Layer::plane(&still, &solid)],
+        _ => space::layers(&still, &solid, planes).map_err(NotDrawn)?,
+    };
     let shown: usize = layers.iter().map(|layer| layer.points.len()).sum();
     if shown == 0 {
         return Ok(Scene::None);

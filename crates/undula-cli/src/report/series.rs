@@ -18,8 +18,12 @@ const PERIODS: f64 = 20.0;
 const MULTIPLES: f64 = 8.0;
 
 /// Solver columns of the history with what they are called.
-const COUNTS: [(&str, &str); 3] =
-    [("newton_steps", "Newton iterations"), ("jacobians", "Jacobians"), ("min_J", "smallest J")];
+const COUNTS: [(&str, &str); 4] = [
+    ("newton_steps", "Newton iterations"),
+    ("linear_iterations", "linear iterations"),
+    ("jacobians", "Jacobians"),
+    ("min_J", "smallest J"),
+];
 
 /// Histories for the page, and in words what is left out; `None` where nothing depends on time.
 ///

@@ -1,22 +1,43 @@
 //! What the player draws in space: the surfaces of the bodies, and a cut that moves with the mesh.
 
 use super::layer::{Between, Layer, lines};
+use crate::args::Plane;
+use crate::digits::among;
 use crate::plot::cube::{Cube, face_corners};
-use crate::plot::space::{Face, extents, faces};
+use crate::plot::space::{Face, extents, faces, size};
 use std::collections::HashMap;
 use undula::output::FieldSnapshot;
 
 /// Names of the coordinates.
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
-/// The layers of fields on straight hexahedra: bodies, if there are some, and a cut across the shortest side.
-pub fn layers(snapshot: &FieldSnapshot, solid: &[bool]) -> Vec<Layer> {
+/// The layers of fields on straight hexahedra: bodies, if there are some, and cuts by `planes`, by default one across the
+/// shortest side.
+///
+/// # Errors
+/// A plane that meets nothing, in words.
+pub fn layers(snapshot: &FieldSnapshot, solid: &[bool], planes: &[Plane]) -> Result<Vec<Layer>, String> {
     let mut found = vec![];
     if solid.iter().any(|&solid| solid) {
         found.push(surface(snapshot, solid));
     }
-    found.extend(cut(snapshot, solid));
-    found
+    if planes.is_empty() {
+        found.extend(cut(snapshot, solid));
+    }
+    for &Plane { axis, at } in planes {
+        let (low, high) = extents(snapshot)[axis];
+        let at = at.unwrap_or(0.5 * (low + high));
+        let layer = Cutter::new(snapshot, axis, at).cut(solid);
+        if layer.cells.is_empty() {
+            let [at, low, high] = [at, low, high].map(|x| among(x, size(snapshot), 6));
+            let name = NAMES[axis];
+            return Err(format!(
+                "--cut {name}={at}: the plane meets no cell; the domain reaches from {name} = {low} to {high} m"
+            ));
+        }
+        found.push(layer);
+    }
+    Ok(found)
 }
 
 /// The number of the curved cell of which a straight one is a part.
@@ -133,7 +154,7 @@ impl<'a> Cutter<'a> {
                 (if inside { &mut layer.inner } else { &mut layer.outline }).extend(ends);
             }
         }
-        layer.name = format!("cut at {} = {} m", NAMES[self.axis], crate::digits::significant(self.at, 4));
+        layer.name = format!("cut at {} = {} m", NAMES[self.axis], among(self.at, size(self.snapshot), 4));
         layer.points = self.points;
         layer
     }

@@ -26,6 +26,7 @@ mod pictures_space;
 mod report;
 mod space_cases;
 mod starters;
+mod stored;
 mod study;
 mod tables;
 

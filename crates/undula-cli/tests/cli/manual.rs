@@ -10,10 +10,12 @@ fn docs() -> PathBuf {
 
 /// The pages of the manual with their texts.
 fn pages() -> Vec<(PathBuf, String)> {
-    let files = fs::read_dir(docs().join("manual")).unwrap().map(|entry| entry.unwrap().path());
+    let folders = ["manual", "manual/examples", "manual/method"].map(|folder| docs().join(folder));
+    let files =
+        folders.iter().flat_map(|folder| fs::read_dir(folder).unwrap()).map(|entry| entry.unwrap().path());
     let mut pages: Vec<_> = files.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
     pages.sort();
-    assert!(pages.len() >= 7, "{pages:?}");
+    assert!(pages.len() >= 40, "{pages:?}");
     pages.into_iter().map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 
@@ -33,7 +35,7 @@ fn boxes(text: &str) -> Vec<(Vec<&str>, Vec<&str>)> {
 /// Runs the commands of the page `name` in a directory of its own, where boxes `in NAME` have a copy of that folder.
 /// Settings behind a box shorten its runs; `expect N` is the exit code. Pictures are drawn on the first page only.
 fn run_page(name: &str) {
-    let here = Place::new(&format!("manual-{name}"));
+    let here = Place::new(&format!("manual-{}", name.replace('/', "-")));
     let text = fs::read_to_string(docs().join(format!("manual/{name}.md"))).unwrap();
     let boxes = boxes(&text);
     assert!(!boxes.is_empty(), "{name} has no commands");
@@ -82,7 +84,8 @@ fn a_geometry_of_its_own_goes_as_the_manual_says() {
 
 #[test]
 fn what_is_chosen_and_what_goes_wrong_is_as_the_manual_says() {
-    ["choosing", "trouble", "coming-from", "extending"].into_iter().for_each(run_page);
+    let method = ["method/newton", "method/materials", "method/conditions"];
+    ["choosing", "trouble", "coming-from", "extending"].into_iter().chain(method).for_each(run_page);
 }
 
 #[test]
@@ -103,7 +106,7 @@ fn links_of_the_manual_lead_somewhere() {
             count += 1;
         }
     }
-    assert!(count > 60, "{count} links");
+    assert!(count > 150, "{count} links");
 }
 
 #[test]
@@ -118,7 +121,11 @@ fn numbers_of_the_manual_are_those_of_the_files_they_come_from() {
             };
             let source = fs::read_to_string(docs().parent().unwrap().join(source)).unwrap();
             let cells = |row: &str| -> Vec<String> {
-                row.trim_matches('|').split('|').map(|cell| cell.trim().to_string()).collect()
+                let marks = [' ', '¹', '²', '³', '⁴', '⁵', '⁶'];
+                row.trim_matches('|')
+                    .split('|')
+                    .map(|cell| cell.trim().trim_end_matches(marks).into())
+                    .collect()
             };
             let table: Vec<Vec<String>> = source.lines().filter(|l| l.starts_with('|')).map(cells).collect();
             let above = lines[..n].iter().rev().skip(1).take_while(|row| row.starts_with('|'));
@@ -129,15 +136,29 @@ fn numbers_of_the_manual_are_those_of_the_files_they_come_from() {
             }
         }
     }
-    assert!(rows > 15, "{rows} rows");
+    assert!(rows > 70, "{rows} rows");
 }
 
 #[test]
-fn every_built_in_case_has_its_place_in_the_manual() {
-    let text = fs::read_to_string(docs().join("manual/examples.md")).unwrap();
+fn every_built_in_case_has_a_page_with_picture_command_and_numbers() {
+    let index = fs::read_to_string(docs().join("manual/examples.md")).unwrap();
+    let summary = fs::read_to_string(docs().join("SUMMARY.md")).unwrap();
     for case in undula::case::builtin::builtin_cases() {
-        assert!(text.contains(&format!("undula run {}\n", case.name)), "{}", case.name);
-        let title = undula::case::Case::builtin(case.name, &[]).unwrap().title;
-        assert!(text.contains(&title), "{}: {title}", case.name);
+        let name = case.name;
+        let text = fs::read_to_string(docs().join(format!("manual/examples/{name}.md"))).unwrap();
+        let title = undula::case::Case::builtin(name, &[]).unwrap().title;
+        for part in
+            [&format!("\nundula run {name}"), &title, &format!("pictures/{name}.png)"), "<!-- numbers: "]
+        {
+            assert!(text.contains(part), "{name}: {part}");
+        }
+        assert!(docs().join(format!("pictures/{name}.png")).exists(), "{name}");
+        assert!(index.contains(&format!("[{name}](examples/{name}.md) | {title} |")), "{name}");
+        assert!(summary.contains(&format!("(manual/examples/{name}.md)")), "{name}");
+    }
+    // Every page of the manual is in the book.
+    for (path, _) in pages() {
+        let path = path.strip_prefix(docs()).unwrap().display().to_string();
+        assert!(summary.contains(&format!("({path})")), "{path}");
     }
 }

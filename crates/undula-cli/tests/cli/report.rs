@@ -166,6 +166,11 @@ fn has_bodies_and_a_cut(name: &str, sets: &[&str]) {
     let names: Vec<&str> =
         scene["layers"].as_array().unwrap().iter().map(|layer| layer["name"].as_str().unwrap()).collect();
     assert_eq!(names, ["bodies", "cut at z = 0.05 m"]);
+    here.run("report space -o cuts.html --cut x=0.3 --cut y", &[]).expect(0, &["cuts.html"]);
+    let cuts = &data(&here, "cuts.html")["scene"]["layers"];
+    assert_eq!([1, 2].map(|n| cuts[n]["name"].as_str().unwrap()), ["cut at x = 0.3 m", "cut at y = 0.205 m"]);
+    here.run("report space --cut x=3", &[])
+        .expect(2, &["--cut x=3: the plane meets no cell", "from x = 0 to 2.5 m"]);
     let quantity =
         scene["quantities"].as_array().unwrap().iter().position(|q| q["name"] == "velocity").unwrap();
     // The flow is that of the plane: on the cut as large as anywhere, and no faster.

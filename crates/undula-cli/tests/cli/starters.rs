@@ -60,6 +60,21 @@ fn a_mesh_gives_a_case_with_its_regions_and_boundaries() {
     fs::create_dir_all(here.file("sub")).unwrap();
     here.run("new --mesh g4.msh sub/own.toml", &[]).expect(0, &[]);
     here.run("check sub/own.toml", &[]).expect(0, &["own:", "unknowns"]);
+    // Without an outlet all are walls, which is told.
+    here.write("closed.msh", &here.read("g4.msh").replace("outflow", "drain"));
+    let said = here.run("new --mesh closed.msh -", &[]);
+    let said = said
+        .expect(0, &["no boundary is called `outlet`", "`inflow`, `drain`, `walls`, `lid` got `no-slip`"]);
+    assert!(
+        said.out.starts_with("# A case for the mesh closed.msh") && said.out.contains("name = \"closed\"")
+    );
+    assert!(
+        said.out.contains("# no boundary is called `outlet`") && !here.file("-").exists(),
+        "{}",
+        said.out
+    );
+    let said = here.run("new csm1 -", &[]).expect(0, &[]);
+    assert!(said.out.contains("name = \"csm1\"") && !here.file("-").exists(), "{}", said.out);
     here.run("new --mesh none.msh", &[]).expect(2, &["none.msh"]);
     here.run("new g4.msh", &[]).expect(2, &["undula new --mesh g4.msh"]);
 }

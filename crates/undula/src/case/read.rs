@@ -253,9 +253,9 @@ impl<'c, 'd> Section<'c, 'd> {
 
     /// Tells every key that nobody asked for.
     pub fn finish(self) {
-        let known =
-            keys::names_in(&self.path).into_iter().filter(|name| self.known.iter().any(|k| k == name));
-        let known: Vec<&str> = known.collect();
+        let all = keys::names_in(&self.path);
+        let known: Vec<&str> =
+            all.iter().copied().filter(|name| self.known.iter().any(|k| k == name)).collect();
         for (key, item) in self.table.map_or(&[][..], |t| &t.0) {
             if self.known.contains(key) {
                 continue;
@@ -268,7 +268,10 @@ impl<'c, 'd> Section<'c, 'd> {
                 .filter(|meant| self.known.iter().any(|k| k == meant))
             {
                 Some(meant) => format!("; did you mean `{meant}`?"),
-                None => did_you_mean(key, known.iter().copied()),
+                None => match did_you_mean(key, known.iter().copied()) {
+                    none if none.is_empty() => did_you_mean(key, all.iter().copied()),
+                    hint => hint,
+                },
             };
             let hint = if hint.is_empty() { ";".into() } else { hint };
             let table = if self.path.is_empty() { "a case".into() } else { format!("[{}]", self.path) };

@@ -8,20 +8,29 @@ use super::window::Window;
 use super::{Flow, Observer, RunOptions, written_fields};
 use crate::error::Error;
 use crate::output::{
-    Breakdown, Checkpoint, Collection, HistoryWriter, OutputError, Precision, Provenance, RunDirectory,
-    Status, Summary, hash, text_of, write_vtu,
+    Breakdown, Checkpoint, Collection, FunctionalSummary, HistoryWriter, OutputError, Precision, Provenance,
+    RunDirectory, Status, Summary, hash, text_of, write_vtu,
 };
-use crate::simulation::{Row, Simulation};
+use crate::simulation::{Columns, Row, Simulation};
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 /// How often a run looks whether its files are still there, besides when it writes one.
 const LOOK: Duration = Duration::from_millis(500);
+
+/// Rows that a run keeps in memory: those that say which output time is nearest.
+const KEPT: usize = 2;
+
+/// So many rows gather before the earlier ones go.
+const GATHERED: usize = 256;
 
 /// A simulation with its open files.
 pub(super) struct Run<const D: usize> {
     pub simulation: Simulation<D>,
     pub directory: RunDirectory,
     history: HistoryWriter,
+    /// Whether the history has a column of linear iterations.
+    pub with_iterations: bool,
     pub collection: Collection,
     start: Instant,
     /// Seconds of the runs that this one continues.
@@ -35,8 +44,6 @@ pub(super) struct Run<const D: usize> {
     checkpoint_time: Instant,
     /// When the files were last looked for.
     looked: Instant,
-    /// The last step that has a row in the history.
-    recorded: u64,
     /// Hash of the mesh file.
     mesh: Option<String>,
     /// Commit of the source of the program.
@@ -50,9 +57,11 @@ pub(super) struct Run<const D: usize> {
 impl<const D: usize> Run<D> {
     pub fn create(simulation: Simulation<D>, options: &RunOptions) -> Result<Run<D>, Error> {
         let directory = RunDirectory::create(&options.directory, options.force).map_err(Error::Directory)?;
-        let history = HistoryWriter::create(directory.history(), &columns(&simulation))?;
+        let with_iterations = simulation.stepper.linear.is_iterative();
+        let columns = columns(&simulation, with_iterations);
+        let history = HistoryWriter::create(directory.history(), &columns)?;
         let collection = Collection::create(directory.collection())?;
-        let run = Run::new(simulation, directory, history, collection);
+        let run = Run { with_iterations, ..Run::new(simulation, directory, history, collection) };
         run.write_case()?;
         run.directory.write_breakdown(None)?;
         Ok(run)
@@ -68,11 +77,11 @@ impl<const D: usize> Run<D> {
         Run {
             mesh: mesh_hash(&simulation.case),
             commit: None,
-            recorded: simulation.steps,
             window: Window::new(&simulation),
             simulation,
             directory,
             history,
+            with_iterations: false,
             collection,
             start: now,
             wall_before: 0.0,
@@ -130,8 +139,12 @@ impl<const D: usize> Run<D> {
     /// Write what is due after a step. The row comes first: a checkpoint without its row would lead nowhere.
     fn record(&mut self, row: &Row) -> Result<(), Error> {
         let start = Instant::now();
-        self.history.append(&numbers(row))?;
-        self.recorded = row.step;
+        self.history.append(&numbers(row, self.with_iterations))?;
+        // They are in the file.
+        let rows = &mut self.simulation.history;
+        if rows.len() >= GATHERED {
+            rows.drain(..rows.len() - KEPT);
+        }
         if start - self.looked >= LOOK {
             self.verify()?;
         }
@@ -200,7 +213,7 @@ impl<const D: usize> Run<D> {
                 .history
                 .last()
                 .filter(|row| row.step == step)
-                .map(|row| text_of(&numbers(row))),
+                .map(|row| text_of(&numbers(row, self.with_iterations))),
             cut: self.cut,
         };
         let mut checkpoint = checkpoint::of(&self.simulation, &of_run)?;
@@ -220,6 +233,7 @@ impl<const D: usize> Run<D> {
         let spent = Spent { wall, output: self.output_seconds };
         let summary = summary_of(&self.simulation, status, breakdown, spent);
         Summary {
+            functionals: self.statistics(),
             provenance: Provenance {
                 case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
                 mesh_hash: self.mesh.clone(),
@@ -228,6 +242,24 @@ impl<const D: usize> Run<D> {
             },
             ..summary
         }
+    }
+
+    /// Statistics of all rows: those of the file, and those behind that could not be written.
+    fn statistics(&self) -> BTreeMap<String, FunctionalSummary> {
+        let (mut columns, mut last) = (Columns::default(), -1.0);
+        let n = self.simulation.names().len();
+        let read = self.history.for_each_row(|row| {
+            columns.push(row[1], row[2], &row[3..3 + n]);
+            last = row[0];
+        });
+        if read.is_err() {
+            // The run ends with that error; what is left says something nevertheless.
+            return self.simulation.statistics();
+        }
+        for row in self.simulation.history.iter().filter(|row| row.step as f64 > last) {
+            columns.push(row.time, row.force_time, &row.values);
+        }
+        self.simulation.statistics_of(&columns)
     }
 
     fn write_summary(&self, status: Status, breakdown: Option<Breakdown>) -> Result<Summary, Error> {
@@ -266,13 +298,18 @@ impl<const D: usize> Run<D> {
         Ok(write_vtu(self.directory.means(), &means, window.time(), Precision::Auto)?)
     }
 
-    /// Write the history anew from memory.
+    /// Write the history anew, from the file that has lost its name.
     fn write_history(&mut self) -> Result<(), Error> {
-        self.history = HistoryWriter::create(self.directory.history(), &columns(&self.simulation))?;
-        for row in self.simulation.history.iter().filter(|row| row.step <= self.recorded) {
-            self.history.append(&numbers(row))?;
-        }
-        Ok(())
+        let columns = columns(&self.simulation, self.with_iterations);
+        let mut anew = HistoryWriter::create(self.directory.history(), &columns)?;
+        let mut written = Ok(());
+        self.history.for_each_row(|row| {
+            if written.is_ok() {
+                written = anew.append(row);
+            }
+        })?;
+        self.history = anew;
+        Ok(written?)
     }
 
     /// Checks that no file of the run was removed; the case and the list of fields are written again.

@@ -3,7 +3,7 @@
 use super::checkpoint::{Found, Metadata, Unfit, newest, restore};
 use super::files::Run;
 use super::identity::changes;
-use super::rows::{columns, read_row};
+use super::rows::{ITERATIONS, columns, read_row};
 use super::{Observer, RunOptions};
 use crate::case::{Case, Initial};
 use crate::error::Error;
@@ -23,7 +23,9 @@ impl<const D: usize> Run<D> {
     ) -> Result<Run<D>, Error> {
         let extended = ends_later(path, &simulation.case);
         let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
-        let columns = columns(&simulation);
+        // The solver may have been changed, the columns stay.
+        let with_iterations = HistoryWriter::has_column(directory.history(), ITERATIONS);
+        let columns = columns(&simulation, with_iterations);
         let (found, notes) = newest(&directory, "start again with --force", |metadata| {
             fits(&simulation.case, metadata)?;
             HistoryWriter::can_resume(directory.history(), &columns, metadata.step, metadata.row.as_deref())
@@ -35,10 +37,12 @@ impl<const D: usize> Run<D> {
         let row = metadata.row.as_deref();
         let (history, before) = HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
         let names: Arc<[String]> = simulation.names().into();
+        // For an observer; most of them go after the next step.
         simulation.history = before.rows.iter().map(|row| read_row(row, &names)).collect();
         let collection = Collection::resume(directory.collection(), metadata.clock[0])?;
         notes.iter().for_each(|note| observer.note(note));
         let mut run = Run::new(simulation, directory, history, collection);
+        run.with_iterations = with_iterations;
         if let Some(window) = &mut run.window {
             window.restore(&checkpoint);
         }

@@ -2,7 +2,7 @@
 
 use super::functions::padded;
 use super::names::MeshNames;
-use crate::case::error::{CaseError, quoted, suggestion};
+use crate::case::error::{CaseError, did_you_mean, quoted, suggestion};
 use crate::case::{Case, MeshSource};
 use crate::error::Error;
 use crate::mesh::{INTERFACE, Mesh, MeshError};
@@ -73,7 +73,14 @@ impl Case {
         let known = |name: &&String| {
             used(name) || self.mesh.leave_out.contains(name) || self.absent_regions().contains(&name.as_str())
         };
-        let left: Vec<&String> = regions.iter().filter(|name| !known(name)).collect();
+        // One that a table has misspelt is told there.
+        let meant = |name: &&String| {
+            let filled = tables.iter().flat_map(|(_, filled)| filled.iter());
+            filled
+                .filter(|other| !regions.contains(other))
+                .any(|o| !did_you_mean(o, [name.as_str()]).is_empty())
+        };
+        let left: Vec<&String> = regions.iter().filter(|name| !known(name) && !meant(name)).collect();
         if let [first, ..] = left[..] {
             let given = crate::case::key::join("mesh.region", first);
             let key = if self.mesh.region.contains_key(first) { &given } else { mesh_key(self) };

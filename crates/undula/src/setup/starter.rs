@@ -2,7 +2,7 @@
 
 use super::names::MeshNames;
 use super::overview::{Boundary, Overview};
-use crate::case::error::LoadError;
+use crate::case::error::{LoadError, quoted};
 use crate::case::key::quote;
 use crate::case::literal::string;
 use crate::case::{Case, Condition};
@@ -59,14 +59,22 @@ struct Known {
     overview: Overview,
 }
 
-/// The text of a case called `name` for the Gmsh file `mesh`, which it names as `written`.
+/// A case to start from.
+pub struct Starter {
+    /// The case file.
+    pub text: String,
+    /// What should be known of it.
+    pub notes: Vec<String>,
+}
+
+/// A case called `name` for the Gmsh file `mesh`, which it names as `written`.
 ///
 /// Regions and boundaries are taken for what their names say; what is not known, such as materials, has values to begin
 /// with. The case can be run as it is.
 ///
 /// # Errors
 /// As [`read_any`]; [`Error::Case`] if the mesh cannot be used, as by a boundary between two regions with a gap.
-pub fn starter(mesh: &Path, written: &str, name: &str) -> Result<String, Error> {
+pub fn starter(mesh: &Path, written: &str, name: &str) -> Result<Starter, Error> {
     let (names, dim) = match read_any(mesh)? {
         AnyMesh::Plane(mesh) => (MeshNames::of(&mesh), 2),
         AnyMesh::Space(mesh) => (MeshNames::of(&mesh), 3),
@@ -92,7 +100,8 @@ pub fn starter(mesh: &Path, written: &str, name: &str) -> Result<String, Error> 
     let case = Case::from_toml(&first, &place.to_string_lossy(), &[]);
     let case = case.map_err(|errors| Error::Load(LoadError::Invalid(errors)))?;
     let overview = case.check_mesh_and_measure()?;
-    Ok(Known { fluid, solid, boundaries, overview }.write(written, name, dim))
+    let known = Known { fluid, solid, boundaries, overview };
+    Ok(Starter { text: known.write(written, name, dim), notes: known.closed_in().into_iter().collect() })
 }
 
 /// The boundaries that need a condition.
@@ -160,6 +169,22 @@ impl Known {
         self.overview.boundaries.iter().find(|boundary| boundary.name == name)
     }
 
+    /// What is to be said where no name of a boundary says that the fluid leaves there.
+    fn closed_in(&self) -> Option<String> {
+        let outer = |guess: Guess| self.boundaries.iter().filter(move |(_, other)| *other == guess);
+        if self.fluid.is_empty() || outer(Guess::Outlet).next().is_some() {
+            return None;
+        }
+        let walls: Vec<&str> = outer(Guess::Wall).map(|(name, _)| name.as_str()).collect();
+        (!walls.is_empty()).then(|| {
+            format!(
+                "no boundary is called `outlet`, `outflow` or alike, so that the fluid is closed in: {} got `no-slip`. Where \
+                 it flows in or out, give `flux` or `do-nothing`",
+                quoted(walls)
+            )
+        })
+    }
+
     /// Longest side of the domain \[m\].
     fn length(&self) -> f64 {
         let [lower, upper] = &self.overview.extents;
@@ -181,6 +206,9 @@ impl Known {
         for (region, cells, _) in &self.overview.regions {
             let body = if self.solid.contains(region) { "solid" } else { "fluid" };
             let _ = writeln!(text, "# Region {region}: {cells} cells, taken for {body}.");
+        }
+        if let Some(note) = self.closed_in() {
+            wrapped(&note).iter().for_each(|line| text += &format!("# {line}\n"));
         }
         let _ = write!(text, "\nname = {}\ntitle = \"\"\n\n", string(name));
         text += &regions(written, &self.fluid, &self.solid, dim);
@@ -260,6 +288,21 @@ impl Known {
         }
         *text += "[output]\nfields-every = 10  # steps, for the player of report.html and for ParaView\n";
     }
+}
+
+/// A sentence in lines that fit into a comment.
+fn wrapped(text: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split(' ') {
+        let last = lines.len() - 1;
+        if lines[last].chars().count() + word.chars().count() > 110 && !lines[last].is_empty() {
+            lines.push(word.into());
+        } else {
+            let space = if lines[last].is_empty() { "" } else { " " };
+            lines[last] += &format!("{space}{word}");
+        }
+    }
+    lines
 }
 
 /// A number with three digits.

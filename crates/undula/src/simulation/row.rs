@@ -30,6 +30,8 @@ pub struct Row {
     pub newton_steps: usize,
     /// Jacobians assembled.
     pub jacobians: usize,
+    /// How often factors, or a cycle of multigrid, were applied.
+    pub linear_iterations: usize,
     pub(crate) names: Arc<[String]>,
 }
 

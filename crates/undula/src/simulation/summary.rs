@@ -5,6 +5,25 @@ use crate::functional::statistics::{self, Series, Statistics};
 use crate::output::{FunctionalSummary, Unknowns};
 use std::collections::BTreeMap;
 
+/// A history by columns.
+#[derive(Default)]
+pub(crate) struct Columns {
+    times: Vec<f64>,
+    force_times: Vec<f64>,
+    /// One for each functional.
+    values: Vec<Vec<f64>>,
+}
+
+impl Columns {
+    /// Adds a row.
+    pub(crate) fn push(&mut self, time: f64, force_time: f64, values: &[f64]) {
+        self.times.push(time);
+        self.force_times.push(force_time);
+        self.values.resize(values.len(), vec![]);
+        self.values.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
+    }
+}
+
 impl<const D: usize> Simulation<D> {
     /// Number of the functional that is asked for a period first, see [`statistics::ranking`].
     pub fn leading(&self) -> Option<usize> {
@@ -12,15 +31,20 @@ impl<const D: usize> Simulation<D> {
         statistics::ranking(&names, self.case.output.leading.as_deref()).first().copied()
     }
 
-    /// Last values, means, amplitudes and frequencies so far.
+    /// Last values, means, amplitudes and frequencies of the rows in memory.
     pub fn statistics(&self) -> BTreeMap<String, FunctionalSummary> {
-        let times: Vec<f64> = self.history.iter().map(|r| r.time).collect();
-        let force_times: Vec<f64> = self.history.iter().map(|r| r.force_time).collect();
-        let column = |i: usize| -> Vec<f64> { self.history.iter().map(|r| r.values[i]).collect() };
-        let columns: Vec<Vec<f64>> = (0..self.functionals.len()).map(column).collect();
+        let mut columns = Columns::default();
+        self.history.iter().for_each(|row| columns.push(row.time, row.force_time, &row.values));
+        self.statistics_of(&columns)
+    }
+
+    /// Last values, means, amplitudes and frequencies of `columns`, which has all functionals.
+    pub(crate) fn statistics_of(&self, columns: &Columns) -> BTreeMap<String, FunctionalSummary> {
         let mut series = vec![];
-        for ((name, f), values) in self.functionals.iter().zip(&columns) {
-            let times = if f.at_force_time() { &force_times } else { &times };
+        let none = vec![];
+        for (n, (name, f)) in self.functionals.iter().enumerate() {
+            let values = columns.values.get(n).unwrap_or(&none);
+            let times = if f.at_force_time() { &columns.force_times } else { &columns.times };
             series.push(Series { name, times, values });
         }
         let (_, found) = statistics::summarize(&series, self.case.output.leading.as_deref());

@@ -197,7 +197,7 @@ fn further_mistakes() {
         ),
         (
             "[functional.time]\nkind = \"rotation\"\n",
-            "own.toml:6:13: functional.time: expected a name of letters, digits, `-` and `_`; `step`, `time`, `force_time`, `min_J`, `newton_steps`, `jacobians` are other columns of history.csv",
+            "own.toml:6:13: functional.time: expected a name of letters, digits, `-` and `_`; `step`, `time`, `force_time`, `min_J`, `newton_steps`, `jacobians`, `linear_iterations` are other columns of history.csv",
         ),
         ("[newton]\nrate-max = 0.1\nrate-max = 0.2\n", "own.toml:8:1: not TOML: duplicate key"),
         ("[newton\n", "own.toml:6:8: not TOML: unclosed table, expected `]`"),
@@ -263,6 +263,14 @@ fn mistakes_in_overrides_name_the_override() {
         (
             &["time.setp=0.1"],
             "--set time.setp=0.1: unknown key; did you mean `step`? [time] takes `scheme`, `step`, `start`, `end`, `theta`, `shift`, `max-halvings`, `rannacher-steps`, `rannacher-interval`, `domain-motion`, `adaptive`",
+        ),
+        (
+            &["mesh.lengt=4"],
+            "--set mesh.lengt=4: unknown key; did you mean `length`? [mesh] takes `generator`, `file`, `scale`, `coordinates`, `refine`, `grading`, `lower`, `upper`, `radii`, `cells`, `axis`, `leave-out`, `extrude`, `wall`, `region`",
+        ),
+        (
+            &["boundary.inlfow.velocity=[1,0]"],
+            "--set boundary.inlfow.velocity=[1,0]: boundary.inlfow.condition: missing: the case has no boundary `inlfow`; did you mean `inflow`? A boundary of its own needs a condition",
         ),
         (
             &["fluid.density=-1", "mesh.refine=x"],

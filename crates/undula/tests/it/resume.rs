@@ -56,6 +56,41 @@ fn check(name: &str, sets: &[&str], stops: &[u64]) -> String {
     expected.0
 }
 
+/// Counts the rows in memory.
+struct Most(usize);
+
+impl Observer for Most {
+    fn after_step(&mut self, simulation: &Simulation, _: &Row) -> Flow {
+        self.0 = self.0.max(simulation.history.len());
+        Flow::Continue
+    }
+}
+
+#[test]
+fn a_run_keeps_few_rows_and_its_summary_knows_all_of_them() {
+    let case = || builtin("csm3", &["mesh.refine=0", "time.step=0.02", "time.end=7"]);
+    let mut memory = Simulation::new(case(), 1).unwrap();
+    while !memory.finished() {
+        memory.step().unwrap();
+    }
+    assert_eq!(memory.history.len(), 350);
+    let directory = place("rows");
+    let options =
+        RunOptions { directory: directory.clone(), threads: 1, force: true, resume: false, commit: None };
+    let mut most = Most(0);
+    let summary = run(case(), &options, &mut most).unwrap();
+    assert!(most.0 <= 256, "{} rows in memory", most.0);
+    assert_eq!(summary.functionals, memory.statistics());
+    assert!(summary.functionals["uy_A"].frequency.is_some(), "one that needs more than the last rows");
+    let later = builtin("csm3", &["mesh.refine=0", "time.step=0.02", "time.end=7.1"]);
+    let summary = run(later, &RunOptions { resume: true, ..options }, &mut most).unwrap();
+    for _ in 0..5 {
+        memory.case.time.as_mut().unwrap().end = 7.1;
+        memory.step().unwrap();
+    }
+    assert_eq!(summary.functionals, memory.statistics());
+}
+
 #[test]
 #[ignore = "long"]
 fn every_scheme_resumes_with_the_same_bits() {

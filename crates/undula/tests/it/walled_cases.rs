@@ -88,6 +88,7 @@ fn a_case_has_a_wall() {
             "mesh.wall.thickness=x",
             "--set mesh.wall.thickness=x: it is -0.5 at (-0.5, 0.86603, 2): expected a number",
         ),
+        ("mesh.wall.thickness=1e-12", "expected a thickness [m] that is not lost beside the 2 m of the mesh"),
         ("mesh.wall.thickness=t", "it is that of the undeformed wall and cannot depend on t"),
         ("mesh.wall.layers=0", "mesh.wall.layers=0: expected an integer from 1 to 1000"),
         ("mesh.wall.thickness=none", "case.toml:4:1: mesh.wall.thickness: missing: the thickness [m]"),
@@ -98,6 +99,13 @@ fn a_case_has_a_wall() {
         let message = built.expect_err(change);
         assert!(message.contains(expected), "{change}: {message}");
     }
+    // A name that is misspelt is the one mistake: the region is not called unused.
+    let wrong = case(SOLID, &["solid.region=wal"]).unwrap();
+    let message = Simulation::in_space(wrong, 1).err().unwrap().to_string();
+    assert!(
+        message.ends_with("the mesh has no region `wal`; did you mean `wall`? There are `fluid`, `wall`"),
+        "{message}"
+    );
     // Without [fluid] its sides are free of traction unless it is left out by name.
     let absent = case(&SOLID.replace("leave-out = [\"fluid\"]", ""), &[]).unwrap();
     let message = Simulation::in_space(absent, 1).err().unwrap().to_string();

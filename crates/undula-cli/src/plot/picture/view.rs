@@ -1,11 +1,11 @@
 //! What a picture shows of fields: all of them where they are plane, a cut by a plane where they are not.
 
 use super::super::cut::{Cut, Plane};
-use super::super::space::extents;
+use super::super::space::{extents, size};
 use super::WIDTH;
 use super::edges::Edges;
 use crate::args;
-use crate::digits::significant;
+use crate::digits::among;
 use std::borrow::Cow;
 use undula::output::FieldSnapshot;
 
@@ -48,8 +48,9 @@ impl<'a> View<'a> {
         let name = NAMES[plane.axis];
         let (low, high) = extents(snapshot)[plane.axis];
         let at = plane.at.unwrap_or(0.5 * (low + high));
+        let size = size(snapshot);
         let wrong = |what: &str| {
-            let [at, low, high] = [at, low, high].map(|x| significant(x, 6));
+            let [at, low, high] = [at, low, high].map(|x| among(x, size, 6));
             format!("--cut {name}={at}: {what}; the domain reaches from {name} = {low} to {high} m")
         };
         if !(low <= at && at <= high) {
@@ -65,7 +66,7 @@ impl<'a> View<'a> {
         if fields.cells.is_empty() {
             return Err(wrong("the plane meets no cell"));
         }
-        let shown = significant(at, 6);
+        let shown = among(at, size, 6);
         Ok(View {
             solid: solid_cells(&fields),
             fields: Cow::Owned(fields),
@@ -147,6 +148,8 @@ mod tests {
         let view = View::middle(&flat).unwrap();
         assert_eq!((view.axes, view.suffix.as_str()), (["x [m]", "z [m]"], ""));
         assert_eq!(view.place.as_deref(), Some("y = 0.35 m"));
+        let about = hexahedra(1, [2; 3], |[r, s, t]| [r, 0.2 * s - 0.1 - 2e-9, t]);
+        assert_eq!(View::middle(&about).unwrap().place.as_deref(), Some("y = 0 m"), "rounding of the file");
         let mut apart = hexahedra(1, [2, 2, 3], |x| x);
         // Without the middle layer.
         apart.cells.drain(4 * 8..8 * 8);

@@ -2,10 +2,11 @@
 
 use super::is_name;
 use crate::case::conditions::{CONDITIONS, Condition, DATA, Datum};
-use crate::case::error::{quoted, suggestion};
+use crate::case::error::{did_you_mean, quoted, suggestion};
 use crate::case::functionals::{FUNCTIONALS, FunctionalSpec};
 use crate::case::key::Key;
 use crate::case::profile::{PROFILE_KEYS, PROFILES, Profile};
+use crate::case::raw::Origin;
 use crate::case::read::{Checker, POSITIVE, Section, Vectors};
 use crate::case::schema::{FluidSpec, SolidSpec};
 use crate::mesh::INTERFACE;
@@ -28,7 +29,10 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
         let later = ["sliding"];
         let condition = s.choice("condition", &CONDITIONS, &later);
         let condition = read_data(&mut s, condition);
-        s.require_choice("condition", &CONDITIONS);
+        match other_boundary(&s, &name, &all.keys()) {
+            Some(message) => s.missing("condition", &message),
+            None => s.require_choice("condition", &CONDITIONS),
+        }
         let against = s.choice("backflow", &BACKFLOW, &[]);
         let outlet = condition.as_ref().is_none_or(Condition::is_natural);
         let default = condition.as_ref().map_or(Against::None, Condition::against);
@@ -59,6 +63,14 @@ pub(super) fn boundary(mut all: Section<'_, '_>) -> (BTreeMap<String, Condition>
     }
     partners(&mut boundary, &mut all);
     (boundary, backflow)
+}
+
+/// What is to be said of a table without a condition that `--set` has made, if its name is close to that of another one.
+fn other_boundary(s: &Section<'_, '_>, name: &str, names: &[String]) -> Option<String> {
+    let hint = did_you_mean(name, names.iter().map(String::as_str).filter(|other| *other != name));
+    let is_new = matches!(s.origin, Origin::Set(_)) && !s.has("condition");
+    (is_new && !hint.is_empty())
+        .then(|| format!("the case has no boundary `{name}`{hint} A boundary of its own needs a condition"))
 }
 
 /// Two boundaries that are one name each other; one of the two tables may be left out.

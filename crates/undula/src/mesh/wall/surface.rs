@@ -3,8 +3,12 @@
 use super::{Wall, place, refuse};
 use crate::element::Shape;
 use crate::math::rounded;
+use crate::mesh::geometry::bounds;
 use crate::mesh::{Facet, Mesh, MeshError, Side};
 use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// A wall is at least so thick in parts of the longest side of the mesh: places of points are known to about 1e-10 of it.
+const THINNEST: f64 = 1e-8;
 
 /// An edge by its two vertices, the lower number first.
 pub(super) type Edge = [u32; 2];
@@ -72,13 +76,20 @@ impl Surface {
     pub fn thickness(&self, mesh: &Mesh<3>, wall: &Wall<'_>) -> Result<Vec<f64>, MeshError> {
         let at = |node: u32| mesh.nodes[node as usize];
         let thickness: Vec<f64> = self.nodes.iter().map(|&node| (wall.thickness)(at(node))).collect();
-        match thickness.iter().position(|h| !(*h > 0.0 && h.is_finite())) {
-            Some(i) => {
-                let (h, at) = (rounded(thickness[i], thickness[i], 6), place(mesh, at(self.nodes[i])));
-                refuse("thickness", format!("it is {h} at {at}: expected a number above 0 everywhere"))
-            }
-            None => Ok(thickness),
+        let told = |i: usize, expected: &str| {
+            let (h, at) = (rounded(thickness[i], thickness[i], 6), place(mesh, at(self.nodes[i])));
+            refuse("thickness", format!("it is {h} at {at}: expected {expected}"))
+        };
+        if let Some(i) = thickness.iter().position(|h| !(*h > 0.0 && h.is_finite())) {
+            return told(i, "a number above 0 everywhere");
         }
+        let (low, high) = bounds(mesh.nodes.iter().copied());
+        let size = low.iter().zip(high).fold(0.0, |size: f64, (low, high)| size.max(high - low));
+        if let Some(i) = thickness.iter().position(|h| *h < THINNEST * size) {
+            let size = rounded(size, size, 3);
+            return told(i, &format!("a thickness [m] that is not lost beside the {size} m of the mesh"));
+        }
+        Ok(thickness)
     }
 }
 
