@@ -31,6 +31,7 @@ fn gif_frames(here: &Place, name: &str) -> Vec<Vec<u8>> {
 }
 
 #[test]
+#[ignore = "long"]
 fn moving_pictures_have_all_moments_in_the_same_colours() {
     let here = Place::new("animate");
     let mut sets = SMALL.to_vec();

@@ -6,6 +6,7 @@ use serde_json::Value;
 const COARSE: [&str; 1] = ["mesh.refine=0"];
 
 #[test]
+#[ignore = "long"]
 fn the_report_keeps_its_contract() {
     let here = Place::new("bench");
     let said = here.run("bench fsi3 --steps 2 --repeat 1 --threads 1", &COARSE);
@@ -37,6 +38,7 @@ fn the_report_keeps_its_contract() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_run_is_where_the_steps_start() {
     let here = Place::new("bench-from");
     here.run("run fsi3 -o results --quiet", &SMALL).expect(0, &[]);

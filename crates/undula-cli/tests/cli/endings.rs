@@ -175,6 +175,7 @@ fn a_full_disk_is_no_panic() {
 /// An address space that is too small, wherever it ends: refused before, or told in a sentence; never a signal.
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "long"]
 fn memory_that_ends_is_told() {
     let here = Place::new("memory");
     let run = |limit: u64| {

@@ -127,6 +127,7 @@ fn both<'a>(sets: &'a [&'a str]) -> (&'a [&'a str], &'a [&'a str], &'a [&'a str]
 }
 
 #[test]
+#[ignore = "long"]
 fn extruded_benchmarks_are_those_of_the_plane() {
     let here = Place::new("space-benchmarks");
     let coarse = ["mesh.refine=0", "mesh.grading=0"];
@@ -137,6 +138,7 @@ fn extruded_benchmarks_are_those_of_the_plane() {
 }
 
 #[test]
+#[ignore = "long"]
 fn extruded_steps_of_every_scheme_are_those_of_the_plane() {
     let here = flap("space-schemes");
     for sets in [

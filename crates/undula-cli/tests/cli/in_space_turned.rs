@@ -230,6 +230,7 @@ fn a_problem_turned_in_space_has_the_same_solution_turned() {
 }
 
 #[test]
+#[ignore = "long"]
 fn fibres_turn_with_the_body() {
     let here = Place::new("space-fibres");
     let bar = |turn: &Matrix, law: &str, fibre: [f64; 3]| {

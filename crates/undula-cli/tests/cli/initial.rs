@@ -25,6 +25,7 @@ fn first(here: &Place, sets: &[&str]) {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_run_from_another_one_has_the_history_of_the_straight_run() {
     let here = Place::new("initial-straight");
     // The charge of a circuit goes on, too.
@@ -74,6 +75,7 @@ fn a_resumed_run_does_not_need_the_run_it_began_from() {
 /// The state of a coarse mesh goes on with other elements and on a finer mesh: the first row is that on the old mesh, up
 /// to the errors of its functionals.
 #[test]
+#[ignore = "long"]
 fn a_finer_run_goes_on_where_a_coarse_one_ended() {
     let here = Place::new("initial-finer");
     first(&here, &[]);
@@ -101,6 +103,7 @@ fn a_finer_run_goes_on_where_a_coarse_one_ended() {
 
 /// Another start, material and mesh motion are the new case's own.
 #[test]
+#[ignore = "long"]
 fn a_start_that_is_given_holds() {
     let here = Place::new("initial-start");
     first(&here, &[]);
@@ -141,6 +144,7 @@ fn starts_that_are_not_there_are_refused() {
 
 /// It is found once: a run that is resumed goes on from its own state.
 #[test]
+#[ignore = "long"]
 fn a_run_begins_in_equilibrium() {
     let here = Place::new("initial-static");
     let still = ["initial.static=true", "boundary.inflow.velocity=[0,0]", "solid.body-force=[0,-2]"];

@@ -35,6 +35,7 @@ fn jacobians_are_compared_where_a_run_is() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_verbose_run_tells_its_residuals() {
     let here = Place::new("verbose");
     let said =

@@ -73,11 +73,13 @@ fn run_page(name: &str) {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_first_run_goes_as_the_manual_says() {
     run_page("first-run");
 }
 
 #[test]
+#[ignore = "long"]
 fn a_geometry_of_its_own_goes_as_the_manual_says() {
     run_page("own-geometry");
 }

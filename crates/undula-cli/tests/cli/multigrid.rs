@@ -85,6 +85,7 @@ fn moving_bodies_are_those_of_a_direct_solver() {
 /// Flow, solid and extension one behind the other; a thin body, whose bending needs double precision; an extension that
 /// takes factors.
 #[test]
+#[ignore = "long"]
 fn deformations_at_rest_are_those_of_a_direct_solver() {
     let here = Place::new("multigrid-at-rest");
     here.write("flap.toml", FLAP);
@@ -126,6 +127,7 @@ fn flows_of_all_pairs_are_those_of_a_direct_solver() {
 
 /// Layers that are thick, graded or of an odd number stay on coarser meshes.
 #[test]
+#[ignore = "long"]
 fn long_cells_are_coarsened_across() {
     let here = Place::new("multigrid-long");
     here.write("lid.toml", LID);
@@ -209,7 +211,8 @@ fn a_direct_solver_takes_over_where_multigrid_fails() {
     }
 }
 
-/// Newton's method stalls, and multigrid fails for the whole Jacobian, too: the step is neither shortened nor given up.
+/// Multigrid fails within Newton's method: the step is neither shortened nor given up, and the direct solver, which keeps
+/// the slopes of p of long cells, needs no second attempt.
 #[test]
 fn a_direct_solver_takes_over_in_the_same_step() {
     let here = Place::new("multigrid-stalls");
@@ -226,7 +229,7 @@ fn a_direct_solver_takes_over_in_the_same_step() {
     ];
     let with = |solver: &str| here.rows("lid.toml", &[&TIGHT[..], &sets, &[solver]].concat());
     let rows = with(MULTIGRID);
-    assert_eq!(here.json("out/summary.json")["direct_fallbacks"], 2);
+    assert_eq!(here.json("out/summary.json")["direct_fallbacks"], 1);
     is_near(&with("linear.solver=multifrontal"), &rows, &sets);
 }
 

@@ -4,6 +4,7 @@ use super::{Place, SMALL};
 use std::fs;
 
 #[test]
+#[ignore = "long"]
 fn the_output_directory_keeps_its_contract() {
     let here = Place::new("contract");
     let mut sets = SMALL.to_vec();

@@ -172,6 +172,7 @@ pub fn names(paths: &[PathBuf]) -> Vec<String> {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_flapping_beam() {
     let units = [("drag", "N/m"), ("lift", "N/m"), ("ux_A", "m"), ("uy_A", "m")];
     let run = run(&scratch("plot-beam"), "fsi3", &units);

@@ -96,6 +96,7 @@ fn part(path: &std::path::Path, is: impl Fn(&[u8; 3]) -> bool) -> f64 {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_flap_in_space_is_cut_and_its_surface_is_seen() {
     let run = of("plot-flap-pieces", &flap().linear());
     let written = plot_directory(run.path(), None).unwrap();
@@ -107,6 +108,7 @@ fn a_flap_in_space_is_cut_and_its_surface_is_seen() {
 }
 
 #[test]
+#[ignore = "long"]
 fn curved_cells_are_cut_where_it_is_asked_for() {
     let run = of("plot-flap", &flap());
     let plane = Plane { axis: 0, at: Some(0.97) };

@@ -13,6 +13,7 @@ fn last<const N: usize>(case: &str, sets: &[&str], names: [&str; N]) -> [f64; N]
 
 /// The table in the code gallery of deal.II for 1, 2 and 4 cells of degree 2 along an edge; it has two decimals.
 #[test]
+#[ignore = "long"]
 fn cook_is_that_of_deal_ii() {
     for (refine, published) in ["0", "1", "2"].into_iter().zip([12.19, 13.83, 14.22]) {
         let [tip] = last("cook", &[&format!("mesh.refine={refine}")], ["uy_tip"]);
@@ -23,6 +24,7 @@ fn cook_is_that_of_deal_ii() {
 /// The law of deal.II makes 1 % of the deflection, and plane strain 4 %: the program of these numbers holds no face across
 /// z. The plane case is the discrete solution of the extruded one whose faces are held.
 #[test]
+#[ignore = "long"]
 fn cook_in_plane_strain_is_another_problem() {
     let [plane] = last(
         "cook",
@@ -46,6 +48,7 @@ fn cook_in_plane_strain_is_another_problem() {
 /// z of the deformed point (10, 0.5, 1) mm: 4.17 mm, converged codes 4.151 to 4.185. Ten hexahedra are within, and 240
 /// tetrahedra 0.6 % below; 480 are within, too (`validation/space.md`).
 #[test]
+#[ignore = "long"]
 fn a_beam_of_heart_muscle_bends_as_that_of_land() {
     for (sets, within) in
         [(&["mesh.cells=[10,1,1]"][..], 0.005), (&["mesh.cells=[10,2,2]", "space.velocity=P2"], 0.007)]
@@ -58,6 +61,7 @@ fn a_beam_of_heart_muscle_bends_as_that_of_land() {
 
 /// On 468 cells: 2 % from the published drag, 1 % from the lift. The values are those of this mesh.
 #[test]
+#[ignore = "long"]
 fn a_cylinder_between_four_walls() {
     let coarse = ["mesh.extrude.layers=2", "mesh.extrude.grading=0"];
     let [drag, lift] = last("dfg-3d1z", &coarse, ["c_D", "c_L"]);
@@ -90,6 +94,7 @@ fn a_box_in_a_channel_of_space() {
 /// The wave where it is at the end of a few large steps: in space and in (r, z), with as many cells along and through the
 /// wall, two or three from the axis to the wall.
 #[test]
+#[ignore = "long"]
 fn a_tube_in_space_is_that_around_its_axis() {
     let few = ["time.step=5e-4", "time.end=1e-3"];
     let names = ["u_r", "inflow"];

@@ -10,6 +10,7 @@ fn mesh(path: &str) -> PathBuf {
 
 /// Every mesh that the tests have, of the plane and of space, gives a case that can be run as it is.
 #[test]
+#[ignore = "long"]
 fn a_mesh_gives_a_case_with_its_regions_and_boundaries() {
     let here = Place::new("starters");
     let inputs = "tests/cli/faults/inputs";

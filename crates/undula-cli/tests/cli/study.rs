@@ -146,6 +146,7 @@ fn runs_are_replaced_with_force_only() {
 }
 
 #[test]
+#[ignore = "long"]
 fn refinement_gives_orders_and_extrapolated_values() {
     let place = Place::new("study-converge");
     let said = place.run("study csm1 --converge -q", &["mesh.refine=0"]).expect(0, &[]);
@@ -211,6 +212,7 @@ holds = "it > 0.0499 and on.steps > 1.5 and on.steps < 2.5"
 
 /// A known solution on the unit square, a run whose last state is measured, and what stands for several of a kind.
 #[test]
+#[ignore = "long"]
 fn a_study_computes_errors_modes_and_matrices() {
     let study = r#"
 name = "more"

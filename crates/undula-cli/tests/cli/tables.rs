@@ -34,6 +34,7 @@ b = ["3 cm", 0.005]
 const PULSE: &str = "t [s],v [mm/s]\n0,0\n0.02,1\n0.05,3\n0.08,1\n0.1,0\n";
 
 #[test]
+#[ignore = "long"]
 fn a_run_keeps_its_table_and_is_in_si_units() {
     let here = Place::new("tables");
     here.write("own.toml", CASE);

@@ -358,6 +358,7 @@ fn a_condition_on_the_interface_of_a_file_is_refused() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_pressure_of_a_closed_part_of_the_fluid_has_mean_zero() {
     let place = place("two-parts", &["discovery/two.toml", "discovery/g4.msh"]);
     let note = "the part of the fluid in [2, 3] x [0, 1] m is closed in on all sides, so its pressure is determined up to \
@@ -387,6 +388,7 @@ const CAVITY: &str = "[mesh]\ngenerator = \"box\"\nlower = [0, 0]\nupper = [1, 1
 
 /// Every element, at rest and in time; the vertical forces on the lid and on the bottom tell the level of the pressure.
 #[test]
+#[ignore = "long"]
 fn a_cavity_is_computed_with_every_element() {
     let place = place("cavity", &[]);
     place.write("case.toml", CAVITY);

@@ -200,6 +200,7 @@ fn flow_back_in_through_an_outlet_is_named() {
 /// A pressure pulse at an inlet: when it is over, the flow turns round there, and a burst of it folds the wall beside it,
 /// unless a term takes the energy out that it brings in, as by default.
 #[test]
+#[ignore = "long"]
 fn a_burst_through_an_inlet_with_a_pressure_is_named() {
     let artery = place("artery", &["newcomer/artery.toml", "newcomer/artery.msh"]);
     let run = "run artery.toml --quiet --threads 1 --force -o out";

@@ -179,6 +179,7 @@ fn a_linear_iteration_that_is_too_slow_says_so_early() {
 }
 
 #[test]
+#[ignore = "long"]
 fn a_verbose_run_tells_the_residuals_of_all_parts() {
     let here = place("verbose", &[]);
     let verbose = |case: &str, sets: &[&str]| {

@@ -78,6 +78,7 @@ fn a_new_case_bears_the_name_of_its_file() {
 
 /// What `| head -1` does: it reads a line, or none, and is gone.
 #[test]
+#[ignore = "long"]
 fn nobody_needs_to_listen() {
     let here = place("pipes", &[]);
     let sets = with(&SMALL, &["output.fields-every=2"]);
@@ -210,6 +211,7 @@ fn with_long_rows(here: &Place) {
 /// What a quota does: a file cannot grow any more, and that is a row of the history.
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn a_run_whose_row_could_not_be_written_goes_on_with_the_same_bits() {
     let here = place("row", &[]);
     with_long_rows(&here);
@@ -291,6 +293,7 @@ fn files_that_are_removed_are_missed() {
 
 /// Ends at times that are multiples of the step, or not, and that steps have to land on.
 #[test]
+#[ignore = "long"]
 fn an_extended_run_has_the_bits_of_a_straight_one() {
     let here = place("extended", &[]);
     let check = |name: &str, sets: &[&str], ends: [&str; 2]| {
@@ -429,6 +432,7 @@ fn one_signal_ends_a_stationary_run() {
 /// Signals at any time, in the middle of steps too.
 #[cfg(unix)]
 #[test]
+#[ignore = "long"]
 fn a_step_that_was_stopped_leaves_no_trace() {
     let here = place("stopped", &[]);
     let sets = ["mesh.refine=1", "time.step=0.02", "time.end=0.2", "solid.body-force=[0,-2]"];

@@ -85,17 +85,20 @@ fn column(place: &Place, run: &str, name: &str) -> Vec<f64> {
 }
 
 #[test]
+#[ignore = "long"]
 fn defaults_give_the_same_in_all_units_and_sizes() {
     agree("units", (MOVING, &[]), &all(), 1e-6);
 }
 
 #[test]
+#[ignore = "long"]
 fn tight_tolerances_give_nine_digits_in_all_units_and_sizes() {
     let sets = ["newton.tolerance=1e-11", "linear.precision=double"];
     agree("digits", (MOVING, &sets), &all(), 1e-9);
 }
 
 #[test]
+#[ignore = "long"]
 fn every_method_gives_the_same_in_other_units() {
     let other = [(SIZES[0], UNITS[2].1)];
     let methods: [&[&str]; 10] = [
@@ -116,6 +119,7 @@ fn every_method_gives_the_same_in_other_units() {
 }
 
 #[test]
+#[ignore = "long"]
 fn stationary_solutions_are_the_same_in_all_units_and_sizes() {
     agree("stationary", (AT_REST, &[]), &all(), 1e-6);
     let sets = ["newton.tolerance=1e-11", "linear.precision=double"];
@@ -174,6 +178,7 @@ fn a_small_flap_moves_like_a_large_one() {
 }
 
 #[test]
+#[ignore = "long"]
 fn the_flexible_cavity_reaches_forty_seconds() {
     let place = place("cavity", &["newcomer/cavity.toml", "newcomer/cavity.msh"]);
     let sets = ["time.end=40", "time.step=0.2", "output.fields-every=0"];
