@@ -193,18 +193,25 @@ impl<const D: usize> Coarsening<'_, D> {
             }
             for &dof in pressures.iter().filter(|&&dof| p[dof as usize] == NONE).collect::<Vec<_>>() {
                 p[dof as usize] = unknowns.len() as u32;
+                let point = &pressure.points[dof as usize];
                 let node = match pressure.kind {
                     PressureKind::Pdc(_) => behind + dof / pressure.per_cell as u32,
-                    PressureKind::Continuous(_) => behind + dof,
+                    PressureKind::Continuous(_) => self.home(nodes, point).unwrap_or(behind + dof),
                 };
-                unknowns.push(Unknown {
-                    node,
-                    kind: Kind::Pressure,
-                    at: position(&pressure.points[dof as usize]),
-                });
+                unknowns.push(Unknown { node, kind: Kind::Pressure, at: position(point) });
             }
         }
         (Numbers { v, p, n: unknowns.len() }, unknowns)
+    }
+
+    /// Of the nodes of a cell at which v is not given, the nearest to a pressure: they are eliminated together.
+    fn home(&self, nodes: &[u32], point: &[f64; D]) -> Option<u32> {
+        let is_free = |node: u32| (0..D).any(|i| !self.given[node as usize * D + i]);
+        let far = |node: u32| -> f64 {
+            let at = &self.space.nodes.points[node as usize];
+            at.iter().zip(point).map(|(a, b)| (a - b) * (a - b)).sum()
+        };
+        nodes.iter().copied().filter(|&node| is_free(node)).min_by(|&a, &b| far(a).total_cmp(&far(b)))
     }
 
     /// The rows of the pressures of cell `fine`, which is `child` of `cell`.
