@@ -64,7 +64,6 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::manual(&args),
     };
-    undula::algebra::petsc::finish();
     result.unwrap_or_else(|error| {
         args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE

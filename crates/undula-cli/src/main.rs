@@ -1,5 +1,7 @@
 //! The `undula` command.
 
 fn main() -> std::process::ExitCode {
-    undula_cli::command(std::env::args_os())
+    let code = undula_cli::command(std::env::args_os());
+    undula::algebra::petsc::finish();
+    code
 }

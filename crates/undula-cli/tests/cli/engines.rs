@@ -31,8 +31,10 @@ fn a_machine_without_petsc_is_told_what_to_install() {
     let words = ["UNDULA_PETSC = /no/libpetsc.so: the library cannot be loaded", packages];
     without(&here, "engines", &[]).expect(0, &words);
     let said = without(&here, "run fsi3 -o out", &["mesh.refine=0", PETSC]);
-    let said =
-        said.expect(2, &["--set linear.engine=petsc: UNDULA_PETSC = /no/libpetsc.so: the library cannot be loaded"]);
+    let said = said.expect(
+        2,
+        &["--set linear.engine=petsc: UNDULA_PETSC = /no/libpetsc.so: the library cannot be loaded"],
+    );
     assert_eq!(said.err.lines().count(), 1, "{}", said.err);
     assert!(!here.file("out").exists());
     without(&here, "check fsi3", &["mesh.refine=0", PETSC])

@@ -31,7 +31,10 @@ pub fn mistake_in_options(options: &str, fields: &[Kind]) -> Result<Option<Strin
     };
     // Its entries are finite, and none of its rows is zero.
     let _ = prepared.scale(&a, &unknowns, Sizes::default());
-    let tried = prepared.set(&session, &a, &unknowns).map(|_| ());
+    let tried = prepared.set(&session, &a, &unknowns).and_then(|failure| match failure {
+        None => prepared.system.precondition(&session),
+        Some(_) => Ok(()),
+    });
     let unused = prepared.system.unused(&session);
     prepared.system.destroy(&session);
     Ok(match (tried, unused) {
