@@ -30,6 +30,7 @@ mod study;
 pub use args::with_causes;
 use args::{Cli, Command};
 use clap::Parser;
+pub use engines::name_libraries;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
