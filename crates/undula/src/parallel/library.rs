@@ -4,6 +4,10 @@
 use std::ffi::{CStr, c_char, c_void};
 #[cfg(unix)]
 use std::ffi::{CString, c_int};
+#[cfg(unix)]
+use std::fs::File;
+#[cfg(unix)]
+use std::io::Read;
 use std::ptr::null_mut;
 
 /// An object of a library: a pointer, or a number in its place.
@@ -51,6 +55,9 @@ impl Library {
     /// What the system says.
     #[cfg(unix)]
     pub(crate) fn open(name: &str) -> Result<Library, String> {
+        if name.contains('/') && is_cut_off(name) {
+            return Err(format!("{name}: the file is shorter than its header says"));
+        }
         let Ok(text) = CString::new(name) else { return Err(format!("{name:?}: a name has no zero byte")) };
         // SAFETY: a string that ends with zero; what a library does when it is loaded is trusted, as in any program that
         // is linked to it.
@@ -111,6 +118,24 @@ impl Library {
     pub(crate) fn shares(self, other: Library, symbol: &str) -> bool {
         self.find(symbol) == other.find(symbol)
     }
+}
+
+/// Whether a file of a library is shorter than it should be, as after a copy that was broken off: the system would end
+/// the process while it loads it.
+#[cfg(unix)]
+fn is_cut_off(path: &str) -> bool {
+    let Ok(mut file) = File::open(path) else { return false };
+    let mut head = [0; 64];
+    let (Ok(()), Ok(data)) = (file.read_exact(&mut head), file.metadata()) else { return false };
+    // ELF of 64 bits, little-endian: the table of its sections is the last of the file.
+    if !head.starts_with(b"\x7fELF\x02\x01") {
+        return false;
+    }
+    let number = |at: usize, bytes: usize| {
+        head[at..at + bytes].iter().rev().fold(0u64, |number, byte| number << 8 | u64::from(*byte))
+    };
+    let table = number(0x28, 8).saturating_add(number(0x3a, 2) * number(0x3c, 2));
+    table > data.len()
 }
 
 /// # Safety
