@@ -30,6 +30,7 @@ mod study;
 pub use args::with_causes;
 use args::{Cli, Command};
 use clap::Parser;
+pub use engines::name_libraries;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -64,7 +65,6 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
         Command::Completions(args) => shell::completions(&args),
         Command::Man(args) => shell::manual(&args),
     };
-    undula::algebra::petsc::finish();
     result.unwrap_or_else(|error| {
         args::say(format_args!("error: {}", args::with_causes(&error)));
         ExitCode::FAILURE

@@ -6,5 +6,7 @@ mod memory;
 static MEMORY: memory::Told = memory::Told;
 
 fn main() -> std::process::ExitCode {
-    undula_cli::command(std::env::args_os())
+    let code = undula_cli::command(std::env::args_os());
+    undula::algebra::petsc::finish();
+    code
 }

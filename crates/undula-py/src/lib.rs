@@ -27,6 +27,13 @@ mod _undula {
     use super::run::Run;
     #[pymodule_export]
     use super::{builtin, command, keys, page, picture, plots, read_fields, version};
+
+    /// The variables of the environment that name libraries hold for Python, too.
+    #[pymodule_init]
+    fn init(_module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        undula_cli::name_libraries();
+        Ok(())
+    }
 }
 
 /// The version of the program.

@@ -178,6 +178,7 @@ pub mod nonlinear;
 pub mod operators;
 #[doc(hidden)]
 pub mod output;
+pub mod parallel;
 pub mod physics;
 #[doc(hidden)]
 pub mod results;

@@ -2,6 +2,7 @@
 
 use super::in_space::{FLAP, Row};
 use super::{Place, Said};
+use std::fs;
 use undula::algebra::petsc::engine;
 
 const PETSC: &str = "linear.engine=petsc";
@@ -57,6 +58,12 @@ fn a_library_that_is_not_petsc_is_told() {
     here.write("libpetsc.so", "no library");
     let path = here.file("libpetsc.so");
     with("UNDULA_PETSC", path.to_str().unwrap()).expect(0, &["the library cannot be loaded"]);
+    // A copy that was broken off, for which the system would end the process.
+    let mut start = fs::read(env!("CARGO_BIN_EXE_undula")).unwrap();
+    start.truncate(100_000);
+    fs::write(&path, start).unwrap();
+    let word = if cfg!(target_os = "linux") { "shorter than its header says" } else { "cannot be loaded" };
+    with("UNDULA_PETSC", path.to_str().unwrap()).expect(0, &[word]);
 }
 
 #[test]

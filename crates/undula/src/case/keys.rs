@@ -162,11 +162,7 @@ static KEYS_BUT_DATA: &[Key] = &[
     word("newton.start", &STARTS, "extrapolated", "start value of a step"),
     number("newton.line-search", "", "5", "halvings of a correction"),
     word("linear.engine", &ENGINES, "own", "who solves the systems of Newton's method"),
-    text(
-        "linear.petsc.options",
-        "LU of MUMPS",
-        "options of PETSc: types of iteration and preconditioner, and theirs",
-    ),
+    text("linear.petsc.options", "LU of MUMPS", "options of PETSc, as on its command line"),
     word("linear.solver", &SOLVERS, "multifrontal; in space automatic", "direct solver, or multigrid"),
     number("linear.refinement", "", "2", "steps of iterative refinement"),
     word(

@@ -1,6 +1,6 @@
 //! The engine of the linear systems, if it is not our own: whether it is there and takes the options of the case.
 
-use crate::algebra::petsc::{self, mistake_in_options};
+use crate::algebra::petsc::{self, USUAL_OPTIONS, mistake_in_options};
 use crate::algebra::{Engine, Kind};
 use crate::case::{Case, Linearization};
 use crate::error::Error;
@@ -34,7 +34,10 @@ impl Case {
         let Some(options) = self.petsc_options() else { return Ok(None) };
         match mistake_in_options(options, &self.fields()) {
             Err(missing) => Err(self.refuse(ENGINE, missing.to_string())),
-            Ok(Some(mistake)) => Err(self.refuse(OPTIONS, format!("{options}: {mistake}"))),
+            Ok(Some(mistake)) if options == USUAL_OPTIONS => {
+                Err(self.refuse(ENGINE, format!("the usual options, `{options}`: {mistake}")))
+            }
+            Ok(Some(mistake)) => Err(self.refuse(OPTIONS, mistake)),
             Ok(None) => {
                 let title = petsc::engine().map(petsc::Engine::title).unwrap_or_default();
                 Ok(Some(format!("{ENGINE}: {title} solves, by `{options}`")))

@@ -14,10 +14,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// From the bottom to the top: a module, and what it may import besides itself. `*`: everything above it here.
-const LAYERS: [(&str, &str); 29] = [
+const LAYERS: [(&str, &str); 30] = [
     ("choice", ""),
     ("math", ""),
-    ("algebra", "choice"),
+    ("parallel", ""),
+    ("algebra", "choice parallel"),
     ("physics", "choice math"),
     ("element", "math"),
     ("tangent", "choice math physics"),

@@ -56,6 +56,7 @@ mod outlets;
 mod output_fields;
 mod output_vtu;
 mod own_problems;
+mod parallel;
 mod patch;
 mod patch_in_space;
 mod periodic;

@@ -148,6 +148,8 @@ fn mistakes_in_options_are_told() {
         "-ksp_type fgmres -ksp_rtol 1e-3 -pc_type fieldsplit -pc_fieldsplit_type schur -fieldsplit_v_pc_type gamg \
          -fieldsplit_p_pc_type jacobi",
         "-ksp_type fgmres -pc_type bjacobi -sub_pc_type ilu -sub_pc_factor_levels 1",
+        "-ksp_type fgmres -pc_type fieldsplit -fieldsplit_v_pc_type bjacobi -fieldsplit_v_sub_pc_type sor \
+         -fieldsplit_p_ksp_type preonly",
     ] {
         assert_eq!(told(options), None, "{options}");
     }

@@ -21,7 +21,9 @@ pub enum Missing {
     )]
     Library(&'static str),
     /// A library that was named cannot be loaded.
-    #[error("{variable} = {name}: the library cannot be loaded: {reason}")]
+    #[error(
+        "{variable} = {name}: the library cannot be loaded: {reason}; without the variable the usual names are tried"
+    )]
     Named {
         /// What names it.
         variable: &'static str,

@@ -1,7 +1,9 @@
 //! The engine of this process: which libraries it is, and that one thread at a time calls them.
 
-use super::calls::{Library, Mpi, Object, Petsc};
+use super::calls::Petsc;
 use super::error::{Missing, Trouble};
+use crate::parallel::library::{Library, Object};
+use crate::parallel::mpi::{Functions as Mpi, MPI_NAMES};
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
@@ -10,9 +12,6 @@ const OLDEST: [i64; 2] = [3, 18];
 
 /// Newest minor version that is looked for by its name; newer ones are found as `libpetsc.so`.
 const NEWEST_MINOR: i64 = 40;
-
-/// Names of MPI libraries: Open MPI from version 2 on, MPICH and those of its binary interface, whatever else.
-const MPI_NAMES: [&str; 3] = ["libmpi.so.40", "libmpi.so.12", "libmpi.so"];
 
 /// Libraries of other names or places than the usual ones. The program takes them from environment variables.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -103,17 +102,8 @@ pub fn mpi_alone() -> Option<(String, String)> {
     let names: Vec<String> = named.map_or_else(|| MPI_NAMES.map(String::from).to_vec(), |name| vec![name]);
     names.into_iter().find_map(|name| {
         let calls = Mpi::find(Library::open(&name).ok()?).ok()?;
-        Some((name, first_line(&calls.version().ok()?)))
+        Some((name, calls.version().ok()?))
     })
-}
-
-/// `Open MPI v4.1.4` of a line with more in it, `MPICH 4.0.2` of a table.
-fn first_line(text: &str) -> String {
-    let text = text.trim().trim_end_matches('\0');
-    match text.strip_prefix("MPICH Version:") {
-        Some(rest) => format!("MPICH {}", rest.split_whitespace().next().unwrap_or("")),
-        None => text.lines().next().unwrap_or("").split(',').next().unwrap_or("").trim().to_string(),
-    }
 }
 
 /// Usual names of PETSc, newest first: those of Debian, then those of PETSc itself.
@@ -151,7 +141,8 @@ fn load(names: &Names) -> Result<Engine, Missing> {
 
 /// Whether the library is what is needed, before anything of it is started.
 fn examine(library: String, handle: Library) -> Result<Engine, Missing> {
-    let start = |trouble: Trouble| Missing::Start { library: library.clone(), reason: trouble.to_string() };
+    let failed = |reason: String| Missing::Start { library: library.clone(), reason };
+    let start = |trouble: Trouble| failed(trouble.to_string());
     let lacks = |function| Missing::Function { library: library.clone(), function };
     let petsc = Petsc::find(handle).map_err(lacks)?;
     let version = petsc.version().map_err(start)?;
@@ -172,9 +163,10 @@ fn examine(library: String, handle: Library) -> Result<Engine, Missing> {
     };
     let mpi = MpiKind::of(handle);
     let mpi_calls = (mpi != MpiKind::Without).then(|| Mpi::find(handle)).transpose().map_err(lacks)?;
-    let mpi_version = mpi_calls.map_or(Ok(String::new()), |calls| calls.version()).map_err(start)?;
+    let mpi_version = mpi_calls.map_or(Ok(String::new()), |calls| calls.version());
+    let mpi_version = mpi_version.map_err(|fault| failed(fault.to_string()))?;
     let packages = PACKAGES_BY_SYMBOL.map(|(name, symbol)| (name, handle.has(symbol)));
-    let (mpi_version, state) = (first_line(&mpi_version), Mutex::new(State::Waiting));
+    let state = Mutex::new(State::Waiting);
     Ok(Engine { library, version, index_bits, mpi, mpi_version, packages, handle, petsc, mpi_calls, state })
 }
 
@@ -195,7 +187,7 @@ impl Engine {
         }
     }
 
-    /// Waits until no other thread is in PETSc; starts it the first time.
+    /// Waits until no other thread is in PETSc, and starts it the first time.
     ///
     /// # Errors
     /// If it does not start, or has ended.

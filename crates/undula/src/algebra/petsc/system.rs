@@ -1,9 +1,10 @@
 //! A matrix in PETSc, and its solver made from a string of options. All calls are made with the lock of the session.
 #![allow(unsafe_code)]
 
-use super::calls::{Indices, Object, call, text_of};
+use super::calls::{Indices, call};
 use super::error::Trouble;
 use super::session::Session;
+use crate::parallel::library::{Object, text_of};
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 use std::slice;
@@ -122,6 +123,14 @@ impl System {
             call!(petsc, KSPSetUp(self.solver))?;
             call!(petsc, KSPSetUpOnBlocks(self.solver))
         })
+    }
+
+    /// Applies the preconditioner once, to ones: solvers within it are made then.
+    pub(super) fn precondition(&self, session: &Session) -> Result<(), Trouble> {
+        let petsc = &session.engine.petsc;
+        let preconditioner = self.preconditioner(session)?;
+        self.in_vector(session, self.left, |values| values.fill(1.0))?;
+        self.with_options(session, || call!(petsc, PCApply(preconditioner, self.left, self.right)))
     }
 
     /// x ← A⁻¹ b, as well as the options ask for.

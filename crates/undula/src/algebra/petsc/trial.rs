@@ -31,7 +31,10 @@ pub fn mistake_in_options(options: &str, fields: &[Kind]) -> Result<Option<Strin
     };
     // Its entries are finite, and none of its rows is zero.
     let _ = prepared.scale(&a, &unknowns, Sizes::default());
-    let tried = prepared.set(&session, &a, &unknowns).map(|_| ());
+    let tried = prepared.set(&session, &a, &unknowns).and_then(|failure| match failure {
+        None => prepared.system.precondition(&session),
+        Some(_) => Ok(()),
+    });
     let unused = prepared.system.unused(&session);
     prepared.system.destroy(&session);
     Ok(match (tried, unused) {
@@ -41,14 +44,26 @@ pub fn mistake_in_options(options: &str, fields: &[Kind]) -> Result<Option<Strin
     })
 }
 
+/// Ends of options that are read while a system is solved.
+const LATER: [&str; 2] = ["ksp_converged_reason", "ksp_converged_rate"];
+
+/// Options of PETSc as a whole, which it reads when it starts.
+const OF_ALL: [&str; 4] = ["log_view", "options_left", "info", "malloc_debug"];
+
 /// Options that were not read, in words.
 fn unread(unused: &[String]) -> Option<String> {
+    if let Some(name) = unused.iter().find(|name| OF_ALL.contains(&name.as_str())) {
+        return Some(format!(
+            "`-{name}` is of PETSc as a whole: expected it in the environment, PETSC_OPTIONS=-{name}"
+        ));
+    }
     let of_a_level = |name: &str| {
         let level = name.split_once("mg_levels_").and_then(|(_, rest)| rest.chars().next());
         level.is_some_and(|c| c.is_ascii_digit())
     };
+    let is_later = |name: &str| of_a_level(name) || LATER.iter().any(|end| name.ends_with(end));
     let names: Vec<String> =
-        unused.iter().filter(|name| !of_a_level(name)).map(|name| format!("`-{name}`")).collect();
+        unused.iter().filter(|name| !is_later(name)).map(|name| format!("`-{name}`")).collect();
     match &names[..] {
         [] => None,
         [one] => Some(format!(
@@ -103,6 +118,8 @@ mod tests {
         let of = |names: &[&str]| unread(&names.iter().map(ToString::to_string).collect::<Vec<_>>());
         assert_eq!(of(&[]), None);
         assert_eq!(of(&["fieldsplit_v_mg_levels_3_pc_type"]), None);
+        assert_eq!(of(&["fieldsplit_v_ksp_converged_reason"]), None);
+        assert!(of(&["log_view"]).unwrap().contains("PETSC_OPTIONS=-log_view"));
         assert!(of(&["ksp_tpye"]).unwrap().contains("the option `-ksp_tpye`:"));
         assert!(
             of(&["ksp_tpye", "mg_levels_2_ksp_type", "b"]).unwrap().contains("options `-ksp_tpye`, `-b`:")
