@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _FIRST = ("step", "time", "force_time")
 _LAST = ("min_J", "newton_steps", "jacobians")
-_COUNTS = ("step", "newton_steps", "jacobians")
+_COUNTS = ("step", "newton_steps", "jacobians", "linear_iterations")
 
 
 class Row(Mapping[str, Any]):
