@@ -269,7 +269,10 @@ impl<'c, 'd> Section<'c, 'd> {
             {
                 Some(meant) => format!("; did you mean `{meant}`?"),
                 None => match did_you_mean(key, known.iter().copied()) {
-                    none if none.is_empty() => did_you_mean(key, all.iter().copied()),
+                    // A key of another kind is no misspelt one.
+                    none if none.is_empty() && !all.contains(&key.as_str()) => {
+                        did_you_mean(key, all.iter().copied())
+                    }
                     hint => hint,
                 },
             };
