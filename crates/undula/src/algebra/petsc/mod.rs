@@ -5,17 +5,17 @@
 //! [`mistake_in_options`] tries options on a small system. One thread at a time is in PETSc. [`finish`] ends it, before
 //! the process ends.
 
+mod access;
 mod calls;
 mod error;
 mod fields;
 mod prepared;
-mod session;
 mod solver;
 mod system;
 mod trial;
 
+pub use access::{Engine, MpiKind, Names, engine, finish, mpi_alone, name_libraries};
 pub use error::{INSTALL, Missing, PACKAGES};
-pub use session::{Engine, MpiKind, Names, engine, finish, mpi_alone, name_libraries};
 pub use solver::PetscSolver;
 pub use trial::mistake_in_options;
 

@@ -1,9 +1,9 @@
 //! A system of PETSc with what belongs to it here: the places of its entries, and the scales of its fields.
 
+use super::access::Access;
 use super::calls::Indices;
 use super::error::Trouble;
 use super::fields::{FieldScales, Layout, failure};
-use super::session::Session;
 use super::system::{Rows, System};
 use crate::algebra::{Csr, Kind, Pattern, Sizes, SolverError, Unknown};
 
@@ -34,12 +34,12 @@ fn blocks(unknowns: &[Unknown], bits: usize) -> Option<Vec<(&'static str, Indice
 impl Prepared {
     /// For matrices of `pattern`, by `options`.
     pub(super) fn new(
-        session: &Session,
+        access: &Access,
         options: &str,
         pattern: &Pattern,
         unknowns: &[Unknown],
     ) -> Result<Prepared, Trouble> {
-        let bits = session.engine.index_bits;
+        let bits = access.engine.index_bits;
         let too_large = || {
             let entries = pattern.nnz();
             Trouble::plain(format!("{entries} entries are too many for its integers of {bits} bits"))
@@ -48,22 +48,22 @@ impl Prepared {
         let starts = Indices::new(bits, rows.starts().iter().copied()).ok_or_else(too_large)?;
         let columns = Indices::new(bits, rows.columns(pattern)).ok_or_else(too_large)?;
         let blocks = blocks(unknowns, bits).ok_or_else(too_large)?;
-        let system = System::new(session, &Rows { starts, columns }, options)?;
+        let system = System::new(access, &Rows { starts, columns }, options)?;
         let (scales, tolerance) = (FieldScales::default(), 0.0);
         let mut prepared = Prepared { system, rows, scales, is_direct: false, tolerance };
-        match prepared.configure(session, &blocks) {
+        match prepared.configure(access, &blocks) {
             Ok(()) => Ok(prepared),
             Err(trouble) => {
-                prepared.system.destroy(session);
+                prepared.system.destroy(access);
                 Err(trouble)
             }
         }
     }
 
-    fn configure(&mut self, session: &Session, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
-        self.system.configure(session, blocks)?;
-        self.is_direct = self.system.types(session)?[0] == "preonly";
-        self.tolerance = self.system.tolerance(session)?;
+    fn configure(&mut self, access: &Access, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
+        self.system.configure(access, blocks)?;
+        self.is_direct = self.system.types(access)?[0] == "preonly";
+        self.tolerance = self.system.tolerance(access)?;
         Ok(())
     }
 
@@ -80,13 +80,13 @@ impl Prepared {
     /// Hands the entries of `a` over, scaled, and makes the preconditioner; why that failed, if it has.
     pub(super) fn set(
         &self,
-        session: &Session,
+        access: &Access,
         a: &Csr,
         unknowns: &[Unknown],
     ) -> Result<Option<&'static str>, Trouble> {
         let factor = |row: usize, column: usize| self.scales.of(unknowns, row, column);
-        self.system.set_values(session, |values| self.rows.write(a, factor, values))?;
-        self.system.set_up(session)?;
-        self.system.failure(session).map(failure)
+        self.system.set_values(access, |values| self.rows.write(a, factor, values))?;
+        self.system.set_up(access)?;
+        self.system.failure(access).map(failure)
     }
 }

@@ -1,9 +1,9 @@
 //! PETSc as a linear solver: scaling of fields, and a residual of our own after every solve.
 
+use super::access::{Access, Engine, engine};
 use super::error::{Missing, Trouble};
 use super::fields;
 use super::prepared::Prepared;
-use super::session::{Engine, Session, engine};
 use super::system::Outcome;
 use crate::algebra::{
     Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Unknown,
@@ -42,8 +42,8 @@ pub struct PetscSolver {
 }
 
 /// What all calls need: the engine, with no other thread in it.
-fn session() -> Result<Session, SolverError> {
-    engine().and_then(Engine::session).map_err(|missing: Missing| SolverError::Engine(missing.to_string()))
+fn access() -> Result<Access, SolverError> {
+    engine().and_then(Engine::access).map_err(|missing: Missing| SolverError::Engine(missing.to_string()))
 }
 
 fn said(trouble: Trouble) -> SolverError {
@@ -85,7 +85,7 @@ impl PetscSolver {
         scales.scale_rows(b, unknowns, right);
         report.backward_error = f64::INFINITY;
         loop {
-            let outcome = prepared.system.solve(&session()?, right, step).map_err(said)?;
+            let outcome = prepared.system.solve(&access()?, right, step).map_err(said)?;
             scales.add_columns(step, unknowns, x);
             a.residual(b, x, residual);
             let [norm_r, length_r] = scales.norms_of_rows(residual, unknowns);
@@ -115,9 +115,9 @@ impl PetscSolver {
     fn close(&mut self) {
         self.factored = false;
         if let Some(prepared) = self.prepared.take()
-            && let Ok(session) = session()
+            && let Ok(access) = access()
         {
-            prepared.system.destroy(&session);
+            prepared.system.destroy(&access);
         }
     }
 }
@@ -161,7 +161,7 @@ impl LinearSolver for PetscSolver {
             return Err(SolverError::Size { what: "unknowns", expected, found });
         }
         self.close();
-        let prepared = Prepared::new(&session()?, &self.options, pattern, unknowns).map_err(said)?;
+        let prepared = Prepared::new(&access()?, &self.options, pattern, unknowns).map_err(said)?;
         (self.prepared, self.pattern) = (Some(prepared), Some(Arc::clone(pattern)));
         self.unknowns = unknowns.to_vec();
         self.work = [vec![0.0; pattern.n], vec![0.0; pattern.n]];
@@ -174,7 +174,7 @@ impl LinearSolver for PetscSolver {
         self.factored = false;
         let prepared = self.prepared.as_mut().ok_or(SolverError::NotAnalysed)?;
         prepared.scale(a, &self.unknowns, self.sizes)?;
-        if let Some(why) = prepared.set(&session()?, a, &self.unknowns).map_err(said)? {
+        if let Some(why) = prepared.set(&access()?, a, &self.unknowns).map_err(said)? {
             return Err(SolverError::Engine(format!("PETSc made no preconditioner of the matrix: {why}")));
         }
         self.factored = true;
@@ -201,7 +201,7 @@ impl LinearSolver for PetscSolver {
             return x.fill(f64::NAN);
         };
         prepared.scales.scale_rows(b, unknowns, right);
-        let solved = session().and_then(|session| prepared.system.solve(&session, right, step).map_err(said));
+        let solved = access().and_then(|access| prepared.system.solve(&access, right, step).map_err(said));
         x.fill(if solved.is_ok() { 0.0 } else { f64::NAN });
         prepared.scales.add_columns(step, unknowns, x);
     }

@@ -1,9 +1,9 @@
-//! A matrix in PETSc, and its solver made from a string of options. All calls are made with the lock of the session.
+//! A matrix in PETSc, and its solver made from a string of options. All calls are made while `Access` is held.
 #![allow(unsafe_code)]
 
+use super::access::Access;
 use super::calls::{Indices, call};
 use super::error::Trouble;
-use super::session::Session;
 use crate::parallel::library::{Object, text_of};
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
@@ -42,8 +42,8 @@ impl System {
     ///
     /// # Errors
     /// What PETSc refuses. What was made until then stays in memory.
-    pub(super) fn new(session: &Session, rows: &Rows, options: &str) -> Result<System, Trouble> {
-        let (petsc, world) = (&session.engine.petsc, session.world);
+    pub(super) fn new(access: &Access, rows: &Rows, options: &str) -> Result<System, Trouble> {
+        let (petsc, world) = (&access.engine.petsc, access.world);
         let (n, entries) = (rows.starts.len() - 1, rows.columns.len());
         let [mut database, mut matrix, mut solver, mut right, mut left] = [Object::NONE; 5];
         call!(petsc, PetscOptionsCreate(&raw mut database))?;
@@ -65,10 +65,10 @@ impl System {
     /// Does something with the options of this system in force, and no others.
     fn with_options<T>(
         &self,
-        session: &Session,
+        access: &Access,
         act: impl FnOnce() -> Result<T, Trouble>,
     ) -> Result<T, Trouble> {
-        let petsc = &session.engine.petsc;
+        let petsc = &access.engine.petsc;
         call!(petsc, PetscOptionsPush(self.options))?;
         let result = act();
         call!(petsc, PetscOptionsPop())?;
@@ -76,17 +76,17 @@ impl System {
     }
 
     /// Makes the solver what the options say; blocks of unknowns have names for `fieldsplit`.
-    pub(super) fn configure(&self, session: &Session, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
+    pub(super) fn configure(&self, access: &Access, blocks: &[(&str, Indices)]) -> Result<(), Trouble> {
         const COPY: i32 = 0;
-        let petsc = &session.engine.petsc;
-        self.with_options(session, || {
+        let petsc = &access.engine.petsc;
+        self.with_options(access, || {
             call!(petsc, KSPSetOperators(self.solver, self.matrix, self.matrix))?;
             call!(petsc, KSPSetFromOptions(self.solver))?;
-            let preconditioner = self.preconditioner(session)?;
+            let preconditioner = self.preconditioner(access)?;
             for (name, indices) in blocks.iter().filter(|(_, indices)| indices.len() > 0) {
                 let mut set = Object::NONE;
                 let (name, length) = (CString::new(*name).unwrap_or_default(), indices.len() as i64);
-                call!(petsc, ISCreateGeneral(session.world, length, indices.at(), COPY, &raw mut set))?;
+                call!(petsc, ISCreateGeneral(access.world, length, indices.at(), COPY, &raw mut set))?;
                 // Without effect on other preconditioners.
                 call!(petsc, PCFieldSplitSetIS(preconditioner, name.as_ptr(), set))?;
                 call!(petsc, ISDestroy(&raw mut set))?;
@@ -95,19 +95,15 @@ impl System {
         })
     }
 
-    fn preconditioner(&self, session: &Session) -> Result<Object, Trouble> {
+    fn preconditioner(&self, access: &Access) -> Result<Object, Trouble> {
         let mut preconditioner = Object::NONE;
-        call!(session.engine.petsc, KSPGetPC(self.solver, &raw mut preconditioner))?;
+        call!(access.engine.petsc, KSPGetPC(self.solver, &raw mut preconditioner))?;
         Ok(preconditioner)
     }
 
     /// New values of the matrix, which `write` sets in the order of its entries.
-    pub(super) fn set_values(
-        &self,
-        session: &Session,
-        write: impl FnOnce(&mut [f64]),
-    ) -> Result<(), Trouble> {
-        let (petsc, mut values) = (&session.engine.petsc, null_mut());
+    pub(super) fn set_values(&self, access: &Access, write: impl FnOnce(&mut [f64])) -> Result<(), Trouble> {
+        let (petsc, mut values) = (&access.engine.petsc, null_mut());
         call!(petsc, MatSeqAIJGetArray(self.matrix, &raw mut values))?;
         // SAFETY: the values of the matrix, as many as it has entries, until they are given back.
         write(unsafe { slice::from_raw_parts_mut(values, self.entries) });
@@ -115,9 +111,9 @@ impl System {
     }
 
     /// Factors, hierarchies, and what else the options ask for.
-    pub(super) fn set_up(&self, session: &Session) -> Result<(), Trouble> {
-        let petsc = &session.engine.petsc;
-        self.with_options(session, || {
+    pub(super) fn set_up(&self, access: &Access) -> Result<(), Trouble> {
+        let petsc = &access.engine.petsc;
+        self.with_options(access, || {
             // Tells that the values are new.
             call!(petsc, KSPSetOperators(self.solver, self.matrix, self.matrix))?;
             call!(petsc, KSPSetUp(self.solver))?;
@@ -126,46 +122,46 @@ impl System {
     }
 
     /// Applies the preconditioner once, to ones: solvers within it are made then.
-    pub(super) fn precondition(&self, session: &Session) -> Result<(), Trouble> {
-        let petsc = &session.engine.petsc;
-        let preconditioner = self.preconditioner(session)?;
-        self.in_vector(session, self.left, |values| values.fill(1.0))?;
-        self.with_options(session, || call!(petsc, PCApply(preconditioner, self.left, self.right)))
+    pub(super) fn precondition(&self, access: &Access) -> Result<(), Trouble> {
+        let petsc = &access.engine.petsc;
+        let preconditioner = self.preconditioner(access)?;
+        self.in_vector(access, self.left, |values| values.fill(1.0))?;
+        self.with_options(access, || call!(petsc, PCApply(preconditioner, self.left, self.right)))
     }
 
     /// x ← A⁻¹ b, as well as the options ask for.
-    pub(super) fn solve(&self, session: &Session, b: &[f64], x: &mut [f64]) -> Result<Outcome, Trouble> {
+    pub(super) fn solve(&self, access: &Access, b: &[f64], x: &mut [f64]) -> Result<Outcome, Trouble> {
         debug_assert_eq!((b.len(), x.len()), (self.n, self.n), "vectors do not fit the matrix");
-        let petsc = &session.engine.petsc;
-        self.in_vector(session, self.left, |values| values.copy_from_slice(b))?;
-        self.with_options(session, || call!(petsc, KSPSolve(self.solver, self.left, self.right)))?;
-        self.in_vector(session, self.right, |values| x.copy_from_slice(values))?;
-        self.outcome(session)
+        let petsc = &access.engine.petsc;
+        self.in_vector(access, self.left, |values| values.copy_from_slice(b))?;
+        self.with_options(access, || call!(petsc, KSPSolve(self.solver, self.left, self.right)))?;
+        self.in_vector(access, self.right, |values| x.copy_from_slice(values))?;
+        self.outcome(access)
     }
 
     /// What has become of the last solve.
-    fn outcome(&self, session: &Session) -> Result<Outcome, Trouble> {
-        let (petsc, mut outcome) = (&session.engine.petsc, Outcome { reason: 0, iterations: 0, failure: 0 });
+    fn outcome(&self, access: &Access) -> Result<Outcome, Trouble> {
+        let (petsc, mut outcome) = (&access.engine.petsc, Outcome { reason: 0, iterations: 0, failure: 0 });
         call!(petsc, KSPGetConvergedReason(self.solver, &raw mut outcome.reason))?;
         call!(petsc, KSPGetIterationNumber(self.solver, &raw mut outcome.iterations))?;
-        outcome.failure = self.failure(session)?;
+        outcome.failure = self.failure(access)?;
         Ok(outcome)
     }
 
     /// Why the preconditioner failed; 0: it did not.
-    pub(super) fn failure(&self, session: &Session) -> Result<i32, Trouble> {
+    pub(super) fn failure(&self, access: &Access) -> Result<i32, Trouble> {
         let mut failure = 0;
-        call!(session.engine.petsc, PCGetFailedReason(self.preconditioner(session)?, &raw mut failure))?;
+        call!(access.engine.petsc, PCGetFailedReason(self.preconditioner(access)?, &raw mut failure))?;
         Ok(failure)
     }
 
     fn in_vector(
         &self,
-        session: &Session,
+        access: &Access,
         vector: Object,
         act: impl FnOnce(&mut [f64]),
     ) -> Result<(), Trouble> {
-        let (petsc, mut values) = (&session.engine.petsc, null_mut());
+        let (petsc, mut values) = (&access.engine.petsc, null_mut());
         call!(petsc, VecGetArray(vector, &raw mut values))?;
         // SAFETY: the values of a vector of this length, until they are given back.
         act(unsafe { slice::from_raw_parts_mut(values, self.n) });
@@ -173,9 +169,9 @@ impl System {
     }
 
     /// Types of the iteration and of the preconditioner, such as `preonly` and `lu`.
-    pub(super) fn types(&self, session: &Session) -> Result<[String; 2], Trouble> {
-        let (petsc, mut of_solver, mut of_preconditioner) = (&session.engine.petsc, null(), null());
-        let preconditioner = self.preconditioner(session)?;
+    pub(super) fn types(&self, access: &Access) -> Result<[String; 2], Trouble> {
+        let (petsc, mut of_solver, mut of_preconditioner) = (&access.engine.petsc, null(), null());
+        let preconditioner = self.preconditioner(access)?;
         call!(petsc, KSPGetType(self.solver, &raw mut of_solver))?;
         call!(petsc, PCGetType(preconditioner, &raw mut of_preconditioner))?;
         // SAFETY: null, or names that live as long as the objects.
@@ -183,9 +179,9 @@ impl System {
     }
 
     /// Relative reduction of the residual that the solver is asked for.
-    pub(super) fn tolerance(&self, session: &Session) -> Result<f64, Trouble> {
+    pub(super) fn tolerance(&self, access: &Access) -> Result<f64, Trouble> {
         let ([mut relative, mut absolute, mut divergence], mut most) = ([0.0; 3], 0);
-        let petsc = &session.engine.petsc;
+        let petsc = &access.engine.petsc;
         call!(
             petsc,
             KSPGetTolerances(
@@ -200,8 +196,8 @@ impl System {
     }
 
     /// Options that nothing has asked for so far, without their `-`.
-    pub(super) fn unused(&self, session: &Session) -> Result<Vec<String>, Trouble> {
-        let (petsc, mut count, mut names, mut values) = (&session.engine.petsc, 0, null_mut(), null_mut());
+    pub(super) fn unused(&self, access: &Access) -> Result<Vec<String>, Trouble> {
+        let (petsc, mut count, mut names, mut values) = (&access.engine.petsc, 0, null_mut(), null_mut());
         let list = (&raw mut count, &raw mut names, &raw mut values);
         call!(petsc, PetscOptionsLeftGet(self.options, list.0, list.1, list.2))?;
         let count_found = usize::try_from(count).unwrap_or(0);
@@ -213,8 +209,8 @@ impl System {
     }
 
     /// Gives its memory back.
-    pub(super) fn destroy(mut self, session: &Session) {
-        let petsc = &session.engine.petsc;
+    pub(super) fn destroy(mut self, access: &Access) {
+        let petsc = &access.engine.petsc;
         // Nobody is left to be told of what fails here.
         let _: Result<(), Trouble> = call!(petsc, KSPDestroy(&raw mut self.solver));
         let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut self.left));

@@ -1,8 +1,8 @@
 //! Options tried on a small system, so that a mistake in them is told before a run begins.
 
+use super::access::engine;
 use super::error::{Missing, Trouble};
 use super::prepared::Prepared;
-use super::session::engine;
 use crate::algebra::{Csr, Kind, Pattern, Sizes, Unknown};
 use std::sync::Arc;
 
@@ -24,19 +24,19 @@ const OF_THE_SYSTEM: [i32; 3] = [71, 76, 91];
 pub fn mistake_in_options(options: &str, fields: &[Kind]) -> Result<Option<String>, Missing> {
     let (a, unknowns) = small(fields);
     let engine = engine()?;
-    let session = engine.session()?;
-    let mut prepared = match Prepared::new(&session, options, &a.pattern, &unknowns) {
+    let access = engine.access()?;
+    let mut prepared = match Prepared::new(&access, options, &a.pattern, &unknowns) {
         Ok(prepared) => prepared,
         Err(trouble) => return Ok(Some(trouble.to_string())),
     };
     // Its entries are finite, and none of its rows is zero.
     let _ = prepared.scale(&a, &unknowns, Sizes::default());
-    let tried = prepared.set(&session, &a, &unknowns).and_then(|failure| match failure {
-        None => prepared.system.precondition(&session),
+    let tried = prepared.set(&access, &a, &unknowns).and_then(|failure| match failure {
+        None => prepared.system.precondition(&access),
         Some(_) => Ok(()),
     });
-    let unused = prepared.system.unused(&session);
-    prepared.system.destroy(&session);
+    let unused = prepared.system.unused(&access);
+    prepared.system.destroy(&access);
     Ok(match (tried, unused) {
         (Err(Trouble { code, .. }), _) if OF_THE_SYSTEM.contains(&code) => None,
         (Err(trouble), _) | (Ok(()), Err(trouble)) => Some(trouble.to_string()),

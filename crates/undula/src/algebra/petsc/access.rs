@@ -171,7 +171,7 @@ fn examine(library: String, handle: Library) -> Result<Engine, Missing> {
 }
 
 /// PETSc in the hands of one thread.
-pub(super) struct Session {
+pub(super) struct Access {
     pub(super) engine: &'static Engine,
     pub(super) world: Object,
     _alone: MutexGuard<'static, State>,
@@ -191,13 +191,13 @@ impl Engine {
     ///
     /// # Errors
     /// If it does not start, or has ended.
-    pub(super) fn session(&'static self) -> Result<Session, Missing> {
+    pub(super) fn access(&'static self) -> Result<Access, Missing> {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if *state == State::Waiting {
             *state = self.start().map_or_else(State::Failed, State::Running);
         }
         match &*state {
-            State::Running(world) => Ok(Session { engine: self, world: *world, _alone: state }),
+            State::Running(world) => Ok(Access { engine: self, world: *world, _alone: state }),
             State::Failed(missing) => Err(missing.clone()),
             State::Waiting | State::Ended => Err(Missing::Ended),
         }
