@@ -28,6 +28,7 @@ pub use matrices::CondensedSystem;
 use matrices::Whole;
 use std::sync::Arc;
 use unknowns::given_rows;
+pub(crate) use unknowns::homes;
 pub use worst::Worst;
 
 /// Residual and Jacobian of the coupled problem: a sum of operators.

@@ -14,6 +14,7 @@ use crate::math::Vector;
 use crate::physics::Kinematics;
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::{Constraints, FsiSpace, PressureKind, PsiOwner, Region, State};
+use crate::system::homes;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -169,9 +170,10 @@ fn unknowns<const D: usize>(space: &FsiSpace<D>, number: &[u32], n_v: usize) -> 
         let unknown = Unknown { node: node as u32, at: position(&space.nodes.points[node]), ..first };
         list[n as usize * D..(n as usize + 1) * D].fill(unknown);
     }
+    let homes = homes(space, |node| number[node as usize] != u32::MAX);
     for (dof, x) in space.pressure.points.iter().enumerate() {
         let node = match space.pressure.kind {
-            PressureKind::Continuous(_) => space.pressure_node(dof),
+            PressureKind::Continuous(_) => homes[dof],
             _ => (space.nodes.len() + dof / space.pressure.per_cell) as u32,
         };
         list.push(Unknown { node, kind: Kind::Pressure, at: position(x) });
