@@ -162,8 +162,8 @@ impl fmt::Display for Cause {
             ),
             Cause::Slow { rate, done, .. } => write!(
                 f,
-                "the nonlinear iteration does not converge: after {done} iterations its residual still changes by the \
-                 factor {rate:.3} in each"
+                "the nonlinear iteration does not converge: after {done} iterations, those for parts of the load among \
+                 them, its residual changes by the factor {rate:.3} in each"
             ),
             Cause::Singular { field, spot } => {
                 write!(f, "the matrix is singular, nothing determines the {} of {}", name(*field), spot.text)

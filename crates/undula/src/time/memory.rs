@@ -76,6 +76,7 @@ impl<const D: usize> Stepper<D> {
             parts: _,
             explicit: _,
             reference: _,
+            whole_at_rest: _,
             before: _,
             fault: _,
             attempts: _,

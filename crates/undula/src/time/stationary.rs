@@ -26,8 +26,13 @@ impl<const D: usize> Stepper<D> {
     /// # Errors
     /// [`StepFailure`] if even small increments of the load have no solution.
     pub fn stationary(&mut self) -> Result<StepReport, StepFailure> {
-        self.newton.gives_up =
-            matches!(self.linear.active, Linearization::Reduced | Linearization::FixedPoint);
+        // Of a solid alone the reduced Jacobian is the whole one.
+        self.newton.gives_up = match self.linear.active {
+            Linearization::FixedPoint => true,
+            Linearization::Reduced => self.assembler.physics.fluid.is_some(),
+            Linearization::Condensed | Linearization::Newton => false,
+        };
+        self.whole_at_rest = self.assembler.space.deforms;
         self.attempts.clear();
         let allowed = self.newton.settings.max_steps;
         let mut result = self.raise_load();
@@ -61,6 +66,11 @@ impl<const D: usize> Stepper<D> {
                     failure.details.load = Some(load);
                     if failure.is_stop() || failure.is_final() {
                         return Err(failure);
+                    }
+                    let condensed = self.linear.active == Linearization::Condensed;
+                    if condensed && !self.whole_at_rest && !self.linear.is_multigrid() {
+                        self.whole_at_rest = true;
+                        continue;
                     }
                     let slow = matches!(failure.reason, NewtonError::Slow { .. }) || spent >= PATIENCE;
                     if increment < 1e-3 || self.newton.gives_up && slow {
@@ -165,8 +175,7 @@ impl<const D: usize> Stepper<D> {
         self.set_load(t, load);
         self.newton.forget();
         let active = self.linear.active;
-        // At rest u does not follow from v.
-        if self.assembler.space.deforms && active == Linearization::Condensed {
+        if self.whole_at_rest && active == Linearization::Condensed {
             self.linear.active = Linearization::Newton;
         }
         if !given.is_empty() && self.fault.is_none() {

@@ -90,6 +90,9 @@ pub struct Stepper<const D: usize> {
     pub(super) explicit: Vec<f64>,
     /// What the criterion of the last stationary solution referred to.
     pub(super) reference: f64,
+    /// Whether stationary solutions take the whole Jacobian where the condensed one is asked for: u does not follow from v
+    /// at rest, or the condensed system has failed.
+    pub(super) whole_at_rest: bool,
     /// Where the kept Jacobian was taken.
     pub(super) point: Option<JacobianPoint>,
     pub(super) before: Before,
@@ -132,6 +135,7 @@ impl<const D: usize> Stepper<D> {
             parts: None,
             stages: None,
             reference: 0.0,
+            whole_at_rest: false,
             point: None,
             before: Before::default(),
             explicit: vec![0.0; n],

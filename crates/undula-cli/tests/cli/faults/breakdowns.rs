@@ -150,6 +150,30 @@ fn a_flow_that_does_not_converge_has_no_word_of_folding() {
     assert_eq!(cause(&here, "out").0, "divergence");
 }
 
+/// Cells 3000 times longer than wide: what single precision cannot condense is solved by the whole Jacobian. The drop of
+/// the pressure is that of both with `linear.precision=double`.
+#[test]
+fn a_flow_at_rest_on_very_long_cells_takes_the_whole_jacobian() {
+    let here = place("long-cells", &[]);
+    here.write("case.toml", CHANNEL);
+    let sets = [
+        "mesh.upper=[300, 0.1]",
+        "mesh.cells=[10, 10]",
+        "space.velocity=Q3",
+        "fluid.density=1",
+        "fluid.kinematic-viscosity=1e-4",
+        "boundary.left.velocity=[\"40*y*(0.1 - y)*(1 + 0.2*y)\", 0]",
+        "functional.dp={ kind = \"pressure-difference\", a = [0, 0.05], b = [150, 0.05] }",
+    ];
+    let drop = |more: &[&str]| {
+        undula(&here, "run case.toml -o out --threads 1 --quiet --force", &[&sets, more].concat())
+            .expect(0, &[]);
+        here.json("out/summary.json")["functionals"]["dp"]["last"].as_f64().unwrap()
+    };
+    let (single, double) = (drop(&[]), drop(&["linear.precision=double"]));
+    assert!((single - double).abs() < 1e-6 * double.abs(), "{single}, {double}");
+}
+
 /// Loads at which the iteration converges are none of its business.
 #[test]
 fn a_linear_iteration_that_is_too_slow_says_so_early() {
@@ -201,6 +225,18 @@ fn a_verbose_run_tells_the_residuals_of_all_parts() {
     assert!(verbose("fsi3", &adaptive)[0].starts_with("t = "));
     let lines = verbose("csm1", &["mesh.refine=0", "solid.body-force=[0,-60]"]);
     assert!(lines[0].starts_with("stationary: ") && lines.len() == 1, "{lines:?}");
+}
+
+/// The reduced Jacobian of a solid alone is the whole one: no linear iteration that could be too slow.
+#[test]
+fn a_solid_alone_is_reduced_to_nothing() {
+    let here = place("solid-reduced", &[]);
+    let last = |way: &str| {
+        let sets = ["mesh.refine=0", way];
+        undula(&here, "run csm1 -o out --threads 1 --quiet --force", &sets).expect(0, &[]);
+        here.json("out/summary.json")["functionals"]["uy_A"]["last"].as_f64().unwrap()
+    };
+    assert_eq!(last("newton.linearization=reduced"), last("newton.linearization=newton"));
 }
 
 #[test]
