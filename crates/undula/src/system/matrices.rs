@@ -5,7 +5,7 @@ use super::{Assembler, granted};
 use crate::algebra::{Csr, Pattern, SolverError, Unknown, add_column};
 use crate::loops::scatter::DROP;
 use crate::operators::{Blocks, Entries, How, Matrix, StepView};
-use crate::space::Region;
+use crate::space::{PressureKind, Region};
 use crate::tangent::{Difference, Linearization, Sizes, Tangent};
 use std::sync::Arc;
 
@@ -184,13 +184,16 @@ impl<const D: usize> Assembler<D> {
         }
     }
 
-    /// Whether most cells of a region are long: the median of the ratios of their sides is above [`LONG`].
+    /// Whether most cells of a region that have slopes of p of their own are long: the median of the ratios of their sides is
+    /// above [`LONG`].
     fn is_long(&self, body: Region) -> bool {
         let mesh = &self.space.mesh;
-        if mesh.shape.is_simplex() {
+        let pressure = &self.space.pressure;
+        if mesh.shape.is_simplex() || !matches!(pressure.kind, PressureKind::Pdc(_)) {
             return false;
         }
-        let cells = (0..mesh.n_cells()).filter(|&cell| self.space.regions[cell] == body);
+        let has_slopes = |cell: usize| self.space.regions[cell] == body && pressure.cell(cell).len() > 1;
+        let cells = (0..mesh.n_cells()).filter(|&cell| has_slopes(cell));
         let mut ratios: Vec<f64> = cells
             .map(|cell| mesh.sizes(cell))
             .map(|sizes| {
