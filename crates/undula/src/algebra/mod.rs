@@ -1,12 +1,12 @@
 //! Sparse matrices and linear solvers; nothing here knows finite elements.
 //!
-//! [`Csr`] is the matrix, [`LinearSolver`] what can be done with it: analyse its pattern once, factor
-//! it for every kept Jacobian, solve with the factors. All solvers share the same outer shell
-//! ([`Direct`]): equilibration, a probe of every factorisation with a known solution,
-//! iterative refinement with a residual check. [`MultifrontalLu`] is the fast one, [`FaerLu`] the one to
-//! compare it with; `definite` ones are for symmetric positive definite matrices, and store half. [`Gmres`] makes do
-//! with factors of an older matrix, and with any [`LinearOperator`] in place of the matrix. [`petsc`] is a library that is loaded at run time. Every result is
-//! the same, bit for bit, for any number of threads.
+//! [`Csr`] is the matrix, [`LinearSolver`] what can be done with it: analyse its pattern once, factor it for every
+//! kept Jacobian, solve with the factors. All solvers share the same outer shell ([`Direct`]): equilibration, a probe
+//! of every factorisation with a known solution, iterative refinement with a residual check. [`MultifrontalLu`] is
+//! the fast one, [`FaerLu`] the one to compare it with; `definite` ones are for symmetric positive definite matrices,
+//! and store half. [`Gmres`] makes do with factors of an older matrix, and with any [`LinearOperator`] in place of
+//! the matrix. [`petsc`] is a library that is loaded at run time. Every result is the same, bit for bit, for any
+//! number of threads.
 
 mod csr;
 mod direct;
