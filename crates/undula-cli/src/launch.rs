@@ -1,7 +1,10 @@
 //! Whether this process is one of several that were started together, by what launchers of MPI set in the environment:
 //! known before any call of MPI.
 
+use crate::args::{say, silence};
 use std::process::ExitCode;
+use undula::algebra::petsc::{Engine, engine, processes};
+use undula::parallel::{Comm, Team};
 
 /// Launchers, with their variables for the number of processes and for that of this one. The first that is there counts:
 /// those of Slurm are inherited by what others start. `SLURM_NTASKS` says nothing: a batch script has it, too.
@@ -35,15 +38,52 @@ pub fn launch(get: impl Fn(&str) -> Option<String>) -> Option<Launch> {
     found.filter(|launch| launch.size > 1)
 }
 
-/// The exit code of a process that is one of several: all end, and the first says why. The same run would be computed by
-/// each of them, into the same files.
+/// The exit code of a process that is one of several, but for a run: all end, and the first says why.
 pub fn refuse() -> Option<ExitCode> {
-    let Launch { by, variable, size, rank } = launch(|name| std::env::var(name).ok())?;
-    if rank == 0 {
-        crate::args::say(format_args!(
-            "error: started as {size} processes by {by} ({variable} = {size}): one run on several processes is not yet \
-             available, and each would compute all of it; start one process, and give it more cores with `--threads N`"
+    let launch = launch(|name| std::env::var(name).ok())?;
+    Some(
+        launch.refused(
+            "only `undula run` takes several processes, and each would do all of it; start one process",
+        ),
+    )
+}
+
+impl Launch {
+    /// The exit code of all processes; the first one says `why`.
+    fn refused(&self, why: &str) -> ExitCode {
+        let Launch { by, variable, size, rank } = self;
+        if *rank == 0 {
+            say(format_args!("error: started as {size} processes by {by} ({variable} = {size}): {why}"));
+        }
+        ExitCode::from(2)
+    }
+}
+
+/// The processes of a run: this one alone, or all that were started together. The first of them speaks from here on.
+///
+/// # Errors
+/// The exit code where several processes cannot compute a run.
+pub fn team() -> Result<Team, ExitCode> {
+    let Some(launch) = launch(|name| std::env::var(name).ok()) else { return Ok(Team::alone()) };
+    let refused = |why: String| Err(launch.refused(&why));
+    let world = match processes() {
+        Ok(world) => world,
+        Err(missing) => {
+            return refused(format!(
+                "several processes are computed by PETSc (linear.engine = \"petsc\"): {missing}"
+            ));
+        }
+    };
+    if world.size() != launch.size {
+        let title = engine().map(Engine::title).unwrap_or_default();
+        return refused(format!(
+            "{title} knows of {}: it is linked to the MPI of another launcher, and each would compute all of the run",
+            match world.size() {
+                1 => "one process only".to_string(),
+                n => format!("{n}"),
+            }
         ));
     }
-    Some(ExitCode::from(2))
+    silence(!world.is_first());
+    Ok(Team::new(world))
 }

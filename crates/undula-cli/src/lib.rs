@@ -41,7 +41,9 @@ use undula::output::FieldSnapshot;
 /// command line itself, `--help` and `--version` end the process.
 pub fn command(args: impl IntoIterator<Item = OsString>) -> ExitCode {
     let command = Cli::parse_from(args).command;
-    if let Some(code) = launch::refuse() {
+    if !matches!(command, Command::Run(_))
+        && let Some(code) = launch::refuse()
+    {
         return code;
     }
     engines::name_libraries();

@@ -1,21 +1,24 @@
 //! `undula run`: compute a case and show how it goes.
 
 use crate::args::{
-    BREAKDOWN, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, threads, with_causes,
+    BREAKDOWN, CaseArgs, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, silence,
+    threads, with_causes,
 };
 use crate::digits::fixed;
 use crate::events::{self, Events};
 use crate::live::Live;
 use crate::progress::{Progress, StepInfo};
-use crate::{check, compare, plot, report};
+use crate::{check, compare, launch, plot, report};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use undula::algebra::Engine;
 use undula::case::Case;
 use undula::error::Error;
 use undula::output::directory::{HISTORY, SUMMARY};
 use undula::output::{Status, Summary};
+use undula::parallel::{Agreed, Team, Wish};
 use undula::results::computed::case_of;
 use undula::run::{Flow, Observer, RunOptions};
 use undula::simulation::{Row, Simulation};
@@ -23,29 +26,33 @@ use undula::simulation::{Row, Simulation};
 /// Runs the case; afterwards results stand beside published ones, and pictures are drawn.
 pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     log_as(args.log);
-    let case = match check::load(&args.case)? {
+    let mut team = match launch::team() {
+        Ok(team) => team,
+        Err(code) => return Ok(code),
+    };
+    let case = match load(&args.case, &mut team)? {
         Ok(case) => case,
         Err(code) => return Ok(code),
     };
     let directory = args.output.clone().unwrap_or_else(|| Path::new("out").join(&case.name));
     let options = RunOptions {
         directory: directory.clone(),
-        threads: threads(args.threads),
+        threads: if team.size() > 1 { usize::from(args.threads.unwrap_or(1)) } else { threads(args.threads) },
         force: args.force,
         resume: args.resume,
         commit: option_env!("UNDULA_COMMIT").map(String::from),
     };
     let end = case.time.as_ref().map(|t| t.end);
     let mut display = Display {
-        progress: Some(Progress::new(end, args.quiet, args.log)),
-        events: (args.log == Log::Json).then(Events::new),
+        progress: team.is_first().then(|| Progress::new(end, args.quiet, args.log)),
+        events: (args.log == Log::Json && team.is_first()).then(Events::new),
         directory: directory.clone(),
         quiet: args.quiet,
         verbose: args.verbose,
         stop: interrupt_flag()?,
         live: None,
     };
-    if let Some(port) = args.live {
+    if let Some(port) = args.live.filter(|_| team.is_first()) {
         match Live::start(&directory, port) {
             Ok(live) => {
                 say(format_args!("live page {}", live.url));
@@ -55,9 +62,12 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
         }
     }
     let result = match case.mesh.dimension {
-        3 => undula::run::run_in_space(case, &options, &mut display),
-        _ => undula::run::run(case, &options, &mut display),
+        3 => undula::run::run_together::<3>(case, &options, &mut display, &mut team),
+        _ => undula::run::run_together::<2>(case, &options, &mut display, &mut team),
     };
+    if !team.is_first() {
+        return end_of_follower(result, &team);
+    }
     let progress = display.progress.take();
     if let Some(live) = display.live.take() {
         live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
@@ -71,6 +81,60 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
             if let Some(progress) = progress {
                 progress.clear();
             }
+            failed(error)
+        }
+    }
+}
+
+/// The case of a run: the same for all processes. Several of them take PETSc, unless the case names another engine.
+fn load(args: &CaseArgs, team: &mut Team) -> anyhow::Result<Result<Case, ExitCode>> {
+    const ENGINE: &str = "linear.engine";
+    let several = team.size() > 1;
+    let loaded = match check::load(args)? {
+        Ok(case) if several && case.linear.engine == Engine::Own => match case.record.places.get(ENGINE) {
+            Some(_) => Err(bad_input(case.refuse(
+                ENGINE,
+                format!("{} processes are computed by PETSc: expected `petsc`", team.size()),
+            ))?),
+            None => {
+                let set = args.set.iter().cloned().chain([format!("{ENGINE}=petsc")]).collect();
+                check::load(&CaseArgs { case: args.case.clone(), set })?
+            }
+        },
+        loaded => loaded,
+    };
+    if !several {
+        return Ok(loaded);
+    }
+    let wish = if loaded.is_ok() { Wish::GoOn } else { Wish::Fail(2) };
+    match team.agree(wish).map_err(Error::Processes)? {
+        Agreed::Fail { first, .. } if first > 0 && first == team.rank() => {
+            speak(team);
+            check::load(args)
+        }
+        Agreed::Fail { code, .. } => Ok(Err(ExitCode::from(code))),
+        _ => Ok(loaded),
+    }
+}
+
+/// What is said from here on is said by this process, by its number.
+fn speak(team: &Team) {
+    silence(false);
+    say(format_args!("process {} of {}:", team.rank(), team.size()));
+}
+
+/// The exit code of a process that writes nothing. It speaks where the first one does not know what went wrong.
+fn end_of_follower(result: Result<Summary, Error>, team: &Team) -> anyhow::Result<ExitCode> {
+    match result {
+        Ok(summary) => Ok(match summary.status {
+            Status::Interrupted => ExitCode::from(INTERRUPTED),
+            _ => ExitCode::SUCCESS,
+        }),
+        Err(Error::Elsewhere { code }) => Ok(ExitCode::from(code)),
+        // All have found it, and the first one says it.
+        Err(error @ Error::Differing { .. }) => Ok(ExitCode::from(error.exit_code())),
+        Err(error) => {
+            speak(team);
             failed(error)
         }
     }
@@ -279,6 +343,10 @@ pub fn failed(error: Error) -> anyhow::Result<ExitCode> {
         Error::Breakdown(failure) => {
             say(format_args!("breakdown: there is no equilibrium to start with: {failure}"));
             Ok(ExitCode::from(BREAKDOWN))
+        }
+        Error::Elsewhere { code } => {
+            say(format_args!("error: {error}"));
+            Ok(ExitCode::from(*code))
         }
         _ if error.is_bad_input() => bad_input(error),
         _ => Err(error.into()),

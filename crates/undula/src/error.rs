@@ -5,6 +5,7 @@ use crate::case::error::{CaseErrors, LoadError};
 use crate::mesh::MeshError;
 use crate::nonlinear::NewtonError;
 use crate::output::OutputError;
+use crate::parallel::Fault;
 use crate::time::StepFailure;
 
 /// Why a computation could not be set up or went wrong.
@@ -43,6 +44,23 @@ pub enum Error {
     /// The thread pool could not be made.
     #[error("cannot start {0} threads")]
     Threads(usize),
+    /// The processes of a run did not come together.
+    #[error(transparent)]
+    Processes(Fault),
+    /// The processes of a run are not alike.
+    #[error("process {rank} has {what} than process 0: all processes of a run need the same")]
+    Differing {
+        /// The first that differs.
+        rank: usize,
+        /// What it has.
+        what: &'static str,
+    },
+    /// Another process of the run has ended, and says why.
+    #[error("another process of the run has ended, with exit code {code}")]
+    Elsewhere {
+        /// Its exit code.
+        code: u8,
+    },
 }
 
 impl Error {
@@ -51,8 +69,22 @@ impl Error {
         match self {
             Error::Directory(error) => !error.is_no_room(),
             Error::Load(error) => error.is_bad_input(),
-            Error::Case(_) | Error::Mesh(_) | Error::Resume(_) | Error::Stationary(_) => true,
+            Error::Case(_)
+            | Error::Mesh(_)
+            | Error::Resume(_)
+            | Error::Stationary(_)
+            | Error::Differing { .. } => true,
             _ => self.is_too_large(),
+        }
+    }
+
+    /// Exit code of a program that ends with this error.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Error::Elsewhere { code } => *code,
+            Error::Breakdown(_) => 3,
+            _ if self.is_bad_input() => 2,
+            _ => 1,
         }
     }
 

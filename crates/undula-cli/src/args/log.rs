@@ -18,12 +18,20 @@ pub enum Log {
 /// Whether they are JSON. The choice is one of the program, not of a run: mistakes in the input come before any run.
 static JSON: AtomicBool = AtomicBool::new(false);
 
+/// Whether nothing is printed: of several processes one speaks.
+static SILENT: AtomicBool = AtomicBool::new(false);
+
 /// Words that begin a line of text and are the event of a line of JSON.
 const EVENTS: [&str; 4] = ["note", "warning", "breakdown", "error"];
 
 /// Chooses what lines are from here on.
 pub fn log_as(log: Log) {
     JSON.store(log == Log::Json, Ordering::Relaxed);
+}
+
+/// From here on nothing is printed, or again what there is to say.
+pub fn silence(silent: bool) {
+    SILENT.store(silent, Ordering::Relaxed);
 }
 
 /// Prints a line on standard error. Errors of writing are ignored (a reader such as `head` may have closed the pipe): a
@@ -53,7 +61,9 @@ pub fn event(name: &str, values: Value) {
 }
 
 fn write(line: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    if !SILENT.load(Ordering::Relaxed) {
+        let _ = writeln!(std::io::stderr().lock(), "{line}");
+    }
 }
 
 /// Prints notes on standard error.

@@ -5,9 +5,9 @@ use super::{Place, Said};
 use std::fs;
 use undula::algebra::petsc::engine;
 
-const PETSC: &str = "linear.engine=petsc";
-const TIGHT: [&str; 3] = ["newton.rate-max=0", "newton.tolerance=1e-11", "newton.floor=0"];
-const LAYER: &str = "mesh.extrude={ depth = 0.1, layers = 1 }";
+pub const PETSC: &str = "linear.engine=petsc";
+pub const TIGHT: [&str; 3] = ["newton.rate-max=0", "newton.tolerance=1e-11", "newton.floor=0"];
+pub const LAYER: &str = "mesh.extrude={ depth = 0.1, layers = 1 }";
 
 /// Without PETSc, wherever it is installed.
 fn without(here: &Place, arguments: &str, sets: &[&str]) -> Said {
@@ -16,7 +16,7 @@ fn without(here: &Place, arguments: &str, sets: &[&str]) -> Said {
 }
 
 /// Whether PETSc is there, with MUMPS inside; says so if it is not.
-fn is_there() -> bool {
+pub fn is_there() -> bool {
     let there = engine().is_ok_and(|engine| engine.packages[0].1);
     if !there {
         println!("skipped: no PETSc with MUMPS here");
@@ -76,7 +76,7 @@ fn an_installation_is_described() {
 }
 
 #[track_caller]
-fn is_near(one: &[Row], other: &[Row], sets: &[&str]) {
+pub fn is_near(one: &[Row], other: &[Row], sets: &[&str]) {
     assert_eq!(one.len(), other.len());
     let counts = ["step", "jacobians", "newton_steps"];
     for name in one[0].keys().filter(|name| !counts.contains(&name.as_str())) {

@@ -87,7 +87,12 @@ impl Place {
     /// The rows that `case` with `sets` leaves.
     pub fn rows(&self, case: &str, sets: &[&str]) -> Vec<Row> {
         self.run(&format!("run {case} --threads 1 --quiet --force -o out"), sets).expect(0, &[]);
-        let text = self.read("out/history.csv");
+        self.rows_of("out")
+    }
+
+    /// The rows of the run in `directory`.
+    pub fn rows_of(&self, directory: &str) -> Vec<Row> {
+        let text = self.read(&format!("{directory}/history.csv"));
         let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
         let names = lines.next().unwrap();
         let row = |values: Vec<&str>| {

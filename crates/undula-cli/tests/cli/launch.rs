@@ -1,4 +1,5 @@
-//! Several processes that were started together never compute the same run beside each other.
+//! Several processes that were started together never compute the same run beside each other. One run by all of them is in
+//! `several.rs`.
 
 use super::Place;
 use std::process::Command;
@@ -21,10 +22,14 @@ const VARIABLES: [[&str; 2]; 4] = [
 fn several_processes_are_refused_once() {
     let here = Place::new("launch-several");
     for names in VARIABLES {
-        let said = super::Said::of(one_of(&here, names, "4", "0").output().unwrap());
-        let said = said.expect(2, &["error: started as 4 processes", names[0], "--threads"]);
+        let of = |rank: &str, petsc: &str| {
+            let mut command = one_of(&here, names, "4", rank);
+            super::Said::of(command.env("UNDULA_PETSC", petsc).output().unwrap())
+        };
+        let said =
+            of("0", "/no").expect(2, &["error: started as 4 processes", names[0], "UNDULA_PETSC = /no"]);
         assert_eq!(said.err.lines().count(), 1, "{}", said.err);
-        let other = super::Said::of(one_of(&here, names, "4", "3").output().unwrap()).expect(2, &[]);
+        let other = of("3", "/no").expect(2, &[]);
         assert_eq!((other.out.as_str(), other.err.as_str()), ("", ""), "{names:?}");
     }
     assert!(!here.file("out").exists());

@@ -24,6 +24,7 @@ mod outputs;
 mod pictures;
 mod pictures_space;
 mod report;
+mod several;
 mod space_cases;
 mod starters;
 mod stored;

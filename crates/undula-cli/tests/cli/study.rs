@@ -197,17 +197,28 @@ set = {{ "time.end" = 0.03, "newton.max-steps" = {end}, "time.max-halvings" = 0 
 name = "on"
 from = "base"
 set = {{ "time.end" = 0.05 }}
+[[run]]
+name = "further"
+from = "on"
+set = {{ "time.end" = 0.06 }}
 [[statement]]
 text = "It goes on."
 number = "on.end_time"
 holds = "it > 0.0499 and on.steps > 1.5 and on.steps < 2.5"
+[[statement]]
+text = "And on."
+number = "further.end_time"
+holds = "it > 0.0599 and further.steps > 0.5 and further.steps < 1.5 and further.uy_A < on.uy_A"
 "#
         )
     };
     place.write("on.toml", &study("30"));
-    place.run("study on.toml -o good", &[]).expect(0, &["1 reproduced"]);
+    place.run("study on.toml -o good", &[]).expect(0, &["2 reproduced"]);
+    let circle = study("30").replace("name = \"base\"", "name = \"base\"\nfrom = \"further\"");
+    place.write("circle.toml", &circle);
+    place.run("study circle.toml -o circle", &[]).expect(2, &["from = \"further\" leads back to it"]);
     place.write("on.toml", &study("1"));
-    place.run("study on.toml -o bad", &[]).expect(0, &["base breakdown", "1 undecided"]);
+    place.run("study on.toml -o bad", &[]).expect(0, &["base breakdown", "2 undecided"]);
 }
 
 /// A known solution on the unit square, a run whose last state is measured, and what stands for several of a kind.

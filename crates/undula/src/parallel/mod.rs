@@ -2,14 +2,16 @@
 //!
 //! [`Comm`] is what one process knows of the others; [`Alone`] is that of a process without others, [`World`] that of
 //! processes that MPI has started, whose library is loaded at run time. Sums are added in the order of the ranks, on
-//! every process alike: MPI promises that order for none of its own sums, and a run must repeat its bits. Nothing calls
-//! it yet but tests.
+//! every process alike: MPI promises that order for none of its own sums, and a run must repeat its bits. [`Team`] is what
+//! the processes of a run agree on.
 
 mod alone;
 mod comm;
 pub(crate) mod library;
 pub(crate) mod mpi;
+mod team;
 
 pub use alone::Alone;
 pub use comm::{Comm, Fault, Message, Reduce};
 pub use mpi::World;
+pub use team::{Agreed, Team, Wish};

@@ -118,8 +118,13 @@ impl World {
                 .find_map(|name| Library::open(name).ok())
                 .ok_or_else(|| missing(format!("none of {} is there", MPI_NAMES.join(", "))))?,
         };
-        let functions =
-            Functions::find(library).map_err(|function| missing(format!("no function `{function}`")))?;
+        World::of(library)
+    }
+
+    /// Those of a `library` that has MPI inside, or needs one.
+    pub(crate) fn of(library: Library) -> Result<World, Fault> {
+        let missing = |function| Fault::Missing(format!("no function `{function}`"));
+        let functions = Functions::find(library).map_err(missing)?;
         functions.start()?;
         let of_open_mpi = library.address("ompi_mpi_comm_world").zip(library.address("ompi_mpi_byte"));
         let ([comm, byte], request) = match of_open_mpi {

@@ -4,6 +4,7 @@ use super::checkpoint::{self, OfRun};
 use super::identity::mesh_hash;
 use super::rows::{columns, numbers};
 use super::summary::{Spent, summary_of};
+use super::together::{settle, settle_with};
 use super::window::Window;
 use super::{Flow, Observer, RunOptions, written_fields};
 use crate::error::Error;
@@ -11,6 +12,7 @@ use crate::output::{
     Breakdown, Checkpoint, Collection, FunctionalSummary, HistoryWriter, OutputError, Precision, Provenance,
     RunDirectory, Status, Summary, hash, text_of, write_vtu,
 };
+use crate::parallel::Team;
 use crate::simulation::{Columns, Row, Simulation};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -100,34 +102,49 @@ impl<const D: usize> Run<D> {
     }
 
     /// Step until the end, a stop, or an error.
-    pub fn advance(&mut self, observer: &mut dyn Observer<D>) -> Result<Flow, Error> {
-        self.write_summary(Status::Running, None)?;
-        if self.simulation.steps == 0 && self.simulation.writes_fields() {
-            self.write_fields()?;
-        }
+    pub fn advance(&mut self, observer: &mut dyn Observer<D>, team: &mut Team) -> Result<Flow, Error> {
+        let begun = self.begin();
+        settle_with(team, begun)?;
         while !self.simulation.finished() {
-            if self.simulation.next_is_cut() {
-                // A run to a later end goes on from here.
-                self.write_checkpoint()?;
-                self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
-            }
-            let before = self.fallbacks();
-            let row = self.simulation.step()?;
-            let now = self.fallbacks();
-            if now.0 != before.0 {
-                observer.note("linear.solver: multigrid did not converge, the direct solver takes over");
-            } else if now.1 != before.1 && self.simulation.stepper.linear.is_multigrid() {
-                observer.note("newton.linearization: a step did not converge, the whole Jacobian takes over for some steps");
-            }
-            if let Some(window) = &mut self.window {
-                window.observe(&self.simulation);
-            }
-            self.record(&row)?;
-            if observer.after_step(&self.simulation, &row) == Flow::Stop && !self.simulation.finished() {
+            let outcome = self.step(observer);
+            if settle(team, outcome)? == Flow::Stop && !self.simulation.finished() {
                 return Ok(Flow::Stop);
             }
         }
         Ok(Flow::Continue)
+    }
+
+    /// What is written before the first step.
+    fn begin(&mut self) -> Result<(), Error> {
+        self.write_summary(Status::Running, None)?;
+        if self.simulation.steps == 0 && self.simulation.writes_fields() {
+            self.write_fields()?;
+        }
+        Ok(())
+    }
+
+    /// A step, and what is written after it.
+    fn step(&mut self, observer: &mut dyn Observer<D>) -> Result<Flow, Error> {
+        if self.simulation.next_is_cut() {
+            // A run to a later end goes on from here.
+            self.write_checkpoint()?;
+            self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
+        }
+        let before = self.fallbacks();
+        let row = self.simulation.step()?;
+        let now = self.fallbacks();
+        if now.0 != before.0 {
+            observer.note("linear.solver: multigrid did not converge, the direct solver takes over");
+        } else if now.1 != before.1 && self.simulation.stepper.linear.is_multigrid() {
+            observer.note(
+                "newton.linearization: a step did not converge, the whole Jacobian takes over for some steps",
+            );
+        }
+        if let Some(window) = &mut self.window {
+            window.observe(&self.simulation);
+        }
+        self.record(&row)?;
+        Ok(observer.after_step(&self.simulation, &row))
     }
 
     /// Whether the direct solver has taken over from multigrid, and how many steps were begun anew.

@@ -9,6 +9,7 @@ mod inflow;
 mod resume;
 mod rows;
 mod summary;
+mod together;
 mod window;
 
 pub use breakdown::describe as breakdown_of;
@@ -17,9 +18,11 @@ pub use fields::{fields, snapshot, written_fields};
 pub use inflow::{Inflow, inflow};
 pub use summary::{Spent, summary_of};
 
+use crate::algebra::petsc;
 use crate::case::Case;
 use crate::error::Error;
 use crate::output::{Status, Summary};
+use crate::parallel::Team;
 use crate::simulation::{Row, SetUp, Simulation};
 use crate::system::Dim;
 use files::Run;
@@ -76,7 +79,7 @@ pub trait Observer<const D: usize = 2> {
 /// # Errors
 /// Problems with the case, its mesh, or files. A breakdown is no error: the summary has that status.
 pub fn run(case: Case, options: &RunOptions, observer: &mut dyn Observer) -> Result<Summary, Error> {
-    run_in(case, options, observer)
+    run_together(case, options, observer, &mut Team::alone())
 }
 
 /// [`run`] of a case in space.
@@ -88,23 +91,37 @@ pub fn run_in_space(
     options: &RunOptions,
     observer: &mut dyn Observer<3>,
 ) -> Result<Summary, Error> {
-    run_in(case, options, observer)
+    run_together(case, options, observer, &mut Team::alone())
 }
 
-fn run_in<const D: usize>(
+/// [`run`] by the processes of `team`. Each has the whole state and takes every step; the first one writes. Of the systems
+/// each solves its share, where PETSc solves them.
+///
+/// # Errors
+/// As [`run`]; [`Error::Elsewhere`] where another process says what went wrong.
+pub fn run_together<const D: usize>(
     case: Case,
     options: &RunOptions,
     observer: &mut dyn Observer<D>,
+    team: &mut Team,
 ) -> Result<Summary, Error>
 where
     Dim<D>: SetUp<D>,
 {
+    together::compare(team, &case, options)?;
     // Everything that can be wrong with the input is found before a file is touched.
     let simulation = match options.resume {
-        true => again(case, options)?,
-        false => Dim::<D>::set_up(case, options.threads)?,
+        true => again(case, options),
+        false => Dim::<D>::set_up(case, options.threads),
     };
-    run_simulation(simulation, options, observer)
+    let simulation = together::settle_with(team, simulation)?;
+    let result = match team.is_first() {
+        true => lead(simulation, options, observer, team),
+        false => together::follow(simulation, options, observer, team),
+    };
+    // What follows, such as the page about the run, is done by one of them.
+    petsc::part();
+    result
 }
 
 /// [`run`] of a simulation that may have terms and functionals of its own; one that resumes has those of the first run.
@@ -113,19 +130,30 @@ where
 /// As [`run`].
 #[doc(hidden)]
 pub fn run_simulation<const D: usize>(
-    mut simulation: Simulation<D>,
+    simulation: Simulation<D>,
     options: &RunOptions,
     observer: &mut dyn Observer<D>,
 ) -> Result<Summary, Error> {
-    simulation.stepper.newton.stop = observer.stop();
-    let mut run = if options.resume {
-        Run::resume(simulation, &options.directory, observer)?
-    } else {
-        Run::create(simulation, options)?
+    lead(simulation, options, observer, &mut Team::alone())
+}
+
+/// The run of the process that writes.
+fn lead<const D: usize>(
+    mut simulation: Simulation<D>,
+    options: &RunOptions,
+    observer: &mut dyn Observer<D>,
+    team: &mut Team,
+) -> Result<Summary, Error> {
+    // Several processes stop after a step, together: one that left the iteration would be missing in the next solve.
+    simulation.stepper.newton.stop = observer.stop().filter(|_| team.size() == 1);
+    let mut run = match options.resume {
+        true => Run::resume(simulation, &options.directory, observer, team)?,
+        false => together::settle_with(team, Run::create(simulation, options))?,
     };
+    together::agree_on_time(team, &run.simulation)?;
     run.commit = options.commit.clone();
     observer.start(&run.simulation);
-    let result = run.advance(observer);
+    let result = run.advance(observer, team);
     let (status, breakdown, error) = match result {
         Ok(Flow::Continue) => (Status::Completed, None, None),
         Ok(Flow::Stop) => (Status::Interrupted, None, None),

@@ -4,36 +4,68 @@ use super::checkpoint::{Found, Metadata, Unfit, newest, restore};
 use super::files::Run;
 use super::identity::changes;
 use super::rows::{ITERATIONS, columns, read_row};
+use super::together::settle_with;
 use super::{Observer, RunOptions};
 use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::output::{Collection, HistoryWriter, RunDirectory};
+use crate::parallel::Team;
 use crate::results::computed::case_of;
 use crate::simulation::{SetUp, Simulation};
 use crate::system::Dim;
 use std::path::Path;
 use std::sync::Arc;
 
+/// What a run goes on from.
+struct Past {
+    directory: RunDirectory,
+    /// Whether its history has a column of linear iterations.
+    with_iterations: bool,
+    columns: Vec<String>,
+    found: Found,
+    /// Why it is not the newest checkpoint.
+    notes: Vec<String>,
+}
+
+/// The run in directory `path`, with the checkpoint that `simulation` can go on from.
+fn past_of<const D: usize>(simulation: &Simulation<D>, path: &Path) -> Result<Past, Error> {
+    let extended = ends_later(path, &simulation.case);
+    let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
+    // The solver may have been changed, the columns stay.
+    let with_iterations = HistoryWriter::has_column(directory.history(), ITERATIONS);
+    let columns = columns(simulation, with_iterations);
+    let (found, notes) = newest(&directory, "start again with --force", |metadata| {
+        fits(&simulation.case, metadata)?;
+        HistoryWriter::can_resume(directory.history(), &columns, metadata.step, metadata.row.as_deref())
+            .map_err(|e| Unfit::Unsound(e.to_string()))?;
+        is_on_the_way(&simulation.case, metadata)
+    })?;
+    Ok(Past { directory, with_iterations, columns, found, notes })
+}
+
 impl<const D: usize> Run<D> {
-    /// The run in directory `path`, whose simulation is set up anew.
+    /// The run in directory `path`, whose simulation is set up anew. The others of the `team` restore their simulations
+    /// at the same time: the kept Jacobian is factorised by all.
     pub fn resume(
         mut simulation: Simulation<D>,
         path: &Path,
         observer: &mut dyn Observer<D>,
+        team: &mut Team,
     ) -> Result<Run<D>, Error> {
-        let extended = ends_later(path, &simulation.case);
-        let directory = RunDirectory::open_for_resume(path, extended).map_err(Error::Directory)?;
-        // The solver may have been changed, the columns stay.
-        let with_iterations = HistoryWriter::has_column(directory.history(), ITERATIONS);
-        let columns = columns(&simulation, with_iterations);
-        let (found, notes) = newest(&directory, "start again with --force", |metadata| {
-            fits(&simulation.case, metadata)?;
-            HistoryWriter::can_resume(directory.history(), &columns, metadata.step, metadata.row.as_deref())
-                .map_err(|e| Unfit::Unsound(e.to_string()))?;
-            is_on_the_way(&simulation.case, metadata)
-        })?;
-        let Found { checkpoint, metadata } = found;
-        restore(&mut simulation, &checkpoint, &metadata)?;
+        let past = settle_with(team, past_of(&simulation, path))?;
+        let restored = restore(&mut simulation, &past.found.checkpoint, &past.found.metadata);
+        settle_with(team, restored)?;
+        settle_with(team, Run::reopen(simulation, past, observer))
+    }
+
+    /// The files of the run, for the steps after the checkpoint.
+    fn reopen(
+        simulation: Simulation<D>,
+        past: Past,
+        observer: &mut dyn Observer<D>,
+    ) -> Result<Run<D>, Error> {
+        let Past { directory, with_iterations, columns, found, notes } = past;
+        let (Found { checkpoint, metadata }, mut simulation) = (found, simulation);
         let row = metadata.row.as_deref();
         let (history, before) = HistoryWriter::resume(directory.history(), &columns, metadata.step, row)?;
         let names: Arc<[String]> = simulation.names().into();

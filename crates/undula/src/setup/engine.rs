@@ -47,6 +47,9 @@ impl Case {
 
     /// The same without an error where there is none: a case is checked on other machines than those that run it.
     pub(super) fn note_on_engine(&self) -> Result<Option<String>, Error> {
+        if petsc::have_parted() {
+            return Ok(None);
+        }
         match self.petsc_options().map(|_| petsc::engine()) {
             Some(Err(missing)) => Ok(Some(format!("{ENGINE}: a run is not possible here: {missing}"))),
             Some(Ok(_)) | None => self.check_engine(),

@@ -263,7 +263,8 @@ impl Case {
     }
 
     /// An error of the input with the place of the `key` that is to blame.
-    pub(crate) fn refuse(&self, key: &str, message: String) -> Error {
+    #[doc(hidden)]
+    pub fn refuse(&self, key: &str, message: String) -> Error {
         let place = self.place_of(key);
         Error::Case(CaseErrors(vec![CaseError { place, key: key.into(), value: None, message }]))
     }

@@ -40,7 +40,7 @@ impl Settings {
     /// All that makes a run another one.
     fn asked(&self, job: &Job, jobs: &[Job]) -> String {
         let mesh = mesh_hash(&job.case).unwrap_or_default();
-        let before = jobs.iter().find(|other| other.name == job.from).map(|other| self.asked(other, &[]));
+        let before = jobs.iter().find(|other| other.name == job.from).map(|other| self.asked(other, jobs));
         let before =
             before.map_or(String::new(), |text| format!("# goes on from {}\n", hash(text.as_bytes())));
         let case = job.case.to_toml_with(|table| format!("{}#{}", table.path.display(), table.hash));
@@ -143,8 +143,9 @@ impl Study {
         let failure: Mutex<Option<Error>> = Mutex::new(None);
         let ended = AtomicUsize::new(0);
         let stop = watch.stop();
-        for later in [false, true] {
-            let wave: Vec<usize> = (0..jobs.len()).filter(|&n| jobs[n].from.is_empty() != later).collect();
+        let depths: Vec<usize> = jobs.iter().map(|job| depth(job, jobs)).collect();
+        for depth in 0..=depths.iter().copied().max().unwrap_or(0) {
+            let wave: Vec<usize> = (0..jobs.len()).filter(|&n| depths[n] == depth).collect();
             let at_once = if self.timed { 1 } else { settings.threads.min(wave.len()).max(1) };
             let threads = if self.timed { 1 } else { (settings.threads / at_once).max(1) };
             let next = AtomicUsize::new(0);
@@ -156,7 +157,7 @@ impl Study {
                     let progress = [ended.load(Ordering::Relaxed), jobs.len()];
                     // A run that did not reach its end has no state to go on from.
                     let reached = |base: &Computed| base.job.name == jobs[n].from && base.is_completed();
-                    if later && !lock(&found).iter().flatten().any(reached) {
+                    if depth > 0 && !lock(&found).iter().flatten().any(reached) {
                         continue;
                     }
                     match compute(n, jobs, settings, threads, watch, progress) {
@@ -183,6 +184,11 @@ impl Study {
             .map(|(computed, job)| computed.unwrap_or_else(|| absent(job)))
             .collect())
     }
+}
+
+/// How many runs there are before `job`, one behind the other.
+fn depth(job: &Job, jobs: &[Job]) -> usize {
+    jobs.iter().find(|other| other.name == job.from).map_or(0, |before| 1 + depth(before, jobs))
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {

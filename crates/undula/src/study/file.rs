@@ -334,16 +334,25 @@ impl Study {
                 run.name
             )));
         }
-        let first = |name: &str| {
-            let is_first =
-                |run: &RunEntry| run.from.is_empty() && run.over.is_empty() && run.compute == Compute::Run;
-            study.run.iter().any(|run| run.name == name && is_first(run))
+        let of_name = |name: &str| {
+            study
+                .run
+                .iter()
+                .find(|run| run.name == name && run.over.is_empty() && run.compute == Compute::Run)
         };
-        if let Some(run) = study.run.iter().find(|run| !run.from.is_empty() && !first(&run.from)) {
-            return Err(error(format!(
-                "run {}: from = {:?}: expected a run without `over` that itself begins at rest",
-                run.name, run.from
-            )));
+        for run in &study.run {
+            // The runs that it goes on from, one behind the other.
+            let (mut at, mut steps) = (run, 0);
+            while !at.from.is_empty() {
+                at = of_name(&at.from).ok_or_else(|| {
+                    let expected = "expected another run of the study, one without `over`";
+                    error(format!("run {}: from = {:?}: {expected}", at.name, at.from))
+                })?;
+                steps += 1;
+                if steps > study.run.len() {
+                    return Err(error(format!("run {}: from = {:?} leads back to it", run.name, run.from)));
+                }
+            }
         }
         if let Some(run) = study.run.iter().find(|run| run.over.iter().any(|axis| axis.values.is_empty())) {
             return Err(error(format!("run {}: over: expected values", run.name)));

@@ -37,7 +37,7 @@ const LAYERS: [(&str, &str); 30] = [
     ("time", "choice math physics tangent algebra nonlinear space system linear"),
     ("case", "choice math physics tangent algebra element mesh space functional output time"),
     // The errors of all layers, those of reading a case among them.
-    ("error", "algebra mesh nonlinear output time case"),
+    ("error", "parallel algebra mesh nonlinear output time case"),
     (
         "setup",
         "choice math physics tangent algebra element mesh nonlinear space multigrid sampling operators system functional linear time case error",

@@ -4,7 +4,10 @@ use super::calls::Petsc;
 use super::error::{Missing, Trouble};
 use crate::parallel::library::{Library, Object};
 use crate::parallel::mpi::{Functions as Mpi, MPI_NAMES};
+use crate::parallel::{Comm, World};
+use std::ops::Range;
 use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 /// Oldest version whose functions are known to be as declared.
@@ -27,6 +30,27 @@ pub struct Names {
 static NAMES: OnceLock<Names> = OnceLock::new();
 
 static ENGINE: OnceLock<Result<Engine, Missing>> = OnceLock::new();
+
+/// Whether several processes have come together to compute the same.
+static TOGETHER: AtomicBool = AtomicBool::new(false);
+
+/// Whether they have gone different ways since: what takes all of them would wait for ever.
+static PARTED: AtomicBool = AtomicBool::new(false);
+
+/// The part of this process in what all compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Share {
+    pub(super) rank: usize,
+    pub(super) size: usize,
+}
+
+impl Share {
+    /// Its rows of `n`: those of the processes follow each other.
+    pub(super) fn of(self, n: usize) -> Range<usize> {
+        let first = |rank: usize| n * rank / self.size;
+        first(self.rank)..first(self.rank + 1)
+    }
+}
 
 /// Tells where libraries are. Without effect once they were looked for, or told before.
 pub fn name_libraries(names: Names) {
@@ -79,7 +103,7 @@ pub struct Engine {
 #[derive(Clone, PartialEq)]
 enum State {
     Waiting,
-    Running(Object),
+    Running(Object, Share),
     Failed(Missing),
     Ended,
 }
@@ -104,6 +128,31 @@ pub fn mpi_alone() -> Option<(String, String)> {
         let calls = Mpi::find(Library::open(&name).ok()?).ok()?;
         Some((name, calls.version().ok()?))
     })
+}
+
+/// The processes that were started together, in the MPI of PETSc: from now on all of them make the same calls.
+///
+/// # Errors
+/// If there is no PETSc, or none with MPI.
+pub fn processes() -> Result<World, Missing> {
+    let engine = engine()?;
+    let failed = |reason: String| Missing::Start { library: engine.library.clone(), reason };
+    if engine.mpi == MpiKind::Without {
+        return Err(failed("it was built without MPI".into()));
+    }
+    let world = World::of(engine.handle).map_err(|fault| failed(fault.to_string()))?;
+    TOGETHER.store(true, Ordering::Relaxed);
+    Ok(world)
+}
+
+/// Tells that the processes, if there are several, no longer make the same calls.
+pub fn part() {
+    PARTED.store(TOGETHER.load(Ordering::Relaxed), Ordering::Relaxed);
+}
+
+/// Whether the processes have gone different ways, so that PETSc can no longer be asked for anything.
+pub fn have_parted() -> bool {
+    PARTED.load(Ordering::Relaxed)
 }
 
 /// Usual names of PETSc, newest first: those of Debian, then those of PETSc itself.
@@ -174,6 +223,7 @@ fn examine(library: String, handle: Library) -> Result<Engine, Missing> {
 pub(super) struct Access {
     pub(super) engine: &'static Engine,
     pub(super) world: Object,
+    pub(super) share: Share,
     _alone: MutexGuard<'static, State>,
 }
 
@@ -192,18 +242,21 @@ impl Engine {
     /// # Errors
     /// If it does not start, or has ended.
     pub(super) fn access(&'static self) -> Result<Access, Missing> {
+        if have_parted() {
+            return Err(Missing::Ended);
+        }
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         if *state == State::Waiting {
-            *state = self.start().map_or_else(State::Failed, State::Running);
+            *state = self.start().map_or_else(State::Failed, |(world, share)| State::Running(world, share));
         }
         match &*state {
-            State::Running(world) => Ok(Access { engine: self, world: *world, _alone: state }),
+            &State::Running(world, share) => Ok(Access { engine: self, world, share, _alone: state }),
             State::Failed(missing) => Err(missing.clone()),
             State::Waiting | State::Ended => Err(Missing::Ended),
         }
     }
 
-    fn start(&self) -> Result<Object, Missing> {
+    fn start(&self) -> Result<(Object, Share), Missing> {
         let failed = |reason: String| Missing::Start { library: self.library.clone(), reason };
         if let Some(mpi) = &self.mpi_calls {
             mpi.start().map_err(|trouble| failed(trouble.to_string()))?;
@@ -213,16 +266,23 @@ impl Engine {
         self.petsc.start(&arguments).map_err(|trouble| failed(trouble.to_string()))?;
         let narrow = self.mpi != MpiKind::OpenMpi;
         let world = Petsc::world(self.handle, narrow).ok_or(failed("it has no PETSC_COMM_WORLD".into()))?;
-        let size = self.mpi_calls.map_or(Ok(1), |mpi| mpi.size(world));
-        match size.map_err(|trouble| failed(trouble.to_string()))? {
-            1 => Ok(world),
-            n => Err(failed(format!("it has {n} processes; more than one is not yet available"))),
+        let alone = Share { rank: 0, size: 1 };
+        let Some(mpi) = self.mpi_calls else { return Ok((world, alone)) };
+        match mpi.size(world).map_err(|trouble| failed(trouble.to_string()))? {
+            1 => Ok((world, alone)),
+            size if TOGETHER.load(Ordering::Relaxed) => {
+                let of_mpi = World::of(self.handle).map_err(|trouble| failed(trouble.to_string()))?;
+                Ok((world, Share { rank: of_mpi.rank(), size }))
+            }
+            n => Err(failed(format!(
+                "it has {n} processes, each of which would compute the same alone: `undula run` takes several"
+            ))),
         }
     }
 
     fn end(&self) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        if matches!(*state, State::Running(_)) {
+        if matches!(*state, State::Running(..)) {
             // At the end of a process nobody is left to be told.
             let _ = self.petsc.end();
             let _ = self.mpi_calls.map(|mpi| mpi.end());

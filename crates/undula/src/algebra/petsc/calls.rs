@@ -67,11 +67,16 @@ functions! {
         MatMPIAIJSetPreallocationCSR(Object, *const c_void, *const c_void, *const f64);
         MatSeqAIJGetArray(Object, *mut *mut f64);
         MatSeqAIJRestoreArray(Object, *mut *mut f64);
+        MatUpdateMPIAIJWithArray(Object, *const f64);
         MatCreateVecs(Object, *mut Object, *mut Object);
         MatDestroy(*mut Object);
         VecGetArray(Object, *mut *mut f64);
         VecRestoreArray(Object, *mut *mut f64);
         VecDestroy(*mut Object);
+        VecScatterCreateToAll(Object, *mut Object, *mut Object);
+        VecScatterBegin(Object, Object, Object, c_int, c_int);
+        VecScatterEnd(Object, Object, Object, c_int, c_int);
+        VecScatterDestroy(*mut Object);
         ISCreateGeneral(Object, Int, *const c_void, c_int, *mut Object);
         ISDestroy(*mut Object);
         KSPCreate(Object, *mut Object);

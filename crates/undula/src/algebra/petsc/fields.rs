@@ -1,21 +1,30 @@
 //! Systems on their way to PETSc: entries on every diagonal, scales of fields; and words for its numbers.
 
 use crate::algebra::{Csr, Kind, Pattern, Sizes, SolverError, Unknown};
+use std::ops::Range;
 
-/// Where the rows of a matrix begin if each has an entry on its diagonal, which factors without fill ask for.
+/// Where the rows of a matrix begin if each has an entry on its diagonal, which factors without fill ask for. Of several
+/// processes each has some of the rows.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
+    rows: Range<usize>,
     starts: Vec<usize>,
     /// Rows whose diagonal is none of ours.
     added: Vec<usize>,
 }
 
 impl Layout {
-    pub(super) fn new(pattern: &Pattern) -> Layout {
-        let added: Vec<usize> = (0..pattern.n).filter(|&i| pattern.find(i, i).is_none()).collect();
+    /// Of these `rows`.
+    pub(super) fn new(pattern: &Pattern, rows: Range<usize>) -> Layout {
+        let added: Vec<usize> = rows.clone().filter(|&i| pattern.find(i, i).is_none()).collect();
         let before = |row: usize| added.partition_point(|&other| other < row);
-        let starts = (0..=pattern.n).map(|row| pattern.row_ptr[row] + before(row)).collect();
-        Layout { starts, added }
+        let first = pattern.row_ptr[rows.start];
+        let starts = (rows.start..=rows.end).map(|row| pattern.row_ptr[row] - first + before(row)).collect();
+        Layout { rows, starts, added }
+    }
+
+    pub(super) fn rows(&self) -> Range<usize> {
+        self.rows.clone()
     }
 
     pub(super) fn starts(&self) -> &[usize] {
@@ -24,7 +33,7 @@ impl Layout {
 
     /// Columns of all entries, row by row.
     pub(super) fn columns<'a>(&'a self, pattern: &'a Pattern) -> impl Iterator<Item = usize> + 'a {
-        (0..pattern.n).flat_map(move |row| {
+        self.rows().flat_map(move |row| {
             let own = pattern.row(row).map(|at| pattern.col[at] as usize);
             let mut columns: Vec<usize> = own.collect();
             if self.is_added(row) {
@@ -40,8 +49,8 @@ impl Layout {
 
     /// `values` ← entries of `a`, times `factor(row, column)`.
     pub(super) fn write(&self, a: &Csr, factor: impl Fn(usize, usize) -> f64, values: &mut [f64]) {
-        for row in 0..a.pattern.n {
-            let (mut to, added) = (self.starts[row], self.is_added(row));
+        for row in self.rows() {
+            let (mut to, added) = (self.starts[row - self.rows.start], self.is_added(row));
             let mut is_due = added;
             for at in a.pattern.row(row) {
                 let column = a.pattern.col[at] as usize;
@@ -189,12 +198,18 @@ mod tests {
     #[test]
     fn every_diagonal_has_an_entry() {
         let (a, mut values) = (matrix(), [f64::NAN; 8]);
-        let layout = Layout::new(&a.pattern);
+        let layout = Layout::new(&a.pattern, 0..3);
         assert_eq!(layout.starts(), [0, 3, 5, 8]);
         let columns: Vec<usize> = layout.columns(&a.pattern).collect();
         assert_eq!(columns, [0, 1, 2, 0, 1, 0, 1, 2]);
         layout.write(&a, |row, column| if (row, column) == (1, 0) { 10.0 } else { 1.0 }, &mut values);
         assert_eq!(values, [0.0, 1.0, -2.0, 30.0, 4.0, 5.0, -6.0, 0.0]);
+        // The last two rows, as of one of two processes.
+        let (last, mut values) = (Layout::new(&a.pattern, 1..3), [f64::NAN; 5]);
+        assert_eq!(last.starts(), [0, 2, 5]);
+        assert_eq!(last.columns(&a.pattern).collect::<Vec<_>>(), [0, 1, 0, 1, 2]);
+        last.write(&a, |_, _| 1.0, &mut values);
+        assert_eq!(values, [3.0, 4.0, 5.0, -6.0, 0.0]);
     }
 
     #[test]

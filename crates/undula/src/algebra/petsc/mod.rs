@@ -14,7 +14,9 @@ mod solver;
 mod system;
 mod trial;
 
-pub use access::{Engine, MpiKind, Names, engine, finish, mpi_alone, name_libraries};
+pub use access::{
+    Engine, MpiKind, Names, engine, finish, have_parted, mpi_alone, name_libraries, part, processes,
+};
 pub use error::{INSTALL, Missing, PACKAGES};
 pub use solver::PetscSolver;
 pub use trial::mistake_in_options;

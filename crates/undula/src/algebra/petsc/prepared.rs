@@ -6,6 +6,7 @@ use super::error::Trouble;
 use super::fields::{FieldScales, Layout, failure};
 use super::system::{Rows, System};
 use crate::algebra::{Csr, Kind, Pattern, Sizes, SolverError, Unknown};
+use std::ops::Range;
 
 /// How many times the residual may be what an iteration is asked for: it may measure it in another norm.
 const SLACK: f64 = 10.0;
@@ -21,14 +22,13 @@ pub(super) struct Prepared {
     pub(super) tolerance: f64,
 }
 
-/// The unknowns of each field, with the name that it has for `fieldsplit`.
-fn blocks(unknowns: &[Unknown], bits: usize) -> Option<Vec<(&'static str, Indices)>> {
-    let of = |kind: Kind| {
-        let places = unknowns.iter().enumerate().filter(move |(_, unknown)| unknown.kind == kind);
-        Indices::new(bits, places.map(|(i, _)| i))
-    };
+/// The unknowns of each field that there is, those among `rows`, with the name that it has for `fieldsplit`. A process
+/// may have none of a field that others have: all make the same calls.
+fn blocks(unknowns: &[Unknown], rows: Range<usize>, bits: usize) -> Option<Vec<(&'static str, Indices)>> {
+    let of = |kind: Kind| Indices::new(bits, rows.clone().filter(|&i| unknowns[i].kind == kind));
     let named = [("v", Kind::Velocity), ("u", Kind::Deformation), ("p", Kind::Pressure)];
-    named.into_iter().map(|(name, kind)| Some((name, of(kind)?))).collect()
+    let there = named.into_iter().filter(|(_, kind)| unknowns.iter().any(|unknown| unknown.kind == *kind));
+    there.map(|(name, kind)| Some((name, of(kind)?))).collect()
 }
 
 impl Prepared {
@@ -44,11 +44,12 @@ impl Prepared {
             let entries = pattern.nnz();
             Trouble::plain(format!("{entries} entries are too many for its integers of {bits} bits"))
         };
-        let rows = Layout::new(pattern);
+        let rows = Layout::new(pattern, access.share.of(pattern.n));
         let starts = Indices::new(bits, rows.starts().iter().copied()).ok_or_else(too_large)?;
         let columns = Indices::new(bits, rows.columns(pattern)).ok_or_else(too_large)?;
-        let blocks = blocks(unknowns, bits).ok_or_else(too_large)?;
-        let system = System::new(access, &Rows { starts, columns }, options)?;
+        let blocks = blocks(unknowns, rows.rows(), bits).ok_or_else(too_large)?;
+        let place = (rows.rows(), pattern.n);
+        let system = System::new(access, place, &Rows { starts, columns }, options)?;
         let (scales, tolerance) = (FieldScales::default(), 0.0);
         let mut prepared = Prepared { system, rows, scales, is_direct: false, tolerance };
         match prepared.configure(access, &blocks) {

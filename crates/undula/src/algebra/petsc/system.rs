@@ -5,20 +5,37 @@ use super::access::Access;
 use super::calls::{Indices, call};
 use super::error::Trouble;
 use crate::parallel::library::{Object, text_of};
+use std::cell::RefCell;
 use std::ffi::CString;
+use std::ops::Range;
 use std::ptr::{null, null_mut};
 use std::slice;
 
 /// Matrix, solver and two vectors, with a database of options of their own.
 #[derive(Debug)]
 pub(super) struct System {
-    n: usize,
+    /// Those of this process.
+    rows: Range<usize>,
     entries: usize,
     options: Object,
     matrix: Object,
     solver: Object,
     right: Object,
     left: Object,
+    /// Where there are several processes.
+    shared: Option<Shared>,
+}
+
+/// What brings the parts of several processes together.
+#[derive(Debug)]
+struct Shared {
+    /// Brings a vector to all processes.
+    scatter: Object,
+    /// The whole of it.
+    whole: Object,
+    n: usize,
+    /// Values of the matrix on their way.
+    values: RefCell<Vec<f64>>,
 }
 
 /// How a solve went, as PETSc sees it.
@@ -38,20 +55,25 @@ pub(super) struct Rows {
 }
 
 impl System {
-    /// With the options of a string; the values of the matrix are zero.
+    /// With the options of a string; the values of the matrix are zero. `own` are the rows of this process, of `n`.
     ///
     /// # Errors
     /// What PETSc refuses. What was made until then stays in memory.
-    pub(super) fn new(access: &Access, rows: &Rows, options: &str) -> Result<System, Trouble> {
+    pub(super) fn new(
+        access: &Access,
+        (own, n): (Range<usize>, usize),
+        rows: &Rows,
+        options: &str,
+    ) -> Result<System, Trouble> {
         let (petsc, world) = (&access.engine.petsc, access.world);
-        let (n, entries) = (rows.starts.len() - 1, rows.columns.len());
+        let entries = rows.columns.len();
         let [mut database, mut matrix, mut solver, mut right, mut left] = [Object::NONE; 5];
         call!(petsc, PetscOptionsCreate(&raw mut database))?;
         let text = CString::new(options).unwrap_or_default();
         call!(petsc, PetscOptionsInsertString(database, text.as_ptr()))?;
-        let size = n as i64;
+        let [local, size] = [own.len() as i64, n as i64];
         call!(petsc, MatCreate(world, &raw mut matrix))?;
-        call!(petsc, MatSetSizes(matrix, size, size, size, size))?;
+        call!(petsc, MatSetSizes(matrix, local, local, size, size))?;
         // Sequential on one process, else distributed by rows: of the two calls one has no effect.
         call!(petsc, MatSetType(matrix, c"aij".as_ptr()))?;
         let (starts, columns) = (rows.starts.at(), rows.columns.at());
@@ -59,7 +81,8 @@ impl System {
         call!(petsc, MatMPIAIJSetPreallocationCSR(matrix, starts, columns, null()))?;
         call!(petsc, MatCreateVecs(matrix, &raw mut right, &raw mut left))?;
         call!(petsc, KSPCreate(world, &raw mut solver))?;
-        Ok(System { n, entries, options: database, matrix, solver, right, left })
+        let shared = if access.share.size > 1 { Some(Shared::new(access, right, n, entries)?) } else { None };
+        Ok(System { rows: own, entries, options: database, matrix, solver, right, left, shared })
     }
 
     /// Does something with the options of this system in force, and no others.
@@ -83,7 +106,7 @@ impl System {
             call!(petsc, KSPSetOperators(self.solver, self.matrix, self.matrix))?;
             call!(petsc, KSPSetFromOptions(self.solver))?;
             let preconditioner = self.preconditioner(access)?;
-            for (name, indices) in blocks.iter().filter(|(_, indices)| indices.len() > 0) {
+            for (name, indices) in blocks {
                 let mut set = Object::NONE;
                 let (name, length) = (CString::new(*name).unwrap_or_default(), indices.len() as i64);
                 call!(petsc, ISCreateGeneral(access.world, length, indices.at(), COPY, &raw mut set))?;
@@ -104,6 +127,11 @@ impl System {
     /// New values of the matrix, which `write` sets in the order of its entries.
     pub(super) fn set_values(&self, access: &Access, write: impl FnOnce(&mut [f64])) -> Result<(), Trouble> {
         let (petsc, mut values) = (&access.engine.petsc, null_mut());
+        if let Some(shared) = &self.shared {
+            let mut values = shared.values.borrow_mut();
+            write(&mut values);
+            return call!(petsc, MatUpdateMPIAIJWithArray(self.matrix, values.as_ptr()));
+        }
         call!(petsc, MatSeqAIJGetArray(self.matrix, &raw mut values))?;
         // SAFETY: the values of the matrix, as many as it has entries, until they are given back.
         write(unsafe { slice::from_raw_parts_mut(values, self.entries) });
@@ -129,13 +157,17 @@ impl System {
         self.with_options(access, || call!(petsc, PCApply(preconditioner, self.left, self.right)))
     }
 
-    /// x ← A⁻¹ b, as well as the options ask for.
+    /// x ← A⁻¹ b, as well as the options ask for: on all processes the same.
     pub(super) fn solve(&self, access: &Access, b: &[f64], x: &mut [f64]) -> Result<Outcome, Trouble> {
-        debug_assert_eq!((b.len(), x.len()), (self.n, self.n), "vectors do not fit the matrix");
+        debug_assert_eq!(b.len(), x.len(), "vectors do not fit the matrix");
         let petsc = &access.engine.petsc;
-        self.in_vector(access, self.left, |values| values.copy_from_slice(b))?;
+        let own = &b[self.rows.clone()];
+        self.in_vector(access, self.left, |values| values.copy_from_slice(own))?;
         self.with_options(access, || call!(petsc, KSPSolve(self.solver, self.left, self.right)))?;
-        self.in_vector(access, self.right, |values| x.copy_from_slice(values))?;
+        match &self.shared {
+            None => self.in_vector(access, self.right, |values| x.copy_from_slice(values))?,
+            Some(shared) => shared.gather(access, self.right, x)?,
+        }
         self.outcome(access)
     }
 
@@ -161,11 +193,7 @@ impl System {
         vector: Object,
         act: impl FnOnce(&mut [f64]),
     ) -> Result<(), Trouble> {
-        let (petsc, mut values) = (&access.engine.petsc, null_mut());
-        call!(petsc, VecGetArray(vector, &raw mut values))?;
-        // SAFETY: the values of a vector of this length, until they are given back.
-        act(unsafe { slice::from_raw_parts_mut(values, self.n) });
-        call!(petsc, VecRestoreArray(vector, &raw mut values))
+        in_vector(access, vector, self.rows.len(), act)
     }
 
     /// Types of the iteration and of the preconditioner, such as `preonly` and `lu`.
@@ -212,10 +240,42 @@ impl System {
     pub(super) fn destroy(mut self, access: &Access) {
         let petsc = &access.engine.petsc;
         // Nobody is left to be told of what fails here.
+        if let Some(shared) = &mut self.shared {
+            let _: Result<(), Trouble> = call!(petsc, VecScatterDestroy(&raw mut shared.scatter));
+            let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut shared.whole));
+        }
         let _: Result<(), Trouble> = call!(petsc, KSPDestroy(&raw mut self.solver));
         let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut self.left));
         let _: Result<(), Trouble> = call!(petsc, VecDestroy(&raw mut self.right));
         let _: Result<(), Trouble> = call!(petsc, MatDestroy(&raw mut self.matrix));
         let _: Result<(), Trouble> = call!(petsc, PetscOptionsDestroy(&raw mut self.options));
     }
+}
+
+impl Shared {
+    /// For vectors like `vector`, of `n` numbers, and a matrix that has `entries` here.
+    fn new(access: &Access, vector: Object, n: usize, entries: usize) -> Result<Shared, Trouble> {
+        let [mut scatter, mut whole] = [Object::NONE; 2];
+        call!(access.engine.petsc, VecScatterCreateToAll(vector, &raw mut scatter, &raw mut whole))?;
+        Ok(Shared { scatter, whole, n, values: RefCell::new(vec![0.0; entries]) })
+    }
+
+    /// `values` ← all of `vector`, on every process.
+    fn gather(&self, access: &Access, vector: Object, values: &mut [f64]) -> Result<(), Trouble> {
+        const INSERT: i32 = 1;
+        const FORWARD: i32 = 0;
+        let petsc = &access.engine.petsc;
+        call!(petsc, VecScatterBegin(self.scatter, vector, self.whole, INSERT, FORWARD))?;
+        call!(petsc, VecScatterEnd(self.scatter, vector, self.whole, INSERT, FORWARD))?;
+        in_vector(access, self.whole, self.n, |whole| values.copy_from_slice(whole))
+    }
+}
+
+/// Does something with the `n` numbers that this process has of a vector.
+fn in_vector(access: &Access, vector: Object, n: usize, act: impl FnOnce(&mut [f64])) -> Result<(), Trouble> {
+    let (petsc, mut values) = (&access.engine.petsc, null_mut());
+    call!(petsc, VecGetArray(vector, &raw mut values))?;
+    // SAFETY: the values of a vector of this length, until they are given back. A vector without any may have no array.
+    act(if n == 0 { &mut [] } else { unsafe { slice::from_raw_parts_mut(values, n) } });
+    call!(petsc, VecRestoreArray(vector, &raw mut values))
 }

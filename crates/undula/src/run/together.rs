@@ -1,0 +1,102 @@
+//! A run of several processes: the first one writes, the others follow it, and all agree before every step.
+
+use super::checkpoint::restore_latest;
+use super::identity::mesh_hash;
+use super::summary::{Spent, summary_of};
+use super::{Flow, Observer, RunOptions};
+use crate::case::Case;
+use crate::error::Error;
+use crate::loops::width::best_lanes;
+use crate::output::{Status, Summary, hash};
+use crate::parallel::{Agreed, Team, Wish};
+use crate::simulation::Simulation;
+
+/// What this process does next after `outcome`, which the others hear of. An error that another one has, too, is told by
+/// the first of them.
+pub(super) fn settle(team: &mut Team, outcome: Result<Flow, Error>) -> Result<Flow, Error> {
+    let wish = match &outcome {
+        Ok(Flow::Continue) => Wish::GoOn,
+        Ok(Flow::Stop) => Wish::Stop,
+        Err(error) => Wish::Fail(error.exit_code()),
+    };
+    match team.agree(wish).map_err(Error::Processes)? {
+        Agreed::GoOn => Ok(Flow::Continue),
+        Agreed::Stop => Ok(Flow::Stop),
+        Agreed::Fail { first, .. } if first == team.rank() => outcome,
+        Agreed::Fail { code, .. } => Err(Error::Elsewhere { code }),
+    }
+}
+
+/// [`settle`] of something that was made.
+pub(super) fn settle_with<T>(team: &mut Team, made: Result<T, Error>) -> Result<T, Error> {
+    match made {
+        Ok(made) => settle(team, Ok(Flow::Continue)).map(|_| made),
+        Err(error) => Err(settle(team, Err(error)).err().unwrap_or(Error::Elsewhere { code: 1 })),
+    }
+}
+
+/// Whether all have the same case and the same program, and compute with vectors of one width: their numbers must not
+/// differ in a bit, or their ways part.
+///
+/// # Errors
+/// What is different, on all processes.
+pub(super) fn compare(team: &mut Team, case: &Case, options: &RunOptions) -> Result<(), Error> {
+    let number = |text: &str| f64::from(u32::from_str_radix(&hash(text.as_bytes())[..8], 16).unwrap_or(0));
+    let program = format!("{} {}", env!("CARGO_PKG_VERSION"), options.commit.as_deref().unwrap_or_default());
+    let compared = [
+        (number(&program), "another version of the program"),
+        (best_lanes() as f64, "a processor with vectors of another width"),
+        (number(&case.to_toml()), "another case"),
+        (number(&mesh_hash(case).unwrap_or_default()), "another mesh file"),
+    ];
+    for (own, what) in compared {
+        if let Some(rank) = team.differing(&[own]).map_err(Error::Processes)? {
+            return Err(Error::Differing { rank, what });
+        }
+    }
+    Ok(())
+}
+
+/// The run of a process that writes nothing.
+pub(super) fn follow<const D: usize>(
+    mut simulation: Simulation<D>,
+    options: &RunOptions,
+    observer: &mut dyn Observer<D>,
+    team: &mut Team,
+) -> Result<Summary, Error> {
+    if options.resume {
+        // The first process has found the checkpoint.
+        settle(team, Ok(Flow::Continue))?;
+        let restored = restore_latest(&mut simulation, &options.directory).map(|_| ());
+        settle_with(team, restored)?;
+    }
+    // It has opened its files.
+    settle(team, Ok(Flow::Continue))?;
+    agree_on_time(team, &simulation)?;
+    observer.start(&simulation);
+    settle(team, Ok(Flow::Continue))?;
+    let mut status = Status::Completed;
+    while !simulation.finished() {
+        let outcome = simulation.step().map(|row| observer.after_step(&simulation, &row));
+        // Nobody reads them here.
+        let rows = simulation.history.len();
+        simulation.history.drain(..rows.saturating_sub(2));
+        let is_over = simulation.finished();
+        if settle(team, outcome)? == Flow::Stop && !is_over {
+            status = Status::Interrupted;
+            break;
+        }
+    }
+    Ok(summary_of(&simulation, status, None, Spent { wall: 0.0, output: 0.0 }))
+}
+
+/// Whether all begin at the same time.
+pub(super) fn agree_on_time<const D: usize>(
+    team: &mut Team,
+    simulation: &Simulation<D>,
+) -> Result<(), Error> {
+    match team.differing(&[simulation.time()]).map_err(Error::Processes)? {
+        Some(rank) => Err(Error::Differing { rank, what: "another checkpoint" }),
+        None => Ok(()),
+    }
+}
