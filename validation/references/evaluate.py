@@ -134,7 +134,7 @@ def history(case, directory):
     with open(path, "w", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")
         if case == "csm3":
-            with open(os.path.join(directory, f"{case}-k2", "history.csv")) as source:
+            with open(os.path.join(directory, f"{case}-2", "history.csv")) as source:
                 rows = list(csv.DictReader(source))
             writer.writerow(["time", "ux_A", "uy_A"])
             writer.writerows([row[n] for n in ("time", "ux_A", "uy_A")] for row in rows[7::8])

@@ -58,6 +58,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
                 say(format_args!("live page {}", live.url));
                 display.live = Some(live);
             }
+            // The others wait for this one.
+            Err(error) if team.size() > 1 => say(format_args!("note: --live={port}: {error}: no live page")),
             Err(error) => return bad_input(format_args!("--live={port}: {error}; name another port")),
         }
     }
@@ -68,13 +70,8 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     if !team.is_first() {
         return end_of_follower(result, &team);
     }
+    display.end(&result, args.log);
     let progress = display.progress.take();
-    if let Some(live) = display.live.take() {
-        live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
-    }
-    if args.log == Log::Json {
-        events::end(result.as_ref().map_err(ToString::to_string));
-    }
     match result {
         Ok(summary) => finish(progress, &summary, &directory, args, end.is_some()),
         Err(error) => {
@@ -86,35 +83,42 @@ pub fn run(args: &RunArgs) -> anyhow::Result<ExitCode> {
     }
 }
 
-/// The case of a run: the same for all processes. Several of them take PETSc, unless the case names another engine.
+/// The case of a run: the same for all processes, which end together where one of them has none.
 fn load(args: &CaseArgs, team: &mut Team) -> anyhow::Result<Result<Case, ExitCode>> {
-    const ENGINE: &str = "linear.engine";
-    let several = team.size() > 1;
-    let loaded = match check::load(args)? {
-        Ok(case) if several && case.linear.engine == Engine::Own => match case.record.places.get(ENGINE) {
-            Some(_) => Err(bad_input(case.refuse(
-                ENGINE,
-                format!("{} processes are computed by PETSc: expected `petsc`", team.size()),
-            ))?),
-            None => {
-                let set = args.set.iter().cloned().chain([format!("{ENGINE}=petsc")]).collect();
-                check::load(&CaseArgs { case: args.case.clone(), set })?
-            }
-        },
-        loaded => loaded,
-    };
-    if !several {
-        return Ok(loaded);
+    let loaded = load_here(args, team.size());
+    if team.size() == 1 {
+        return loaded;
     }
-    let wish = if loaded.is_ok() { Wish::GoOn } else { Wish::Fail(2) };
+    let wish = match &loaded {
+        Ok(Ok(_)) => Wish::GoOn,
+        Ok(Err(_)) => Wish::Fail(2),
+        Err(_) => Wish::Fail(1),
+    };
     match team.agree(wish).map_err(Error::Processes)? {
         Agreed::Fail { first, .. } if first > 0 && first == team.rank() => {
+            // Again, aloud.
             speak(team);
-            check::load(args)
+            load_here(args, team.size())
         }
-        Agreed::Fail { code, .. } => Ok(Err(ExitCode::from(code))),
-        _ => Ok(loaded),
+        Agreed::Fail { first, code } if first != team.rank() => Ok(Err(ExitCode::from(code))),
+        _ => loaded,
     }
+}
+
+/// The case of one of `n` processes. Several of them take PETSc, unless the case names another engine.
+fn load_here(args: &CaseArgs, n: usize) -> anyhow::Result<Result<Case, ExitCode>> {
+    const ENGINE: &str = "linear.engine";
+    let loaded = check::load(args)?;
+    let Ok(case) = &loaded else { return Ok(loaded) };
+    if n == 1 || case.linear.engine == Engine::Petsc {
+        return Ok(loaded);
+    }
+    if case.record.places.contains_key(ENGINE) {
+        let message = format!("{n} processes are computed by PETSc: expected `petsc`");
+        return bad_input(case.refuse(ENGINE, message)).map(Err);
+    }
+    let set = args.set.iter().cloned().chain([format!("{ENGINE}=petsc")]).collect();
+    check::load(&CaseArgs { case: args.case.clone(), set })
 }
 
 /// What is said from here on is said by this process, by its number.
@@ -162,6 +166,18 @@ struct Display {
     verbose: bool,
     stop: Arc<AtomicBool>,
     live: Option<Live>,
+}
+
+impl Display {
+    /// The end of a run for those who watch it.
+    fn end(&mut self, result: &Result<Summary, Error>, log: Log) {
+        if let Some(live) = self.live.take() {
+            live.end(&result.as_ref().map_or_else(ToString::to_string, |summary| summary.status.to_string()));
+        }
+        if log == Log::Json {
+            events::end(result.as_ref().map_err(ToString::to_string));
+        }
+    }
 }
 
 impl<const D: usize> Observer<D> for Display {

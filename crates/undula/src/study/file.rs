@@ -334,29 +334,32 @@ impl Study {
                 run.name
             )));
         }
+        study.check_order().map_err(error)?;
+        if let Some(run) = study.run.iter().find(|run| run.over.iter().any(|axis| axis.values.is_empty())) {
+            return Err(error(format!("run {}: over: expected values", run.name)));
+        }
+        Ok(study)
+    }
+
+    /// Whether every run goes on from one that there is, and none from itself in the end.
+    fn check_order(&self) -> Result<(), String> {
         let of_name = |name: &str| {
-            study
-                .run
-                .iter()
-                .find(|run| run.name == name && run.over.is_empty() && run.compute == Compute::Run)
+            self.run.iter().find(|run| run.name == name && run.over.is_empty() && run.compute == Compute::Run)
         };
-        for run in &study.run {
+        for run in &self.run {
             // The runs that it goes on from, one behind the other.
             let (mut at, mut steps) = (run, 0);
             while !at.from.is_empty() {
                 at = of_name(&at.from).ok_or_else(|| {
                     let expected = "expected another run of the study, one without `over`";
-                    error(format!("run {}: from = {:?}: {expected}", at.name, at.from))
+                    format!("run {}: from = {:?}: {expected}", at.name, at.from)
                 })?;
                 steps += 1;
-                if steps > study.run.len() {
-                    return Err(error(format!("run {}: from = {:?} leads back to it", run.name, run.from)));
+                if steps > self.run.len() {
+                    return Err(format!("run {}: from = {:?} leads back to it", run.name, run.from));
                 }
             }
         }
-        if let Some(run) = study.run.iter().find(|run| run.over.iter().any(|axis| axis.values.is_empty())) {
-            return Err(error(format!("run {}: over: expected values", run.name)));
-        }
-        Ok(study)
+        Ok(())
     }
 }
