@@ -19,7 +19,7 @@ import periodic
 RUNS = {"0": "Q4, `refine=0`", "1": "Q4, `refine=1`", "2": "Q4, `refine=2`", "q3": "Q3, `refine=2`", "k": "Q4, `refine=1`"}
 TITLES = {"drag": "drag", "lift": "lift", "ux_A": "u_x of A", "uy_A": "u_y of A", "frequency": "frequency"}
 UNITS = {"drag": "N/m", "lift": "N/m", "ux_A": "mm", "uy_A": "mm", "frequency": "Hz"}
-# Mean and amplitude of the finest runs of featflow (Turek, Hron and others 2010; download of the tables, "4+0" and finer).
+# Mean and amplitude of featflow (Turek and Hron 2006, Turek and others 2010), finest mesh and smallest step.
 FEATFLOW = {
     "fsi3": {"drag": (460.5, 27.74), "lift": (2.50, 153.91), "ux_A": (-2.88, 2.72), "uy_A": (1.47, 34.99), "frequency": (5.46,)},
     "fsi2": {"drag": (215.06, 77.65), "lift": (0.61, 237.8), "ux_A": (-14.85, 12.70), "uy_A": (1.30, 81.6), "frequency": (1.93,)},

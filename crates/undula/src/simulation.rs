@@ -20,6 +20,7 @@ use crate::functional::balance::Balance;
 use crate::functional::body_energy::BodyResidual;
 use crate::functional::fields::{Fields, OwnFunctional};
 use crate::nonlinear::NewtonError;
+use crate::output::processor_seconds;
 use crate::setup::build::Functionals;
 use crate::setup::dimension::Dimension;
 use crate::system::{Dim, Operator, StepView};
@@ -64,6 +65,8 @@ pub struct Simulation<const D: usize = 2> {
     volume: Vec<BodyResidual>,
     threads: usize,
     pool: Option<rayon::ThreadPool>,
+    /// Processor time of the process when this began \[s\].
+    begun: Option<f64>,
 }
 
 /// The times that the steps of `case` land on.
@@ -84,7 +87,7 @@ where
     /// # Errors
     /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
     pub(crate) fn rest(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
-        let threads = threads.max(1);
+        let (threads, begun) = (threads.max(1), processor_seconds());
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
@@ -118,6 +121,7 @@ where
             volume,
             threads,
             pool,
+            begun,
         })
     }
 }
@@ -180,6 +184,11 @@ impl<const D: usize> Simulation<D> {
     /// Units of the functionals, empty for a pure number.
     pub fn units(&self) -> Vec<&'static str> {
         self.functionals.iter().map(|(_, f)| f.unit()).collect()
+    }
+
+    /// Processor time of the process since this began \[s\], where the system tells.
+    pub(crate) fn processor_seconds(&self) -> Option<f64> {
+        Some(processor_seconds()? - self.begun?)
     }
 
     /// Threads in use.

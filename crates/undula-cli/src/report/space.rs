@@ -101,9 +101,11 @@ struct Cutter<'a> {
 impl<'a> Cutter<'a> {
     fn new(snapshot: &'a FieldSnapshot, axis: usize, at: f64) -> Self {
         let (low, high) = extents(snapshot)[axis];
-        // A point in the plane is a little above it: every edge is met within or not at all.
+        // A point in the plane is a little above it, at the lower end of the domain below it: every edge is met within or
+        // not at all.
         let least = 1e-9 * (high - low);
-        let height = |x: &[f64; 3]| if (x[axis] - at).abs() < least { least } else { x[axis] - at };
+        let beside = if at - low < least { -least } else { least };
+        let height = |x: &[f64; 3]| if (x[axis] - at).abs() < least { beside } else { x[axis] - at };
         let heights = snapshot.points.iter().map(height).collect();
         Cutter { snapshot, axis, at, heights, numbers: HashMap::new(), points: vec![] }
     }
@@ -223,6 +225,16 @@ mod tests {
             assert!((length(&layer, &mesh, &layer.outline) - 5.0).abs() < 1e-6);
             assert!((length(&layer, &mesh, &layer.inner) - (2 * n - 3) as f64).abs() < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_sides_of_the_domain_are_cuts() {
+        let mesh = hexahedra(1, [3; 3], |x| x);
+        for at in [0.0, 1.0] {
+            let layers = layers(&mesh, &[false; 27], &[Plane { axis: 2, at: Some(at) }]).unwrap();
+            assert!((length(&layers[0], &mesh, &layers[0].outline) - 4.0).abs() < 1e-6, "z = {at}");
+        }
+        assert!(layers(&mesh, &[false; 27], &[Plane { axis: 2, at: Some(1.01) }]).is_err());
     }
 
     #[test]

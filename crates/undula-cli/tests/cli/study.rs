@@ -221,6 +221,22 @@ holds = "it > 0.0599 and further.steps > 0.5 and further.steps < 1.5 and further
     place.run("study on.toml -o bad", &[]).expect(0, &["base breakdown", "2 undecided"]);
 }
 
+/// One after the other in one process.
+#[test]
+fn the_processor_time_of_a_run_is_its_own() {
+    let place = Place::new("study-processor");
+    let text = "name = \"three\"\ncase = \"csm3\"\n[set]\n\"mesh.refine\" = 2\n\"time.step\" = 0.01\n[[run]]\nname = \"run\"\n\
+                over = [{ key = \"time.end\", values = [0.2, 0.21, 0.22] }]\n";
+    place.write("three.toml", text);
+    place.run("study three.toml -o three --threads 1", &[]).expect(0, &[]);
+    let [processor, clock] = ["cpu_seconds", "wall_seconds"].map(|key| {
+        let of = |run: usize| place.json(&format!("three/three/runs/run_{run}/summary.json"))[key].as_f64();
+        (0..3).filter_map(of).sum::<f64>()
+    });
+    // With the time of the runs before it would be twice as much.
+    assert!(processor <= 1.5 * clock + 0.03, "{processor} s of {clock} s");
+}
+
 /// A known solution on the unit square, a run whose last state is measured, and what stands for several of a kind.
 #[test]
 #[ignore = "long"]

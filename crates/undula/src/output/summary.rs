@@ -47,7 +47,8 @@ pub struct Summary {
     /// Elapsed time \[s\].
     #[serde(with = "nullable")]
     pub wall_seconds: f64,
-    /// Processor time of this process \[s\], where the system tells: that since the run was resumed, if it was.
+    /// Processor time of the process since the run began, or was resumed \[s\], where the system tells: with that of
+    /// other runs of the process at the same time.
     pub cpu_seconds: Option<f64>,
     /// Where it went.
     pub phases: Phases,

@@ -2,7 +2,7 @@
 
 use super::identity::table_hashes;
 use crate::functional::balance::Balance;
-use crate::output::{Breakdown, Phases, Provenance, Status, Summary, peak_memory, processor_seconds};
+use crate::output::{Breakdown, Phases, Provenance, Status, Summary, peak_memory};
 use crate::simulation::Simulation;
 
 /// Elapsed times \[s\].
@@ -44,7 +44,7 @@ pub fn summary_of<const D: usize>(
         linear_iterations: newton.counters.linear_iterations as u64,
         direct_fallbacks: newton.counters.fallbacks as u64,
         largest_factor_unknowns: simulation.stepper.linear.largest_factor(),
-        cpu_seconds: processor_seconds(),
+        cpu_seconds: simulation.processor_seconds(),
         peak_memory_bytes: peak_memory(),
         mass_balance: simulation.balance.as_ref().and_then(Balance::mass),
         swept_volume: simulation.balance.as_ref().and_then(Balance::swept),

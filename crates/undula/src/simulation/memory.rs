@@ -40,6 +40,7 @@ impl<const D: usize> Simulation<D> {
             volume: _,
             threads: _,
             pool: _,
+            begun: _,
         } = self;
         Memory {
             steps: *steps,
