@@ -21,9 +21,9 @@ fsi3-q3    | fsi3 | fsi3-1     | $finest mesh.refine=2 space.velocity=Q3 time.sc
 fsi2-start | fsi2 |            | mesh.refine=1 newton.tolerance=1e-5 time.end=15
 fsi2-1     | fsi2 | fsi2-start | $finest mesh.refine=1 time.scheme=esdirk3 time.step=0.016 time.end=20
 fsi2-0     | fsi2 | fsi2-1     | $finest mesh.refine=0 time.scheme=esdirk3 time.step=0.016 time.end=25
-fsi2-2     | fsi2 | fsi2-1     | $finest mesh.refine=2 motion.model=biharmonic time.scheme=esdirk3 time.step=0.016 time.end=22.6
+fsi2-2     | fsi2 | fsi2-1     | $finest mesh.refine=2 motion.model=biharmonic time.scheme=esdirk3 time.step=0.016 time.end=24
 fsi2-k     | fsi2 | fsi2-1     | $finest mesh.refine=1 time.scheme=esdirk3 time.step=0.008 time.end=23
-fsi2-q3    | fsi2 | fsi2-1     | $finest mesh.refine=2 motion.model=biharmonic space.velocity=Q3 time.scheme=esdirk3 time.step=0.016 time.end=22.6
+fsi2-q3    | fsi2 | fsi2-1     | $finest mesh.refine=2 motion.model=biharmonic space.velocity=Q3 time.scheme=esdirk3 time.step=0.016 time.end=24
 cfd3-start | cfd3 |            | mesh.refine=1 newton.tolerance=1e-5 time.end=10
 cfd3-1     | cfd3 | cfd3-start | $finest mesh.refine=1 time.scheme=esdirk3 time.step=0.008 time.end=14
 cfd3-0     | cfd3 | cfd3-1     | $finest mesh.refine=0 time.scheme=esdirk3 time.step=0.008 time.end=18

@@ -151,6 +151,14 @@ static ENTRIES: &[Entry] = &[
         ],
     },
     Entry {
+        words: &["processes", "engine"],
+        place: "summary.json",
+        text: &[
+            "How many processes have computed the run, and which PETSc has solved the linear systems (linear.engine). Both are",
+            "left out where there is nothing to say: one process, Undula's own solver.",
+        ],
+    },
+    Entry {
         words: &["direct_fallbacks"],
         place: "summary.json",
         text: &[

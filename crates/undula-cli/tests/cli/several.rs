@@ -58,7 +58,8 @@ fn several_processes_compute_what_one_computes() {
         }
     }
     let summary = here.json("several/summary.json");
-    assert_eq!(summary["status"], "completed");
+    assert_eq!((&summary["status"], &summary["processes"]), (&"completed".into(), &2.into()));
+    assert!(summary["engine"].as_str().is_some_and(|engine| engine.starts_with("PETSc 3.")), "{summary}");
 }
 
 #[test]

@@ -42,8 +42,14 @@ pub struct Summary {
     /// Unknowns of the largest system that is factorised as a whole: with multigrid that of the coarsest level.
     #[serde(default)]
     pub largest_factor_unknowns: usize,
-    /// Threads used.
+    /// Threads used, by each process.
     pub threads: usize,
+    /// Processes, where there are several.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processes: Option<usize>,
+    /// What has solved the linear systems, such as `PETSc 3.18.5 with Open MPI v4.1.4`, where it is not Undula.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub engine: Option<String>,
     /// Elapsed time \[s\].
     #[serde(with = "nullable")]
     pub wall_seconds: f64,

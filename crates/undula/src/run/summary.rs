@@ -1,6 +1,7 @@
 //! What a simulation was, for `summary.json`.
 
 use super::identity::table_hashes;
+use crate::algebra::{Engine, petsc};
 use crate::functional::balance::Balance;
 use crate::output::{Breakdown, Phases, Provenance, Status, Summary, peak_memory};
 use crate::simulation::Simulation;
@@ -12,6 +13,14 @@ pub struct Spent {
     pub wall: f64,
     /// For files.
     pub output: f64,
+}
+
+/// What solves the linear systems, if it is not our own.
+fn engine_of<const D: usize>(simulation: &Simulation<D>) -> Option<String> {
+    match simulation.case.linear.engine {
+        Engine::Own => None,
+        Engine::Petsc => petsc::engine().ok().map(petsc::Engine::title),
+    }
 }
 
 /// The summary of `simulation`; hashes of files and the commit of the program are those of a run.
@@ -34,6 +43,8 @@ pub fn summary_of<const D: usize>(
         rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
         factorizations: newton.counters.factorizations as u64,
         threads: simulation.threads(),
+        processes: Some(petsc::processes_at_work()).filter(|&n| n > 1),
+        engine: engine_of(simulation),
         wall_seconds: spent.wall,
         phases: Phases {
             assembly: newton.seconds.assembly,

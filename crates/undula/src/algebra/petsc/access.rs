@@ -145,6 +145,15 @@ pub fn processes() -> Result<World, Missing> {
     Ok(world)
 }
 
+/// How many processes compute together: 1 unless PETSc has been started by several.
+pub fn processes_at_work() -> usize {
+    let Some(Ok(engine)) = ENGINE.get() else { return 1 };
+    match *engine.state.lock().unwrap_or_else(PoisonError::into_inner) {
+        State::Running(_, share) => share.size,
+        State::Waiting | State::Failed(_) | State::Ended => 1,
+    }
+}
+
 /// Tells that the processes, if there are several, no longer make the same calls.
 pub fn part() {
     PARTED.store(TOGETHER.load(Ordering::Relaxed), Ordering::Relaxed);

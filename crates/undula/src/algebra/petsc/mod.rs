@@ -16,6 +16,7 @@ mod trial;
 
 pub use access::{
     Engine, MpiKind, Names, engine, finish, have_parted, mpi_alone, name_libraries, part, processes,
+    processes_at_work,
 };
 pub use error::{INSTALL, Missing, PACKAGES};
 pub use solver::PetscSolver;
