@@ -77,6 +77,10 @@ fn one_process_writes_and_a_run_goes_on_with_others() {
     run(2, "run flap.toml -o out --resume --quiet", &[more]).expect(0, &[]);
     run(3, "run flap.toml -o at-once --quiet", &[more]).expect(0, &[]);
     is_near(&here.rows_of("at-once"), &here.rows_of("out"), &[more]);
+    // The last step was shortened: a longer run goes on from the one before.
+    run(2, "run flap.toml -o cut --quiet", &["time.end=0.025"]).expect(0, &[]);
+    run(2, "run flap.toml -o cut --resume --quiet", &[more]).expect(0, &[]);
+    is_near(&here.rows_of("at-once"), &here.rows_of("cut"), &[more]);
     let said = run(2, "run flap.toml -o out --resume", &["time.end=0.06", "fluid.density=2"]);
     said.expect(2, &["the case has changed in more than its end"]);
     // Alone again, by our own solver.

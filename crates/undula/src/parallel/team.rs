@@ -85,6 +85,16 @@ impl Team {
         Ok(if numbers().any(|number| number < 0.0) { Agreed::Stop } else { Agreed::GoOn })
     }
 
+    /// The number of the first process, on all.
+    ///
+    /// # Errors
+    /// If MPI fails.
+    pub fn told(&mut self, number: f64) -> Result<f64, Fault> {
+        let mut numbers = [number];
+        self.comm.broadcast(0, &mut numbers)?;
+        Ok(numbers[0])
+    }
+
     /// The first process that has other `numbers` than process 0; the same length everywhere.
     ///
     /// # Errors

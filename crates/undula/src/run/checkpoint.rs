@@ -139,6 +139,20 @@ pub fn restore_latest<const D: usize>(
     Ok(notes)
 }
 
+/// Set `simulation` to the checkpoint after so many steps of the run in `directory`.
+pub(super) fn restore_step<const D: usize>(
+    simulation: &mut Simulation<D>,
+    directory: impl AsRef<Path>,
+    step: u64,
+) -> Result<(), Error> {
+    let directory = RunDirectory::open(directory).map_err(Error::Directory)?;
+    let (found, _) = newest(&directory, "expected that of the first process", |metadata| {
+        let other = || Unfit::Unsound(format!("it is not that of step {step}"));
+        if metadata.step == step { Ok(()) } else { Err(other()) }
+    })?;
+    restore(simulation, &found.checkpoint, &found.metadata)
+}
+
 /// A checkpoint that was read.
 pub(super) struct Found {
     pub(super) checkpoint: Checkpoint,

@@ -150,7 +150,6 @@ fn lead<const D: usize>(
         true => Run::resume(simulation, &options.directory, observer, team)?,
         false => together::settle_with(team, Run::create(simulation, options))?,
     };
-    together::agree_on_time(team, &run.simulation)?;
     run.commit = options.commit.clone();
     observer.start(&run.simulation);
     let result = run.advance(observer, team);

@@ -53,6 +53,7 @@ impl<const D: usize> Run<D> {
         team: &mut Team,
     ) -> Result<Run<D>, Error> {
         let past = settle_with(team, past_of(&simulation, path))?;
+        team.told(past.found.metadata.step as f64).map_err(Error::Processes)?;
         let restored = restore(&mut simulation, &past.found.checkpoint, &past.found.metadata);
         settle_with(team, restored)?;
         settle_with(team, Run::reopen(simulation, past, observer))
