@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Converged references of the periodic benchmarks: runs in out/references, which go on where they were interrupted.
 #
-#   validation/references/run.sh            all of them, about an hour of one core
+#   validation/references/run.sh            all of them, about an hour and a half of one core
 #   validation/references/run.sh NAME…      those whose names begin so
 #
 # Each begins from the last state of the run in the column "from", so that short runs on fine meshes are periodic.

@@ -7,7 +7,7 @@ mod log;
 mod plot;
 
 use clap::{Args, Parser, Subcommand};
-pub use log::{Log, event, log_as, say, say_notes, silence, tell};
+pub use log::{Log, event, log_as, say, say_notes, silence, speak_as, tell};
 pub use plot::{AnimatedField, Plane, PlotArgs, SurfaceField};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};

@@ -77,13 +77,12 @@ pub fn team() -> Result<Team, ExitCode> {
     if world.size() != launch.size {
         let title = engine().map(Engine::title).unwrap_or_default();
         return refused(format!(
-            "{title} knows of {}: it is linked to the MPI of another launcher, and each would compute all of the run",
-            match world.size() {
-                1 => "one process only".to_string(),
-                n => format!("{n}"),
-            }
+            "{title} knows of {} of them: its MPI is not that of the launcher, and each would compute all of the run",
+            world.size()
         ));
     }
-    silence(!world.is_first());
+    if !world.is_first() {
+        silence();
+    }
     Ok(Team::new(world))
 }

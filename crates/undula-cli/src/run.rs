@@ -1,7 +1,7 @@
 //! `undula run`: compute a case and show how it goes.
 
 use crate::args::{
-    BREAKDOWN, CaseArgs, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, silence,
+    BREAKDOWN, CaseArgs, INTERRUPTED, Log, RunArgs, bad_input, log_as, say, say_notes, show, speak_as,
     threads, with_causes,
 };
 use crate::digits::fixed;
@@ -123,8 +123,7 @@ fn load_here(args: &CaseArgs, n: usize) -> anyhow::Result<Result<Case, ExitCode>
 
 /// What is said from here on is said by this process, by its number.
 fn speak(team: &Team) {
-    silence(false);
-    say(format_args!("process {} of {}:", team.rank(), team.size()));
+    speak_as(format!("process {} of {}", team.rank(), team.size()));
 }
 
 /// The exit code of a process that writes nothing. It speaks where the first one does not know what went wrong.

@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use std::fmt::Display;
 use std::io::Write;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What lines on standard error are.
@@ -21,6 +22,9 @@ static JSON: AtomicBool = AtomicBool::new(false);
 /// Whether nothing is printed: of several processes one speaks.
 static SILENT: AtomicBool = AtomicBool::new(false);
 
+/// What a line of text begins with, where one of several processes says what the first does not know.
+static SPEAKER: OnceLock<String> = OnceLock::new();
+
 /// Words that begin a line of text and are the event of a line of JSON.
 const EVENTS: [&str; 4] = ["note", "warning", "breakdown", "error"];
 
@@ -29,9 +33,15 @@ pub fn log_as(log: Log) {
     JSON.store(log == Log::Json, Ordering::Relaxed);
 }
 
-/// From here on nothing is printed, or again what there is to say.
-pub fn silence(silent: bool) {
-    SILENT.store(silent, Ordering::Relaxed);
+/// From here on nothing is printed.
+pub fn silence() {
+    SILENT.store(true, Ordering::Relaxed);
+}
+
+/// From here on this process speaks; lines of text begin with who it is.
+pub fn speak_as(speaker: String) {
+    let _ = SPEAKER.set(speaker);
+    SILENT.store(false, Ordering::Relaxed);
 }
 
 /// Prints a line on standard error. Errors of writing are ignored (a reader such as `head` may have closed the pipe): a
@@ -44,7 +54,8 @@ pub fn say(line: impl Display) {
 pub fn tell(name: &str, line: impl Display) {
     let line = line.to_string();
     if !JSON.load(Ordering::Relaxed) {
-        return write(&line);
+        let speaker = SPEAKER.get().map_or(String::new(), |speaker| format!("{speaker}: "));
+        return write(&format!("{speaker}{line}"));
     }
     let said = EVENTS.iter().find_map(|&name| Some((name, line.strip_prefix(name)?.strip_prefix(": ")?)));
     let (name, text) = said.unwrap_or((name, &line));
@@ -62,7 +73,8 @@ pub fn event(name: &str, values: Value) {
 
 fn write(line: &str) {
     if !SILENT.load(Ordering::Relaxed) {
-        let _ = writeln!(std::io::stderr().lock(), "{line}");
+        // At once, lest lines of other processes come between.
+        let _ = std::io::stderr().lock().write_all(format!("{line}\n").as_bytes());
     }
 }
 

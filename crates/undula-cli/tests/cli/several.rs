@@ -16,14 +16,36 @@ fn can() -> bool {
     there && is_there()
 }
 
-/// `mpirun` for several programs: of each the number of processes, the arguments, and the settings.
-fn together(here: &Place, programs: &[(usize, &str, &[&str])]) -> Said {
+/// `mpirun`, about to start programs here.
+fn mpirun(here: &Place) -> Command {
     let mut command = Command::new("mpirun");
     command.arg("--oversubscribe").current_dir(here.file("."));
     // In containers of tests everybody is root.
     command.env("OMPI_ALLOW_RUN_AS_ROOT", "1").env("OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "1");
+    command
+}
+
+/// Several programs: of each the number of processes, the arguments, and the settings.
+fn together(here: &Place, programs: &[(usize, &str, &[&str])]) -> Said {
+    let mut command = mpirun(here);
     for (i, (n, arguments, sets)) in programs.iter().enumerate() {
         command.args((i > 0).then_some(":")).args(["-n", &n.to_string()]);
+        command.arg(env!("CARGO_BIN_EXE_undula")).args(arguments.split_whitespace());
+        command.args(sets.iter().flat_map(|set| ["--set", set]));
+    }
+    Said::of(command.output().unwrap())
+}
+
+/// A process in each of two directories, which do not see the same files.
+fn apart(here: &Place, directories: [&str; 2], arguments: &str, sets: &[&str]) -> Said {
+    let mut command = mpirun(here);
+    for (i, directory) in directories.iter().enumerate() {
+        command.args((i > 0).then_some(":")).args([
+            "-n",
+            "1",
+            "-wdir",
+            here.file(directory).to_str().unwrap(),
+        ]);
         command.arg(env!("CARGO_BIN_EXE_undula")).args(arguments.split_whitespace());
         command.args(sets.iter().flat_map(|set| ["--set", set]));
     }
@@ -105,7 +127,7 @@ fn what_goes_wrong_on_one_ends_all_and_is_said_once() {
         assert_eq!(own_lines(&said, words[0]), 1, "{}", said.err);
     }
     let said = together(&here, &[(1, run, &[]), (1, run, &["time.stepp=1"])]);
-    said.expect(2, &["process 1 of 2:\n", "unknown key; did you mean `step`?"]);
+    said.expect(2, &["process 1 of 2: --set time.stepp=1: unknown key; did you mean `step`?"]);
     let said = together(&here, &[(2, run, &[]), (1, run, &["fluid.density=999"])]);
     said.expect(2, &["process 2 has another case than process 0"]);
     let said = together(&here, &[(2, "check flap.toml", &[])]);
@@ -118,4 +140,27 @@ fn what_goes_wrong_on_one_ends_all_and_is_said_once() {
     );
     said.expect(3, &["breakdown: ", "broken/breakdown.txt"]);
     assert!(fs::metadata(here.file("broken/breakdown.txt")).is_ok());
+}
+
+#[test]
+fn processes_that_see_other_files_are_told() {
+    // A path that is another one in each process.
+    if !can() || !cfg!(target_os = "linux") {
+        return;
+    }
+    let here = Place::new("several-apart");
+    for (directory, density) in [("one", "1000"), ("two", "999"), ("none", "")] {
+        fs::create_dir_all(here.file(directory)).unwrap();
+        here.write(&format!("{directory}/flap.toml"), FLAP);
+        if !density.is_empty() {
+            let sets = ["time.end=0.01", &format!("fluid.density={density}")];
+            here.run(&format!("run {directory}/flap.toml -o {directory}/start --quiet"), &sets)
+                .expect(0, &[]);
+        }
+    }
+    let (run, sets) = ("run flap.toml -o out", ["initial.from=/proc/self/cwd/start", "time.end=0.03"]);
+    apart(&here, ["one", "two"], run, &sets).expect(2, &["process 1 has another state to begin with"]);
+    let said = apart(&here, ["one", "none"], run, &sets);
+    said.expect(2, &["process 1 of 2: --set initial.from=/proc/self/cwd/start: "]);
+    assert!(!here.file("one/out").exists());
 }

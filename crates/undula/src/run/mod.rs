@@ -23,7 +23,7 @@ use crate::case::Case;
 use crate::error::Error;
 use crate::output::{Status, Summary};
 use crate::parallel::Team;
-use crate::simulation::{Row, SetUp, Simulation};
+use crate::simulation::{Row, SetUp, Simulation, with_start};
 use crate::system::Dim;
 use files::Run;
 pub(crate) use identity::mesh_hash;
@@ -109,12 +109,17 @@ where
     Dim<D>: SetUp<D>,
 {
     together::compare(team, &case, options)?;
+    if team.size() > 1 && !options.resume {
+        // Where one finds no start, the others would wait for it in PETSc.
+        together::settle_with(team, with_start(case.clone()))?;
+    }
     // Everything that can be wrong with the input is found before a file is touched.
     let simulation = match options.resume {
         true => again(case, options),
         false => Dim::<D>::set_up(case, options.threads),
     };
     let simulation = together::settle_with(team, simulation)?;
+    together::compare_states(team, &simulation)?;
     let result = match team.is_first() {
         true => lead(simulation, options, observer, team),
         false => together::follow(simulation, options, observer, team),

@@ -4,7 +4,7 @@ use super::checkpoint::{Found, Metadata, Unfit, newest, restore};
 use super::files::Run;
 use super::identity::changes;
 use super::rows::{ITERATIONS, columns, read_row};
-use super::together::settle_with;
+use super::together::{compare_states, settle_with};
 use super::{Observer, RunOptions};
 use crate::case::{Case, Initial};
 use crate::error::Error;
@@ -56,6 +56,7 @@ impl<const D: usize> Run<D> {
         team.told(past.found.metadata.step as f64).map_err(Error::Processes)?;
         let restored = restore(&mut simulation, &past.found.checkpoint, &past.found.metadata);
         settle_with(team, restored)?;
+        compare_states(team, &simulation)?;
         settle_with(team, Run::reopen(simulation, past, observer))
     }
 

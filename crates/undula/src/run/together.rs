@@ -1,7 +1,7 @@
 //! A run of several processes: the first one writes, the others follow it, and all agree before every step.
 
 use super::checkpoint::restore_step;
-use super::identity::mesh_hash;
+use super::identity::{mesh_hash, table_hashes};
 use super::summary::{Spent, summary_of};
 use super::{Flow, Observer, RunOptions};
 use crate::case::Case;
@@ -44,13 +44,14 @@ pub(super) fn compare(team: &mut Team, case: &Case, options: &RunOptions) -> Res
     if team.size() == 1 {
         return Ok(());
     }
-    let number = |text: &str| f64::from(u32::from_str_radix(&hash(text.as_bytes())[..8], 16).unwrap_or(0));
+    let number = |text: &str| number_of(text.as_bytes());
     let program = format!("{} {}", env!("CARGO_PKG_VERSION"), options.commit.as_deref().unwrap_or_default());
     let compared = [
         (number(&program), "another version of the program"),
         (best_lanes() as f64, "a processor with vectors of another width"),
         (number(&case.to_toml()), "another case"),
         (number(&mesh_hash(case).unwrap_or_default()), "another mesh file"),
+        (number(&format!("{:?}", table_hashes(case))), "another table of values"),
     ];
     for (own, what) in compared {
         if let Some(rank) = team.differing(&[own]).map_err(Error::Processes)? {
@@ -58,6 +59,32 @@ pub(super) fn compare(team: &mut Team, case: &Case, options: &RunOptions) -> Res
         }
     }
     Ok(())
+}
+
+/// A number of these bytes that others hardly have.
+fn number_of(bytes: &[u8]) -> f64 {
+    f64::from(u32::from_str_radix(&hash(bytes)[..8], 16).unwrap_or(0))
+}
+
+/// Whether all begin with the same state, at the same time: it may come from files.
+///
+/// # Errors
+/// The first process that has another one, on all processes.
+pub(super) fn compare_states<const D: usize>(
+    team: &mut Team,
+    simulation: &Simulation<D>,
+) -> Result<(), Error> {
+    if team.size() == 1 {
+        return Ok(());
+    }
+    let state = &simulation.stepper.new;
+    let numbers = [&state.v, &state.u, &state.p, &state.s].into_iter().flatten();
+    let bytes: Vec<u8> =
+        numbers.chain([&simulation.time()]).flat_map(|number| number.to_le_bytes()).collect();
+    match team.differing(&[number_of(&bytes)]).map_err(Error::Processes)? {
+        Some(rank) => Err(Error::Differing { rank, what: "another state to begin with" }),
+        None => Ok(()),
+    }
 }
 
 /// The run of a process that writes nothing.
@@ -73,6 +100,7 @@ pub(super) fn follow<const D: usize>(
         let step = team.told(0.0).map_err(Error::Processes)? as u64;
         let restored = restore_step(&mut simulation, &options.directory, step);
         settle_with(team, restored)?;
+        compare_states(team, &simulation)?;
     }
     // It has opened its files.
     settle(team, Ok(Flow::Continue))?;
