@@ -32,6 +32,14 @@ fn boxes(text: &str) -> Vec<(Vec<&str>, Vec<&str>)> {
     found
 }
 
+/// Copies the files of a folder.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir(to).unwrap();
+    for file in fs::read_dir(from).unwrap().map(|file| file.unwrap()).filter(|file| file.path().is_file()) {
+        fs::copy(file.path(), to.join(file.file_name())).unwrap();
+    }
+}
+
 /// Runs the commands of the page `name` in a directory of its own, where boxes `in NAME` have a copy of that folder.
 /// Settings behind a box shorten its runs; `expect N` is the exit code. Pictures are drawn on the first page only.
 fn run_page(name: &str) {
@@ -39,6 +47,9 @@ fn run_page(name: &str) {
     let text = fs::read_to_string(docs().join(format!("manual/{name}.md"))).unwrap();
     let boxes = boxes(&text);
     assert!(!boxes.is_empty(), "{name} has no commands");
+    if text.contains(" examples/") {
+        copy(&docs().join("../examples"), &here.file("examples"));
+    }
     for (words, commands) in boxes {
         let (mut sets, mut code, mut folder) = (vec![], 0, here.0.clone());
         for pair in words.chunks_exact(2) {
@@ -48,11 +59,7 @@ fn run_page(name: &str) {
                 "in" => {
                     folder = here.file(pair[1]);
                     if !folder.exists() {
-                        fs::create_dir(&folder).unwrap();
-                        for file in fs::read_dir(docs().join("manual").join(pair[1])).unwrap() {
-                            let file = file.unwrap();
-                            fs::copy(file.path(), folder.join(file.file_name())).unwrap();
-                        }
+                        copy(&docs().join("manual").join(pair[1]), &folder);
                     }
                 }
                 other => panic!("{name}: {other}"),
@@ -88,6 +95,17 @@ fn a_geometry_of_its_own_goes_as_the_manual_says() {
 fn what_is_chosen_and_what_goes_wrong_is_as_the_manual_says() {
     let method = ["method/newton", "method/materials", "method/conditions"];
     ["choosing", "trouble", "coming-from", "extending"].into_iter().chain(method).for_each(run_page);
+}
+
+#[test]
+#[ignore = "long"]
+fn the_examples_go_as_their_pages_say() {
+    let pages: Vec<_> =
+        pages().into_iter().filter(|(path, _)| path.parent().unwrap().ends_with("examples")).collect();
+    assert!(pages.len() >= 26, "{} pages", pages.len());
+    for (path, _) in pages {
+        run_page(&format!("examples/{}", path.file_stem().unwrap().to_str().unwrap()));
+    }
 }
 
 #[test]
