@@ -117,6 +117,11 @@ fn meshes_that_do_not_match_are_refused() {
     here.write("no-mesh.toml", &format!("[mesh]\nfile = \"none.msh\"\n{BODIES}"));
     here.run("run no-mesh.toml", &[])
         .expect(2, &["no-mesh.toml:2:", "mesh.file", "none.msh", "No such file"]);
+    // Vectors of three components are no mistake then.
+    let sets = ["solid.body-force=[0, 0, -1]", "mesh.wall={ surface = 'lumen', thickness = 1 }"];
+    let said =
+        here.run("run no-mesh.toml", &sets).expect(2, &["no-mesh.toml:2:", "none.msh", "No such file"]);
+    assert!(!said.err.contains("mistakes") && !said.err.contains("expected two"), "{}", said.err);
     here.write("broken.msh", &CUT_OPEN.replace("6 2 0 0", "6 2 zero 0"));
     here.write("broken.toml", &format!("[mesh]\nfile = \"broken.msh\"\n{BODIES}"));
     here.run("run broken.toml", &[]).expect(2, &["broken.toml:2:", "broken.msh:18:", "zero"]);

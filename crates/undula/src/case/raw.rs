@@ -43,6 +43,15 @@ impl Table {
     pub fn get(&self, key: &str) -> Option<&Item> {
         self.0.iter().find(|(k, _)| k == key).map(|(_, item)| item)
     }
+
+    /// Whether one of these `keys`, here or in a table below, has an array of `length` values.
+    pub fn has_array(&self, keys: &[&str], length: usize) -> bool {
+        self.0.iter().any(|(key, item)| match &item.value {
+            Value::Array(items) => items.len() == length && keys.contains(&key.as_str()),
+            Value::Table(table) => table.has_array(keys, length),
+            _ => false,
+        })
+    }
 }
 
 impl Value {

@@ -287,9 +287,14 @@ impl Wave {
     }
 }
 
+/// How far nodes of the wall may lie inside of the radius \[m\]. Sides of degree 2 meet the circle at their ends and
+/// middles; between them they are up to 4e-5 m inside of it with 16 cells round, 6e-4 m with 8. Nodes of Q3 there must have the
+/// profile of the wall: it is so stiff that u of the fluid, taken there, costs an order in v.
+const INWARD: f64 = 1e-3;
+
 /// The expressions in the fluid and in the wall as those of both.
 fn everywhere(axes: &Axes, [fluid, wall]: [Vec<String>; 2]) -> Vec<String> {
-    let inside = format!("step({} - {})", RADIUS + 1e-9, axes.radius);
+    let inside = format!("step({} - {})", RADIUS - INWARD, axes.radius);
     fluid
         .iter()
         .zip(&wall)
@@ -527,6 +532,9 @@ fn the_wave_in_space_converges() {
         (coarse[0] / fine[0]).log(1.5) > 2.6 && fine[0] < 1.4e-3 && fine[1] < 2e-4,
         "{coarse:?} {fine:?}"
     );
+    let cubic = ["space.velocity=Q3", "space.pressure=P2dc"];
+    let [coarse, fine] = [8, 16].map(|round| in_space(1.0, [1, round, 1], 5.0, 16, &cubic));
+    assert!((coarse[0] / fine[0]).log2() > 3.3 && fine[0] < 4e-4 && fine[1] < 5e-5, "{coarse:?} {fine:?}");
     // Half a period.
     let [coarse, fine] = [3, 6].map(|steps| in_space(3.0, [2, 16, 1], 25.0, steps, &[]));
     assert!((0..2).all(|i| (coarse[i] / fine[i]).log2() > 1.8), "{coarse:?} {fine:?}");

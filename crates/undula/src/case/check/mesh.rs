@@ -127,7 +127,7 @@ fn sizes(
     root.checker.is_plane.set(extrude.is_none() && on_mesh == Some(Vectors::Plane));
     root.checker.vectors.set(match extrude {
         Some(extrude) => Vectors::Extruded { middle: 0.5 * extrude.depth },
-        None => on_mesh.unwrap_or_default(),
+        None => on_mesh.unwrap_or_else(|| meant(s, root)),
     });
     if root.checker.coordinates.get().is_axisymmetric() && root.checker.vectors.get() != Vectors::Plane {
         let of_mesh = if extrude.is_some() { "an extruded mesh" } else { "a mesh of space" };
@@ -146,6 +146,13 @@ fn of_file(path: &Path) -> Option<Vectors> {
         Ok(_) => Some(Vectors::Plane),
         Err(_) => None,
     }
+}
+
+/// How many components vectors have where the mesh cannot be read, which is told later: as many as the case gives them.
+fn meant(s: &Section<'_, '_>, root: &Section<'_, '_>) -> Vectors {
+    let vectors = ["velocity", "displacement", "traction", "body-force", "point", "a", "b"];
+    let in_space = s.has("wall") || root.checker.document.root.has_array(&vectors, 3);
+    if in_space { Vectors::Space } else { Vectors::Plane }
 }
 
 /// How a plane mesh becomes one of space.
@@ -175,7 +182,8 @@ fn wall(of: &mut Section<'_, '_>, root: &Section<'_, '_>, is_extruded: bool) -> 
     if !s.is_present() {
         return None;
     }
-    if root.checker.vectors.get() == Vectors::Plane {
+    // Not where the file cannot be read.
+    if root.checker.is_plane.get() {
         of.wrong("wall", "only for meshes of space: this one is of the plane");
     } else if is_extruded {
         of.wrong(
