@@ -21,6 +21,8 @@ dfg-3d1z | mesh.refine=0
 dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=2
 dfg-3d1z | mesh.extrude.layers=8 mesh.extrude.grading=3
 dfg-3d1z | mesh.extrude.layers=16 mesh.extrude.grading=2
+dfg-3d1z | space.velocity=Q3 space.pressure=P2dc linear.solver=multifrontal
+dfg-3d1z | space.velocity=Q3 space.pressure=P2dc linear.solver=multifrontal mesh.extrude.layers=8 mesh.extrude.grading=2
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=6 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1
@@ -31,11 +33,12 @@ dfg-3d3z | time.step=0.02 linear.solver=multifrontal time.end=4.5 mesh.refine=1 
 fsi-box  | mesh.grading=0
 fsi-box  | mesh.grading=1
 fsi-box  | mesh.grading=2
-tube     | mesh.cells=[40,8,1] mesh.grading=0 time.end=8e-3
-tube     | mesh.cells=[40,16,1] mesh.grading=0 time.end=8e-3
+tube     | mesh.cells=[40,8,1] mesh.grading=0 time.end=8e-3 time.shift=50
+tube     | mesh.cells=[40,16,1] mesh.grading=0 time.end=8e-3 time.shift=50
+tube     | mesh.cells=[50,8,1] mesh.grading=2 time.shift=50 time.end=1.1e-2
 tube     | time.end=1.1e-2
-tube     | mesh.grading=3 time.end=6e-3
-tube     | mesh.cells=[60,8,1] mesh.grading=3 time.step=5e-5 time.end=5.2e-3
+tube     | mesh.cells=[50,8,1] mesh.grading=3 time.end=6e-3 time.shift=50
+tube     | mesh.cells=[60,8,1] mesh.grading=3 time.step=5e-5 time.end=5.2e-3 time.shift=100
 land     | mesh.cells=[10,1,1]
 land     | mesh.cells=[20,2,2]
 land     | mesh.cells=[40,4,4]
@@ -47,10 +50,10 @@ fsi-box  | mesh.grading=0 space.velocity=P2
 fsi-box  | mesh.grading=0 space.velocity=P3
 fsi-box  | mesh.grading=0 space.velocity=P2-bubble
 fsi-box  | mesh.grading=1 space.velocity=P2
-tube     | time.step=5e-4 time.end=8e-3
-tube     | time.step=5e-4 time.end=8e-3 space.velocity=P2
-tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3
-tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3 space.velocity=P2-bubble
+tube     | mesh.cells=[50,8,1] mesh.grading=2 time.step=5e-4 time.end=8e-3 time.shift=10
+tube     | mesh.cells=[50,8,1] mesh.grading=2 time.step=5e-4 time.end=8e-3 space.velocity=P2 time.shift=10
+tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3 time.shift=10
+tube     | mesh.cells=[20,8,1] mesh.grading=0 time.step=5e-4 time.end=8e-3 space.velocity=P2-bubble time.shift=10
 tube-2d  | mesh.refine=0 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3
 tube-2d  | mesh.refine=1 time.end=9e-3 time.step=2.5e-5

@@ -51,8 +51,13 @@ pub fn draw(content: &Content, id: &str) -> String {
     figure.svg()
 }
 
+/// Behind the last colour they begin anew, darker in each round.
 fn ink(n: usize, curve: &Curve) -> Rgb {
-    if curve.published { GREY } else { LINES[n % LINES.len()] }
+    if curve.published {
+        return GREY;
+    }
+    let share = 0.55_f64.powi((n / LINES.len()) as i32);
+    LINES[n % LINES.len()].map(|part| (f64::from(part) * share).round() as u8)
 }
 
 fn marks(figure: &mut Figure, panel: &Panel, x: &[f64], y: &[f64], ink: Rgb) {
@@ -90,4 +95,21 @@ pub fn csv(content: &Content) -> String {
         }
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_of_twelve_curves_look_alike() {
+        let curve = Curve { name: String::new(), marked: false, published: false, x: vec![], y: vec![] };
+        let inks: Vec<Rgb> = (0..12).map(|n| ink(n, &curve)).collect();
+        for (n, one) in inks.iter().enumerate() {
+            for other in &inks[..n] {
+                let apart: i32 = one.iter().zip(other).map(|(a, b)| i32::from(a.abs_diff(*b))).sum();
+                assert!(apart > 40, "{one:?} {other:?}");
+            }
+        }
+    }
 }

@@ -25,7 +25,7 @@ pub struct Section<const D: usize> {
     pub points: Vec<[f64; D]>,
     /// ∫ φ n ds of each \[m^(D−1)\].
     areas: Vec<Vector<f64, D>>,
-    /// The same of the facets themselves, along the axis at nodes on one.
+    /// ∫ φ² n ds of the facets themselves, along the axis at nodes on one: ∫ φ is 0 at corners of quadratic triangles.
     directions: Vec<Vector<f64, D>>,
     /// Number of each among those that are not at the rim.
     free: Vec<Option<u32>>,
@@ -98,7 +98,7 @@ impl<const D: usize> Section<D> {
             for (&a, &i) in local.iter().zip(numbers) {
                 let value = point.weight * point.value[a];
                 self.areas[i] += n * value;
-                self.directions[i] += n * (point.length * point.value[a]);
+                self.directions[i] += n * (point.length * point.value[a] * point.value[a]);
                 self.load[i] += value;
                 for (&b, &j) in local.iter().zip(numbers) {
                     let stiffness = point.weight * along(a).dot(along(b));

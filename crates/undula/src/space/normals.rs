@@ -1,7 +1,7 @@
 //! Normals at nodes of boundaries, straight and curved ones.
 
 use super::FsiSpace;
-use crate::element::Quadrature;
+use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::Facet;
 use std::collections::BTreeMap;
@@ -17,7 +17,8 @@ const STRAIGHT: f64 = 1e-9;
 /// several in corners and edges.
 ///
 /// The normal of a smooth boundary at node a is that of ∫ φ_a n ds: with n_a·v_a = 0 at all its nodes nothing flows
-/// through the boundary as a whole, curved or not. Directions of axes are exact.
+/// through the boundary as a whole, curved or not. On tetrahedra it is the mean of the normals at the node itself.
+/// Directions of axes are exact.
 pub fn normals<'a, const D: usize>(
     space: &FsiSpace<D>,
     facets: impl Iterator<Item = &'a Facet>,
@@ -37,8 +38,9 @@ pub fn normals<'a, const D: usize>(
     found
 }
 
-/// ∫ φ_a n ds of the nodes a of a facet \[m^(D−1)\], with the weight 2π r in (r, z) off the axis; where the integral of φ_a vanishes, as at corners of quadratic
-/// triangles, a small multiple of the normal of the facet.
+/// ∫ φ_a n ds of the nodes a of a facet \[m^(D−1)\], with the weight 2π r in (r, z) off the axis. On a tetrahedron it is
+/// n(x_a) ∫ |φ_a| ds: φ_a of corners has no integral with degree 2, and the triangles around a node lie on no two
+/// opposite sides of it, so that the mean over them is wrong by O(h).
 fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vector<f64, D>)> {
     let mesh = &space.mesh;
     let (cell, local) = (facet.cell as usize, facet.local as usize);
@@ -49,18 +51,26 @@ fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vec
     // The axis has no area, but a normal.
     let measure = |q: usize| space.coordinates.measure(&place(q));
     let on_axis = (0..rule.points.len()).all(|q| measure(q) == 0.0);
-    let area = |q: usize| {
-        let xi: [f64; D] = std::array::from_fn(|d| rule.points[q][d]);
-        let weight = if on_axis { 1.0 } else { measure(q) } * rule.weights[q];
+    let density = |xi: [f64; D]| {
         let cofactor = Tensor(mesh.map_gradient(cell, xi)).cofactor();
-        cofactor * Vector(std::array::from_fn(|d| reference[d])) * weight
+        cofactor * Vector(std::array::from_fn(|d| reference[d]))
+    };
+    let area = |q: usize| {
+        let weight = if on_axis { 1.0 } else { measure(q) } * rule.weights[q];
+        density(std::array::from_fn(|d| rule.points[q][d])) * weight
     };
     let areas: Vec<Vector<f64, D>> = (0..rule.points.len()).map(area).collect();
-    let whole = areas.iter().fold(Vector::zero(), |sum, a| sum + *a);
+    let degree = space.nodes.degree;
+    let of_node = mesh.shape == Shape::Tetrahedron;
     let normal = |(a, node): (usize, u32)| {
-        let sum = areas.iter().enumerate().fold(Vector::zero(), |sum, (q, n)| sum + *n * table.value(q)[a]);
-        let small = sum.dot(sum) < 1e-12 * whole.dot(whole);
-        (node, if small { whole * 1e-3 } else { sum })
+        let value = |q: usize| table.value(q)[a];
+        // Bubbles of facets are no nodes.
+        if of_node && a < mesh.shape.n_nodes(degree) {
+            let at = lagrange::node(mesh.shape, degree, a);
+            let size = (0..rule.points.len()).map(|q| rule.weights[q] * value(q).abs()).sum::<f64>();
+            return (node, density(std::array::from_fn(|d| at[d])) * size);
+        }
+        (node, areas.iter().enumerate().fold(Vector::zero(), |sum, (q, n)| sum + *n * value(q)))
     };
     space.facet_functions(facet).into_iter().map(normal).collect()
 }

@@ -8,6 +8,7 @@ mod common;
 #[path = "../common/manufactured.rs"]
 mod manufactured;
 
+mod aneurysm;
 mod apply;
 mod assembly;
 mod axisymmetric;
@@ -32,6 +33,7 @@ mod elements;
 mod energy_balance;
 mod examples;
 mod extension;
+mod facets_of_tetrahedra;
 mod fibres;
 mod functionals;
 mod gmsh_in_space;
