@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The numerical studies of chapter 5 at full length: page, verdicts and small tables to validation/chapter.
 #
-#   validation/chapter.sh            about an hour on two cores; goes on where it was interrupted
+#   validation/chapter.sh            about two hours on two cores; goes on where it was interrupted
 #   validation/chapter.sh --collect  only copy from out/chapter-5, or from the directory in CHAPTER
 set -euo pipefail
 cd "$(dirname "$0")/.."
