@@ -138,14 +138,12 @@ def hydrofoil():
 
 
 def aneurysm():
-    """One beat of the heart with two steps."""
-    rows = []
-    for step in (0.02, 0.01):
-        history, unknowns = run(str(ROOT / "examples/aneurysm.toml"), f"aneurysm-{step}", f"time.step={step}")
-        rows.append([step, unknowns, f"{max(history['pressure']):.0f}", f"{-1e6 * min(history['ux_dome']):.2f}",
-                     f"{1e-3 * max(history['stress']):.1f}", f"{max(history['wall-shear-stress']):.1f}"])
-    table(["step (s)", "unknowns", "pressure at the inflow (Pa)", "top of the bulge (µm)", "stress in the wall (kPa)",
-           "wall shear stress (Pa)"], rows)
+    """The largest values of one beat of the heart."""
+    history, unknowns = run(str(ROOT / "examples/aneurysm.toml"), "aneurysm")
+    row = [unknowns, f"{max(history['pressure']):.0f}", f"{-1e6 * min(history['ux_dome']):.2f}",
+           f"{1e-3 * max(history['stress']):.1f}", f"{max(history['wall-shear-stress']):.1f}"]
+    table(["unknowns", "pressure at the inflow (Pa)", "top of the bulge (µm)", "stress in the wall (kPa)",
+           "wall shear stress (Pa)"], [row])
 
 
 def flap():
