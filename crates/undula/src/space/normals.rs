@@ -39,8 +39,8 @@ pub fn normals<'a, const D: usize>(
 }
 
 /// ∫ φ_a n ds of the nodes a of a facet \[m^(D−1)\], with the weight 2π r in (r, z) off the axis. On a tetrahedron it is
-/// n(x_a) ∫ |φ_a| ds: φ_a of corners has no integral with degree 2, and the triangles around a node lie on no two
-/// opposite sides of it, so that the mean over them is wrong by O(h).
+/// n(x_a) ∫ |φ_a| ds: φ_a of corners has no integral with degree 2, and triangles need not be symmetric about a node,
+/// so that the mean over them may be wrong by O(h).
 fn of_facet<const D: usize>(space: &FsiSpace<D>, facet: &Facet) -> Vec<(u32, Vector<f64, D>)> {
     let mesh = &space.mesh;
     let (cell, local) = (facet.cell as usize, facet.local as usize);
