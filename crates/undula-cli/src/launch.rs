@@ -4,7 +4,7 @@
 use crate::args::{say, silence};
 use std::process::ExitCode;
 use undula::algebra::petsc::{Engine, engine, processes};
-use undula::parallel::{Comm, Team};
+use undula::parallel::{Comm, Crew, Team};
 
 /// Launchers, with their variables for the number of processes and for that of this one. The first that is there counts:
 /// those of Slurm are inherited by what others start. `SLURM_NTASKS` says nothing: a batch script has it, too.
@@ -84,5 +84,9 @@ pub fn team() -> Result<Team, ExitCode> {
     if !world.is_first() {
         silence();
     }
-    Ok(Team::new(world))
+    let team = Team::new(world);
+    Ok(match processes() {
+        Ok(world) => team.with_crew(Crew::new(world)),
+        Err(_) => team,
+    })
 }

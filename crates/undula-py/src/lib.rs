@@ -26,7 +26,7 @@ mod _undula {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
-    use super::{builtin, command, keys, page, picture, plots, read_fields, version};
+    use super::{builtin, command, keys, page, picture, plots, read_snapshot, version};
 
     /// The variables of the environment that name libraries hold for Python, too.
     #[pymodule_init]
@@ -63,8 +63,8 @@ fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 
 /// The fields of a VTU file that a run has written, as a dictionary of arrays.
 #[pyfunction]
-fn read_fields<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
-    let read = py.detach(|| undula::output::read_vtu(&path));
+fn read_snapshot<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
+    let read = py.detach(|| undula::output::read_snapshot(&path));
     let (mut snapshot, time) = read.map_err(|error| errors::of(py, &error.into()))?;
     if snapshot.kind.dim() == 2 {
         convert::in_plane(&mut snapshot);
@@ -88,7 +88,7 @@ fn plots(py: Python<'_>, directory: PathBuf, to: Option<PathBuf>) -> PyResult<Ve
 #[pyfunction]
 fn picture(py: Python<'_>, path: PathBuf, field: &str, title: &str) -> PyResult<Option<Vec<u8>>> {
     let drawn = py.detach(|| {
-        let (snapshot, _) = undula::output::read_vtu(&path)?;
+        let (snapshot, _) = undula::output::read_snapshot(&path)?;
         undula_cli::picture(snapshot, field, title)
     });
     drawn.map_err(|error| errors::other(&error))

@@ -21,10 +21,11 @@ use crate::functional::body_energy::BodyResidual;
 use crate::functional::fields::{Fields, OwnFunctional};
 use crate::nonlinear::NewtonError;
 use crate::output::processor_seconds;
+use crate::parallel::Crew;
 use crate::setup::build::Functionals;
 use crate::setup::dimension::Dimension;
 use crate::system::{Dim, Operator, StepView};
-use crate::time::{Adaptive, Cause, Schedule, StepFailure, StepReport, Stepper};
+use crate::time::{Adaptive, Cause, DataKind, Schedule, StepFailure, StepReport, Stepper};
 use std::sync::Arc;
 
 /// A case in the course of being computed.
@@ -86,14 +87,14 @@ where
     ///
     /// # Errors
     /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
-    pub(crate) fn rest(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+    pub(crate) fn rest(mut case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<D>, Error> {
         let (threads, begun) = (threads.max(1), processor_seconds());
         // One thread has a pool, too: outside of any, the solver's parallel loops would go to the global one.
         let builder = rayon::ThreadPoolBuilder::new().num_threads(threads);
         let pool = Some(builder.build().map_err(|_| Error::Threads(threads))?);
-        let (mut stepper, notes) = case.build_with_notes(threads)?;
+        let (mut stepper, notes) = case.build_with_notes(threads, crew)?;
         case.record.notes.extend(notes);
-        case.motion = case.motion_on(&stepper.assembler.space);
+        case.motion = stepper.assembler.space.with_whole(|whole| case.motion_on(whole));
         let functionals = case.build_functionals(&stepper.assembler.space)?;
         let nodes: Vec<u32> = functionals.iter().flat_map(|(_, f)| f.residual_nodes()).copied().collect();
         stepper.assembler.watch(&nodes);
@@ -106,6 +107,7 @@ where
         let (assembler, state) = (&stepper.assembler, &stepper.new);
         let density = assembler.physics.fluids().map(|(_, fluid)| fluid.rho).reduce(f64::min);
         let balance = density.map(|rho| Balance::new(&assembler.space, rho, state, stepper.time));
+        assembler.space.part.iter().for_each(|part| part.forget());
         Ok(Simulation {
             case,
             adaptive,
@@ -293,6 +295,7 @@ impl<const D: usize> Simulation<D> {
     /// What is to blame for a step without a solution: the data, the size of the problem, else the problem itself.
     fn blame(&self, failure: StepFailure) -> Error {
         match (&failure.details.cause, &failure.reason) {
+            (Cause::Data(fault), _) if fault.kind == DataKind::Elsewhere => Error::Elsewhere { code: 2 },
             (Cause::Data(fault), _) => self.case.blame_data(&self.stepper.assembler.space, fault),
             (_, NewtonError::Linear(error)) if failure.is_too_large() => Error::Solver(error.clone()),
             _ => Error::Breakdown(failure),

@@ -2,14 +2,14 @@
 
 use super::cell::factor;
 use std::path::Path;
-use undula::output::{CellKind, Field, FieldSnapshot, OutputError, read_vtu};
+use undula::output::{CellKind, Field, FieldSnapshot, OutputError, read_snapshot};
 
 /// The fields of a file for pictures, whose cells are triangles, quadrilaterals or hexahedra.
 ///
 /// # Errors
 /// If the file cannot be read.
 pub fn read_fields(path: impl AsRef<Path>) -> Result<FieldSnapshot, OutputError> {
-    Ok(as_hexahedra(read_vtu(path)?.0))
+    Ok(as_hexahedra(read_snapshot(path)?.0))
 }
 
 /// The same fields on hexahedra, tetrahedra being the images of cubes under ξ = s, η = t (1 − s), ζ = r (1 − s)(1 − t), on

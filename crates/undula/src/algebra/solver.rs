@@ -1,6 +1,7 @@
 //! What a linear solver is, what it may know, and how it fails.
 
 use super::{Csr, Pattern};
+use crate::parallel::Halo;
 use std::{fmt, sync::Arc};
 
 /// Field that an unknown belongs to.
@@ -75,6 +76,10 @@ impl fmt::Display for Unknown {
 pub trait LinearSolver: Send {
     /// Name as written in case files.
     fn name(&self) -> &'static str;
+
+    /// Tells, before the analysis, that processes share the unknowns: rows of copies are not complete, and solutions have
+    /// the copies, too. For solvers that can: those of PETSc.
+    fn share(&mut self, _halo: Halo) {}
 
     /// Prepares for matrices of this pattern, once per run. `unknowns` has one entry per row.
     ///

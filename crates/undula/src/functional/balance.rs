@@ -5,6 +5,7 @@
 //! what its boundaries sweep: the interface moves with v, to the order of the time scheme, the others with ∂_t u.
 
 use crate::math::{Tensor, Vector};
+use crate::parallel::{Crew, Reduce};
 use crate::physics::kinematics::cofactor;
 use crate::sampling::facet_points;
 use crate::space::{FluidBoundary, FsiSpace, State};
@@ -41,6 +42,8 @@ pub struct Balance<const D: usize> {
     last: Flow,
     /// Displacement at `time`; empty where nothing deforms.
     u: Vec<f64>,
+    /// The processes that share the space.
+    crew: Option<Crew>,
 }
 
 /// A facet with its quadrature points.
@@ -78,10 +81,11 @@ impl<const D: usize> Balance<D> {
     /// For a run of a fluid of `density` \[kg/m³\] that starts from `state` at `time` \[s\].
     pub fn new(space: &FsiSpace<D>, density: f64, state: &State, time: f64) -> Balance<D> {
         let faces = faces(space);
-        let size = faces.iter().flat_map(|face| &face.points).map(|point| point.weight).sum();
+        let size = space.sum(faces.iter().flat_map(|face| &face.points).map(|point| point.weight).sum());
+        let crew = space.part.as_ref().map(|part| part.crew().clone());
         let (largest, last, deforms) = (Largest::default(), Flow::default(), space.deforms);
         let u = if deforms { state.u.clone() } else { vec![] };
-        let mut balance = Balance { largest, faces, size, density, deforms, time, last, u };
+        let mut balance = Balance { largest, faces, size, density, deforms, time, last, u, crew };
         balance.last = balance.flow(state);
         balance
     }
@@ -97,7 +101,9 @@ impl<const D: usize> Balance<D> {
     pub fn observe(&mut self, state: &State, time: f64) {
         let (flow, k) = (self.flow(state), time - self.time);
         let largest_of = |values: &[f64]| values.iter().fold(0.0, |max: f64, x| max.max(x.abs()));
-        let speed = largest_of(&state.v).max((largest_of(&state.p) / self.density).sqrt());
+        let mut speed = [largest_of(&state.v).max((largest_of(&state.p) / self.density).sqrt())];
+        self.reduce(Reduce::Max, &mut speed);
+        let [speed] = speed;
         let gap = (self.deforms && k > 0.0).then(|| {
             let mean = 0.5 * (flow.interface + self.last.interface) + self.swept_elsewhere(state) / k;
             ((flow.volume - self.last.volume) / k - mean).abs()
@@ -158,7 +164,16 @@ impl<const D: usize> Balance<D> {
                 swept += weight * moved.dot(mean);
             }
         }
-        swept
+        let mut swept = [swept];
+        self.reduce(Reduce::Sum, &mut swept);
+        swept[0]
+    }
+
+    /// Numbers of all processes that share the space.
+    fn reduce(&self, how: Reduce, values: &mut [f64]) {
+        if let Some(crew) = &self.crew {
+            crew.reduce(how, values);
+        }
     }
 
     fn flow(&self, state: &State) -> Flow {
@@ -186,7 +201,10 @@ impl<const D: usize> Balance<D> {
                     weight * if radius.is_some() { at.0[1] * n.0[1] } else { at.dot(n) / D as f64 };
             }
         }
-        flow
+        let mut sums = [flow.net, flow.through, flow.interface, flow.volume];
+        self.reduce(Reduce::Sum, &mut sums);
+        let [net, through, interface, volume] = sums;
+        Flow { net, through, interface, volume }
     }
 }
 
@@ -198,9 +216,10 @@ fn stretch(radius: Option<f64>, u_r: f64) -> f64 {
 /// The facets of the boundary of the fluid.
 fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
     let degree = space.nodes.degree.max(space.mesh.degree);
-    let mut origin = None;
+    let mut origin = space.part.as_ref().map(|_| first_corner(space));
     let mut faces = vec![];
-    for facet in &FluidBoundary::new(space).facets {
+    let boundary = FluidBoundary::new(space);
+    for facet in boundary.facets.iter().filter(|facet| space.owns_cell(facet.side.cell as usize)) {
         let (on_cell, nodes): (Vec<usize>, Vec<u32>) =
             space.facet_functions(&facet.facet()).into_iter().unzip();
         let of = |p: crate::sampling::FacetPoint<D>| {
@@ -225,6 +244,14 @@ fn faces<const D: usize>(space: &FsiSpace<D>) -> Vec<Face<D>> {
         faces.push(Face { nodes, points, at_solid: facet.at_solid });
     }
     faces
+}
+
+/// The lower corner of the box around what all processes have, which is one point for all of them.
+fn first_corner<const D: usize>(space: &FsiSpace<D>) -> [f64; D] {
+    let least = |d: usize| space.mesh.nodes.iter().map(|x| x[d]).fold(f64::INFINITY, f64::min);
+    let mut corner = std::array::from_fn(least);
+    space.reduce(Reduce::Min, &mut corner);
+    corner
 }
 
 #[cfg(test)]

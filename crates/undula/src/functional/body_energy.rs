@@ -15,6 +15,7 @@ use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
 use crate::element::Quadrature;
 use crate::math::Tensor;
+use crate::parallel::Reduce;
 use crate::physics::{Fabric, Fields, Kinematics, axisymmetric};
 use crate::sampling::{PointValues, fields_at, for_each_point_of};
 use crate::space::{FsiSpace, Region};
@@ -131,7 +132,7 @@ impl BodyEnergy {
             let old = fields_at(at.space.nodes.cell(point.cell), point.value, point.grad, at.old);
             sum += point.weight * density(point, &old);
         });
-        sum
+        at.space.sum(sum)
     }
 
     /// ½ ρ J |v|² and the stored energy per volume of the reference domain at `fields`.
@@ -176,11 +177,13 @@ impl BodyEnergy {
             return [0.0; 3];
         };
         let mut powers = [0.0; 3];
-        for (n, (old, new)) in at.old.v.iter().zip(&at.new.v).enumerate() {
+        let entries = at.old.v.iter().zip(&at.new.v).enumerate();
+        for (n, (old, new)) in entries.filter(|(n, _)| at.space.owns_node(n / D)) {
             let mean = 0.5 * (old + new);
             powers[0] += mean * (without[n] - with[n]);
             powers[if self.shared[n / D] { 2 } else { 1 }] += mean * with[n];
         }
+        at.space.reduce(Reduce::Sum, &mut powers);
         powers
     }
 }

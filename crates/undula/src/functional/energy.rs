@@ -3,6 +3,7 @@
 
 use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
+use crate::parallel::Reduce;
 use crate::physics::{Fabric, Fields, Fluid, Kinematics, axisymmetric};
 use crate::sampling::{PointValues, for_each_point};
 use crate::space::Region;
@@ -63,6 +64,9 @@ impl<const D: usize> Functional<D> for Energy {
                 volume += point.weight;
             }
         });
+        let mut sums = [sum, volume];
+        at.space.reduce(Reduce::Sum, &mut sums);
+        let [sum, volume] = sums;
         let is_mean = matches!(self.integral, Integral::Rotation(_)) && volume > 0.0;
         if is_mean { sum / volume } else { sum }
     }

@@ -83,8 +83,14 @@ impl<'a, const D: usize> Surfaces<'a, D> {
     /// The facets of the boundaries `names` as seen from the fluid, the space, and the Gauss points per direction.
     pub(super) fn facets_on(&self, names: &[String]) -> (&'a FsiSpace<D>, Vec<Facet>, usize) {
         let on = self.of(names);
-        let facets = self.boundary.facets.iter().zip(on).filter(|(_, on)| *on).map(|(f, _)| f.facet());
+        let facets = (0..on.len()).filter(|&n| on[n] && self.counts(n));
+        let facets = facets.map(|n| self.boundary.facets[n].facet());
         (self.space, facets.collect(), self.quadrature)
+    }
+
+    /// Whether this process counts the facet of number `n` in sums.
+    fn counts(&self, n: usize) -> bool {
+        self.space.owns_cell(self.boundary.facets[n].side.cell as usize)
     }
 
     /// The nodes of the boundaries `names` at which power may flow: where the velocity is given, ascending.
@@ -119,12 +125,13 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         })
     }
 
-    /// For each node of the facets `on` all facets there that take part in its residual, of those that `counts` is true of.
+    /// For each node of this process on the facets `on` all facets there that take part in its residual, of those that `counts` is true of.
     fn carrying(&self, on: &[bool], counts: impl Fn(usize) -> bool) -> BTreeMap<u32, Vec<usize>> {
         let carries = |&n: &usize| !self.natural[n] && counts(n);
         let mut at_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         for n in (0..on.len()).filter(|&n| on[n]).filter(carries) {
-            at_node.extend(self.nodes(n).into_iter().map(|node| (node, vec![])));
+            let own = self.nodes(n).into_iter().filter(|&node| self.space.owns_node(node as usize));
+            at_node.extend(own.map(|node| (node, vec![])));
         }
         for n in (0..on.len()).filter(carries) {
             for node in self.nodes(n) {
@@ -167,7 +174,7 @@ impl<'a, const D: usize> Surfaces<'a, D> {
         }
         let nodes = at_node.keys().copied().collect();
         let (seams, outflow) = (0..on.len())
-            .filter(|&n| on[n] && self.natural[n])
+            .filter(|&n| on[n] && self.natural[n] && self.counts(n))
             .partition(|&n| self.boundary.facets[n].at_seam);
         Shares { nodes, whole, shared, integrals, outflow, seams }
     }
@@ -281,7 +288,7 @@ impl<const D: usize> Functional<D> for ForceByResidual<D> {
         if let (Some(system), false) = (at.system, self.outflow.is_empty()) {
             sum -= system.force_through(&at.step(), &self.outflow).0[self.component];
         }
-        -self.factor * sum
+        -self.factor * at.space.sum(sum)
     }
 }
 
@@ -303,8 +310,8 @@ impl<const D: usize> ForceBySurface<D> {
         unit: &'static str,
     ) -> Self {
         let on = surfaces.of(names);
-        let facets =
-            (0..on.len()).filter(|&n| on[n]).map(|n| surfaces.tractions(n, |_| Tensor::identity())).collect();
+        let counted = (0..on.len()).filter(|&n| on[n] && surfaces.counts(n));
+        let facets = counted.map(|n| surfaces.tractions(n, |_| Tensor::identity())).collect();
         ForceBySurface { facets, component, factor, unit }
     }
 }
@@ -320,7 +327,7 @@ impl<const D: usize> Functional<D> for ForceBySurface<D> {
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let sum: f64 = self.facets.iter().map(|facet| facet.sum(at).0[self.component]).sum();
-        -self.factor * sum
+        -self.factor * at.space.sum(sum)
     }
 }
 

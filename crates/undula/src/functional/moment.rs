@@ -73,6 +73,6 @@ impl<const D: usize> Functional<D> for Moment<D> {
             |node: u32| Vector(std::array::from_fn::<_, D, _>(|i| at.fluid_residual[D * node as usize + i]));
         let nodes: f64 = self.parts.iter().map(|&(node, part)| turned(node, part * residual(node))).sum();
         let facets: f64 = self.tractions.iter().map(|(node, facet)| turned(*node, facet.sum(at))).sum();
-        -(nodes + facets)
+        -at.space.sum(nodes + facets)
     }
 }

@@ -26,9 +26,11 @@ impl Displacement {
         x: [f64; D],
         component: usize,
     ) -> Result<Self, MeshError> {
-        let found = Locator::new(&space.mesh).find(x)?;
+        let found = space.with_whole(|whole| Locator::new(&whole.mesh).find(x))?;
         let (basis, _) = lagrange::basis(space.mesh.shape, space.nodes.degree, &found.xi);
-        Ok(Displacement { nodes: space.nodes.cell(found.cell).to_vec(), basis, component })
+        let cell = space.own_cell(found.cell);
+        let nodes = cell.map_or(vec![], |cell| space.nodes.cell(cell).to_vec());
+        Ok(Displacement { nodes, basis, component })
     }
 }
 
@@ -38,11 +40,11 @@ impl<const D: usize> Functional<D> for Displacement {
     }
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
-        if at.new.u.is_empty() {
+        if !at.space.deforms {
             return 0.0;
         }
         let value = |node: u32| at.new.u[node as usize * D + self.component];
-        self.nodes.iter().zip(&self.basis).map(|(&node, b)| b * value(node)).sum()
+        at.space.sum(self.nodes.iter().zip(&self.basis).map(|(&node, b)| b * value(node)).sum())
     }
 }
 
@@ -70,9 +72,10 @@ impl PressureDifference {
     ) -> Result<Self, MeshError> {
         let mut terms = vec![];
         for (x, sign) in [(a, 1.0), (b, -1.0)] {
-            terms.extend(recovery(space, x, along)?.into_iter().map(|(dof, w)| (dof, sign * w)));
+            let recovered = space.with_whole(|whole| recovery(whole, x, along))?;
+            terms.extend(recovered.into_iter().map(|(dof, w)| (dof, sign * w)));
         }
-        Ok(PressureDifference { terms })
+        Ok(PressureDifference { terms: own_terms(space, terms) })
     }
 }
 
@@ -94,13 +97,23 @@ impl Pressure {
         place: Option<Place>,
         along: usize,
     ) -> Result<Self, MeshError> {
-        let Some(place) = place else { return Ok(Pressure { terms: recovery(space, x, along)? }) };
+        let terms = space.with_whole(|whole| Pressure::terms(whole, x, place, along))?;
+        Ok(Pressure { terms: own_terms(space, terms) })
+    }
+
+    fn terms<const D: usize>(
+        space: &FsiSpace<D>,
+        x: [f64; D],
+        place: Option<Place>,
+        along: usize,
+    ) -> Result<Vec<(u32, f64)>, MeshError> {
+        let Some(place) = place else { return recovery(space, x, along) };
         let locator = Locator::new(&space.mesh);
         locator.find(x)?;
         let within = locator.find_where(x, INSIDE, |cell| place.has(space, cell));
         let cell = within.map_err(|_| MeshError::OtherRegion { point: x.to_vec() })?.cell;
         let patch = patch_in(space, place, cell, x);
-        Ok(Pressure { terms: recovery_on(space, x, &patch, along)? })
+        recovery_on(space, x, &patch, along)
     }
 }
 
@@ -122,7 +135,12 @@ impl<const D: usize> Functional<D> for Pressure {
 }
 
 fn sum<const D: usize>(terms: &[(u32, f64)], at: &Snapshot<'_, D>) -> f64 {
-    terms.iter().map(|&(dof, w)| w * at.new.p[dof as usize]).sum()
+    at.space.sum(terms.iter().map(|&(dof, w)| w * at.new.p[dof as usize]).sum())
+}
+
+/// Those of the `terms` of the whole space that this process counts.
+fn own_terms<const D: usize>(space: &FsiSpace<D>, terms: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
+    terms.into_iter().filter_map(|(dof, w)| Some((space.own_pressure(dof)?, w))).collect()
 }
 
 /// Weights of the pressure unknowns in the recovered value at `x`.

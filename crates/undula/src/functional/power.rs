@@ -37,6 +37,6 @@ impl<const D: usize> Functional<D> for Power {
         let theta = at.rule.theta;
         let power = |n: usize| ((1.0 - theta) * at.old.v[n] + theta * at.new.v[n]) * at.fluid_residual[n];
         let entries = self.nodes.iter().flat_map(|&node| (0..D).map(move |i| node as usize * D + i));
-        -entries.map(power).sum::<f64>()
+        -at.space.sum(entries.map(power).sum::<f64>())
     }
 }

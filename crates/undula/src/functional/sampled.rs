@@ -8,6 +8,7 @@ use super::{Functional, Snapshot};
 use crate::element::{Quadrature, Shape, lagrange};
 use crate::math::{Tensor, Vector};
 use crate::mesh::{Locator, MeshError};
+use crate::parallel::Reduce;
 use crate::physics::axisymmetric;
 use crate::sampling::{FacetPoint, fabric_at, facet_points, facet_points_of, fields_at, for_each_point_of};
 use crate::space::{FsiSpace, Region, State};
@@ -53,8 +54,16 @@ impl Collected {
         self.min = self.min.min(value);
     }
 
-    /// 0 where there was nothing.
-    fn take(&self, take: Take) -> f64 {
+    /// What all processes have collected; 0 where there was nothing.
+    fn take<const D: usize>(mut self, take: Take, space: &FsiSpace<D>) -> f64 {
+        let mut sums = [self.sum, self.size];
+        space.reduce(Reduce::Sum, &mut sums);
+        [self.sum, self.size] = sums;
+        if take.is_extreme() {
+            let how = if take == Take::Max { Reduce::Max } else { Reduce::Min };
+            self.max = space.over_all(how, self.max);
+            self.min = space.over_all(how, self.min);
+        }
         match take {
             _ if self.size == 0.0 => 0.0,
             Take::Mean => self.sum / self.size,
@@ -126,7 +135,7 @@ impl<const D: usize> Functional<D> for OnBoundary<D> {
                 collected.add(value, if on_axis { point.length } else { point.weight * stretch });
             }
         }
-        collected.take(self.take)
+        collected.take(self.take, at.space)
     }
 }
 
@@ -176,7 +185,7 @@ impl<const D: usize> Functional<D> for InRegion {
             };
             collected.add(value, point.weight * J);
         });
-        collected.take(self.take)
+        collected.take(self.take, at.space)
     }
 }
 
@@ -184,7 +193,10 @@ impl<const D: usize> Functional<D> for InRegion {
 pub struct AtPoint<const D: usize> {
     quantity: Quantity,
     region: Region,
+    /// Those that this process counts.
     cells: Vec<InCell<D>>,
+    /// How many all processes have.
+    number: usize,
 }
 
 /// A point in a cell, with the bases there.
@@ -207,6 +219,22 @@ impl<const D: usize> AtPoint<D> {
         place: Option<Place>,
         quantity: Quantity,
     ) -> Result<Self, MeshError> {
+        let (region, mut cells) = space.with_whole(|whole| AtPoint::find(whole, x, place))?;
+        let number = cells.len();
+        cells.retain_mut(|at| {
+            let own = space.own_cell(at.cell);
+            at.cell = own.unwrap_or(0);
+            own.is_some()
+        });
+        Ok(AtPoint { quantity, region, cells, number })
+    }
+
+    /// The body and its cells that meet at `x` \[m\].
+    fn find(
+        space: &FsiSpace<D>,
+        x: [f64; D],
+        place: Option<Place>,
+    ) -> Result<(Region, Vec<InCell<D>>), MeshError> {
         let locator = Locator::new(&space.mesh);
         let has = |place| meets(space, &locator, x, place);
         let found = match place {
@@ -222,7 +250,7 @@ impl<const D: usize> AtPoint<D> {
             locator.find(x)?;
             return Err(MeshError::OtherRegion { point: x.to_vec() });
         }
-        Ok(AtPoint { quantity, region, cells })
+        Ok((region, cells))
     }
 }
 
@@ -298,6 +326,6 @@ impl<const D: usize> Functional<D> for AtPoint<D> {
             };
             inside.0
         };
-        self.cells.iter().map(value).sum::<f64>() / self.cells.len() as f64
+        at.space.sum(self.cells.iter().map(value).sum::<f64>()) / self.number as f64
     }
 }

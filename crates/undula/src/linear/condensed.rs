@@ -2,7 +2,7 @@
 
 use super::correction::{At, Correction};
 use super::extension::Extension;
-use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows};
+use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows, share};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
@@ -36,13 +36,14 @@ impl<const D: usize> Condensed<D> {
     ) -> Result<Condensed<D>, SolverError> {
         assembler.eliminate_in_long_cells(multigrid.is_some());
         let system = assembler.try_condensed()?;
-        let solver: Box<dyn LinearSolver> = match multigrid {
+        let mut solver: Box<dyn LinearSolver> = match multigrid {
             Some(settings) => {
                 let places = System::Flow { given: &assembler.is_given(), places: &system.places };
                 multigrid::multigrid(settings, tiers(&assembler.space, places), make(Purpose::Correction))
             }
             None => make(Purpose::Condensed),
         };
+        share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
         let factored = Factored::new(&system.pattern, &system.unknowns, solver, krylov)?;
         let extension = Extension::new(assembler, view, make, multigrid)?;
         let relation = relation::places(assembler).map(|place| place as u32).collect();

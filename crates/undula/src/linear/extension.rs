@@ -1,6 +1,6 @@
 //! The extension of an update of the solid into the fluid.
 
-use super::factors::{MakeSolver, Purpose};
+use super::factors::{MakeSolver, Purpose, share};
 use crate::algebra::{Cost, Gmres, GmresSettings, LinearSolver, SolverError};
 use crate::multigrid::{self, System, tiers};
 use crate::system::extension::ExtensionSystem;
@@ -34,7 +34,9 @@ impl<const D: usize> Extension<D> {
         let purpose = if assembler.is_biharmonic() {
             // Of fourth order: single precision is not enough for the condition of its matrix.
             Purpose::Exact
-        } else if assembler.extension_is_constant() && system.matrix.is_symmetric(SYMMETRIC) {
+        } else if assembler.extension_is_constant()
+            && !assembler.space.any(!system.matrix.is_symmetric(SYMMETRIC))
+        {
             Purpose::Definite
         } else {
             Purpose::Correction
@@ -51,6 +53,7 @@ impl<const D: usize> Extension<D> {
                 }
                 None => make(purpose),
             };
+            share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
             solver.analyse(&system.matrix.pattern, &unknowns)?;
             solver.factor(&system.matrix)?;
             Ok(solver)

@@ -7,6 +7,7 @@ use super::relation;
 use super::scales::Scales;
 use crate::algebra::{Cost, Csr, LinearSolver, Pattern, Sizes, SolverError, Unknown};
 use crate::physics::StepRule;
+use crate::space::FsiSpace;
 use crate::system::Assembler;
 use std::sync::Arc;
 
@@ -124,6 +125,21 @@ impl Factored {
         let (factors, iterative) = (self.solver.predicted(), self.krylov.is_some());
         Work { unknowns, rows, entries, factors, extension, iterative }
     }
+}
+
+/// Tells a solver of the unknowns at `places` in \[v, u, p\] that processes share them, if they do.
+///
+/// # Errors
+/// If MPI fails.
+pub(super) fn share<const D: usize>(
+    space: &FsiSpace<D>,
+    places: impl Iterator<Item = u32>,
+    solver: &mut dyn LinearSolver,
+) -> Result<(), SolverError> {
+    if let Some(halo) = space.halo(places) {
+        solver.share(halo.map_err(|fault| SolverError::Engine(fault.to_string()))?);
+    }
+    Ok(())
 }
 
 /// Scale the rows that have k⁻¹M + θA: momentum and velocity-deformation relation.

@@ -1,7 +1,7 @@
 //! Corrections by the whole Jacobian, or what the chosen linearisation leaves of it.
 
 use super::correction::{At, Correction};
-use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows};
+use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows, share};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
@@ -21,10 +21,11 @@ pub(super) struct Full {
 impl Full {
     pub(super) fn new<const D: usize>(
         assembler: &mut Assembler<D>,
-        solver: Box<dyn LinearSolver>,
+        mut solver: Box<dyn LinearSolver>,
         krylov: Option<KrylovSettings>,
     ) -> Result<Full, SolverError> {
         let pattern = assembler.try_pattern()?;
+        share(&assembler.space, 0..pattern.n as u32, &mut *solver)?;
         let factored = Factored::new(&pattern, &assembler.unknowns(), solver, krylov)?;
         Ok(Full { factored, work: vec![] })
     }

@@ -368,12 +368,13 @@ impl<const D: usize> Linear<D> {
         (moved, follow): (&[(usize, f64)], bool),
     ) {
         if self.active != Linearization::Condensed {
-            if !moved.is_empty() {
+            if assembler.is_moved() {
                 self.lift.follow(assembler, &self.make, rule, (new, old), moved);
             }
             return;
         }
-        if moved.is_empty() && relation::places(assembler).next().is_none() {
+        let relates = relation::places(assembler).next().is_some();
+        if !assembler.is_moved() && !assembler.space.any(relates) {
             return;
         }
         let slot = self.slot();

@@ -1,6 +1,7 @@
 //! The units of the equations: residuals of all of them beside each other.
 
 use crate::algebra::{self, Sizes};
+use crate::parallel::Reduce;
 use crate::space::{FsiSpace, PsiOwner, State};
 
 /// Weights that give the residuals of all equations the unit of a velocity.
@@ -87,11 +88,14 @@ impl Scales {
     }
 
     /// Scaled residual \[m/s\] that rounding leaves of a solution like `state`, in a step with 1/k = `per_k`: nothing
-    /// where all is at rest. `unloading` are displacements that take away a stress at rest.
-    pub fn rounding<const D: usize>(&self, state: &State, unloading: &[f64], per_k: f64) -> f64 {
+    /// where all is at rest. Displacements of `space` that take away a stress at rest count.
+    pub fn rounding<const D: usize>(&self, space: &FsiSpace<D>, state: &State, per_k: f64) -> f64 {
         let (k, h) = (self.step(per_k), self.size);
-        let [v, u, p] = [&state.v, &state.u, &state.p].map(|x| algebra::norm_inf(x));
-        let u = u.max(algebra::norm_inf(unloading));
+        let mut sizes =
+            [&state.v, &state.u, &state.p, &space.fabrics.unloading].map(|x| algebra::norm_inf(x));
+        space.reduce(Reduce::Max, &mut sizes);
+        let [v, u, p, unloading] = sizes;
+        let u = u.max(unloading);
         let flow =
             v * (1.0 + k * (self.viscosity / h + v) / h) + u / k + p * h.powi(D as i32 - 1) * k / self.mass;
         let stress = if u > 0.0 { self.wave * k / h } else { 0.0 };
@@ -113,8 +117,27 @@ impl Scales {
         }
     }
 
-    /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`; `None` if not finite.
+    /// Norms of the residual `r` in the order v, u, p for a step with 1/k = `per_k`, over the rows of all processes; `None`
+    /// if not finite.
     pub fn norms<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
+        if space.part.is_none() {
+            return self.norms_of(space, per_k, r);
+        }
+        let here = self.norms_of(space, per_k, &space.own_rows(r));
+        let numbers = |n: BlockNorms| [n.momentum, n.divergence, n.extension, n.relation];
+        let mut all = here.map_or([f64::NAN; 4], numbers);
+        space.reduce(Reduce::Max, &mut all);
+        let [momentum, divergence, extension, relation] = all;
+        all.iter().all(|norm| norm.is_finite()).then_some(BlockNorms {
+            momentum,
+            divergence,
+            extension,
+            relation,
+        })
+    }
+
+    /// The same of the rows of this process.
+    fn norms_of<const D: usize>(&self, space: &FsiSpace<D>, per_k: f64, r: &[f64]) -> Option<BlockNorms> {
         let k = self.step(per_k);
         let (n_v, n_u) = (space.n_v(), space.n_u());
         let mut n = BlockNorms {

@@ -16,6 +16,7 @@ mod grade;
 mod hierarchy;
 mod locate;
 mod matching;
+mod partition;
 mod place;
 mod quality;
 mod refine;

@@ -210,6 +210,29 @@ impl<const D: usize> Mesh<D> {
         })
     }
 
+    /// The mesh of `cells` alone, ascending, with all names. Facets that lay inside have none; those that are named once, seen
+    /// from a cell that is left out, are left out with it.
+    pub(crate) fn part(&self, cells: &[u32]) -> Self {
+        let place = |facet: &Facet| {
+            let cell = cells.binary_search(&facet.cell).ok()? as u32;
+            Some(Facet { cell, ..*facet })
+        };
+        let mut cell_nodes: Vec<u32> =
+            cells.iter().flat_map(|&cell| self.cell(cell as usize)).copied().collect();
+        let nodes = renumber(self.nodes.len(), cell_nodes.iter_mut());
+        Mesh {
+            shape: self.shape,
+            degree: self.degree,
+            nodes: nodes.into_iter().map(|node| self.nodes[node]).collect(),
+            cell_nodes,
+            cell_region: cells.iter().map(|&cell| self.cell_region[cell as usize]).collect(),
+            regions: self.regions.clone(),
+            facets: self.facets.iter().filter_map(place).collect(),
+            boundaries: self.boundaries.clone(),
+            parts: self.parts.iter().filter_map(place).collect(),
+        }
+    }
+
     /// Drops all cells but those `kept`, with their facets, and all nodes and names that are then unused.
     pub(crate) fn drop_cells(&mut self, kept: impl Fn(u32) -> bool) {
         let cells: Vec<usize> = (0..self.n_cells()).filter(|&c| kept(c as u32)).collect();

@@ -6,8 +6,11 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Directories of a run, with the endings of the files in them that are ours.
-const SUBDIRECTORIES: [(&str, &[&str]); 3] =
-    [("fields", &["vtu", "tmp"]), ("checkpoints", &["npz", "tmp"]), ("plots", &["png", "svg", "tmp"])];
+const SUBDIRECTORIES: [(&str, &[&str]); 3] = [
+    ("fields", &["vtu", "pvtu", "tmp"]),
+    ("checkpoints", &["npz", "tmp"]),
+    ("plots", &["png", "svg", "tmp"]),
+];
 
 /// The case of a run, in its directory.
 pub const CASE: &str = "case.toml";
@@ -143,6 +146,16 @@ impl RunDirectory {
     /// Field file of step `step`, relative to the directory as the collection wants it.
     pub fn field_name(&self, step: u64) -> String {
         format!("fields/fields_{step:06}.vtu")
+    }
+
+    /// The same where several processes write their pieces.
+    pub fn shared_field_name(step: u64) -> String {
+        format!("fields/fields_{step:06}.pvtu")
+    }
+
+    /// The piece of process `rank`.
+    pub fn piece_name(step: u64, rank: usize) -> String {
+        format!("fields/fields_{step:06}_{rank}.vtu")
     }
 
     /// `mean.vtu`.

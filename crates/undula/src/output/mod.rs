@@ -13,6 +13,7 @@ pub mod error;
 pub mod history;
 pub mod provenance;
 pub mod pvd;
+pub mod pvtu;
 pub mod snapshot;
 pub mod summary;
 pub mod vtk_order;
@@ -26,6 +27,7 @@ pub(crate) use history::text_of;
 pub use history::{History, HistoryWriter};
 pub use provenance::{Provenance, hash, processor};
 pub use pvd::Collection;
+pub use pvtu::{pieces_of, read_snapshot, write_pvtu};
 pub use snapshot::{CellKind, Field, FieldSnapshot};
 pub use summary::{
     Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, processor_seconds,

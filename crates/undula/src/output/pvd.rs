@@ -1,6 +1,7 @@
 //! `fields.pvd`: the list of field files with their times, which ParaView opens as one animation.
 
 use super::history::number;
+use super::pvtu::pieces_of;
 use super::{OutputError, write_atomic};
 use std::fs;
 use std::io::Write;
@@ -68,10 +69,7 @@ impl Collection {
         kept.retain(|(_, file)| folder.join(file).exists());
         collection.entries = kept;
         collection.write()?;
-        for (_, file) in later {
-            // Whatever is left over is overwritten by the run or does no harm.
-            let _ = fs::remove_file(collection.resolve(&file));
-        }
+        later.iter().for_each(|(_, file)| collection.remove_file(file));
         Ok(collection)
     }
 
@@ -95,10 +93,21 @@ impl Collection {
         if self.entries.iter().any(|(_, name)| name == file) {
             self.entries.retain(|(_, name)| name != file);
             self.write()?;
-            // Whatever is left over does no harm.
-            let _ = fs::remove_file(self.resolve(file));
+            self.remove_file(file);
         }
         Ok(())
+    }
+
+    /// Removes a field file, and its pieces if it names some. Whatever is left over is overwritten by the run or does no
+    /// harm.
+    fn remove_file(&self, file: &str) {
+        let path = self.resolve(file);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let is_list = path.extension().is_some_and(|extension| extension == "pvtu");
+        for piece in pieces_of(&path).ok().filter(|_| is_list).unwrap_or_default() {
+            let _ = fs::remove_file(folder.join(piece));
+        }
+        let _ = fs::remove_file(&path);
     }
 
     /// Writes the file again if it is not there.

@@ -2,6 +2,7 @@
 
 use super::alone::Alone;
 use super::comm::{Comm, Fault};
+use super::crew::Crew;
 
 /// What a process would do next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,12 +45,24 @@ impl Wish {
 /// The first one writes the files.
 pub struct Team {
     comm: Box<dyn Comm>,
+    crew: Option<Crew>,
 }
 
 impl Team {
     /// Of those that `comm` connects.
     pub fn new(comm: impl Comm + 'static) -> Team {
-        Team { comm: Box::new(comm) }
+        Team { comm: Box::new(comm), crew: None }
+    }
+
+    /// With a handle of the same processes for those parts of a run that share a mesh.
+    #[must_use]
+    pub fn with_crew(self, crew: Crew) -> Team {
+        Team { crew: Some(crew), ..self }
+    }
+
+    /// That handle, if there is one.
+    pub fn crew(&self) -> Option<&Crew> {
+        self.crew.as_ref()
     }
 
     /// A process without others.

@@ -70,9 +70,13 @@ pub(super) struct OfRun<'a> {
     pub(super) cut: Option<f64>,
 }
 
-/// A checkpoint of `simulation` as it is.
-pub(super) fn of<const D: usize>(simulation: &Simulation<D>, run: &OfRun<'_>) -> Result<Checkpoint, Error> {
-    let Memory { steps, stepper, adaptive, balance, unloading } = simulation.save();
+/// A checkpoint of `simulation` as it is, with its `memory`.
+pub(super) fn of<const D: usize>(
+    simulation: &Simulation<D>,
+    memory: Memory,
+    run: &OfRun<'_>,
+) -> Result<Checkpoint, Error> {
+    let Memory { steps, stepper, adaptive, balance, unloading } = memory;
     let time::Memory { clock, new, old, point, newton, detour, stages } = stepper;
     let nonlinear::Memory { worsening, counters, seconds } = newton;
     let metadata = Metadata {
@@ -232,8 +236,9 @@ fn memory<const D: usize>(
 ) -> Result<Memory, Error> {
     let Stepper { assembler, settings, .. } = &simulation.stepper;
     let (space, s) = (&assembler.space, simulation.stepper.new.s.len());
-    let sizes = Sizes { v: space.n_v(), u: space.n_u(), p: space.n_p(), s };
-    let state = |name: &str| sizes.state(checkpoint, name);
+    let [v, u, p] = space.n_all();
+    let sizes = Sizes { v, u, p, s };
+    let state = |name: &str| sizes.state(checkpoint, name).map(|state| space.part_of(state));
     let (interval, left) = metadata.damping;
     let [time, last_step] = metadata.clock;
     let [solves, iterations, last] = metadata.age;
@@ -263,7 +268,12 @@ fn memory<const D: usize>(
         steps: metadata.step,
         stepper: time::Memory { clock, new, old, point, newton, detour, stages },
         adaptive: match &metadata.adaptive {
-            Some(adaptive) if simulation.adaptive.is_some() => Some(sizes.adaptive(checkpoint, adaptive)?),
+            Some(adaptive) if simulation.adaptive.is_some() => {
+                let mut memory = sizes.adaptive(checkpoint, adaptive)?;
+                let fields = memory.past.iter_mut().flat_map(|(_, fields)| fields);
+                fields.for_each(|field| *field = space.nodal_part(field));
+                Some(memory)
+            }
             _ => None,
         },
         balance: metadata.balance,

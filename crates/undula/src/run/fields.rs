@@ -6,6 +6,7 @@ use crate::element::Shape;
 use crate::functional::fields::nodal_pressure;
 use crate::functional::nodal::{FIELDS, NodalField, WallShear, in_body};
 use crate::output::{CellKind, Field, FieldSnapshot};
+use crate::parallel::Reduce;
 use crate::simulation::Simulation;
 use crate::space::{FsiSpace, Region, State};
 use crate::system::Physics;
@@ -42,7 +43,8 @@ pub fn fields<const D: usize>(
         let name = name_of(&FIELDS, &field);
         for (body, region) in [("fluid", Region::Fluid), ("solid", Region::Solid)] {
             let without = field == NodalField::Jacobian && !space.deforms;
-            if field.is_derived_in(region) && space.regions.contains(&region) && !without {
+            let is_there = field.is_derived_in(region) && space.any(space.regions.contains(&region));
+            if is_there && !without {
                 let values = in_body(space, physics, state, field, region);
                 let values = space.at_places(&values, field.components(D));
                 snapshot.point_data.push(Field::new(format!("{body}-{name}"), field.components(D), values));
@@ -76,7 +78,7 @@ pub fn snapshot<const D: usize>(space: &FsiSpace<D>, state: &State, deformed: bo
     }
     for (name, region) in [("pressure", Region::Fluid), ("solid-pressure", Region::Solid)] {
         let values = nodal_pressure(space, state, region);
-        if values.iter().any(Option::is_some) {
+        if space.any(values.iter().any(Option::is_some)) {
             let values: Vec<f64> = values.into_iter().map(|value| value.unwrap_or(0.0)).collect();
             point_data.push(Field::new(name, 1, space.at_places(&values, 1)));
         }
@@ -99,10 +101,11 @@ pub fn snapshot<const D: usize>(space: &FsiSpace<D>, state: &State, deformed: bo
 
 /// The number of the body in each cell, fluids and then solids in the order of the case; `None` where `solid` tells it.
 fn material<const D: usize>(space: &FsiSpace<D>) -> Option<Field> {
-    let several = space.material.iter().any(|&material| material > 0);
+    let several = space.any(space.material.iter().any(|&material| material > 0));
     let last = |region: Region| {
         let of_region = space.regions.iter().zip(&space.material).filter(|(r, _)| **r == region);
-        of_region.map(|(_, &material)| material + 1).max().unwrap_or(0)
+        let here = of_region.map(|(_, &material)| material + 1).max().unwrap_or(0);
+        space.over_all(Reduce::Max, f64::from(here)) as u16
     };
     let first = [(Region::Fluid, 0), (Region::Solid, last(Region::Fluid))];
     let number = |(region, material): (&Region, &u16)| {

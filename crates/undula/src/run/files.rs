@@ -3,6 +3,7 @@
 use super::checkpoint::{self, OfRun};
 use super::identity::mesh_hash;
 use super::rows::{columns, numbers};
+use super::share::{self, Order};
 use super::summary::{Spent, summary_of};
 use super::together::{settle, settle_with};
 use super::window::Window;
@@ -12,7 +13,7 @@ use crate::output::{
     Breakdown, Checkpoint, Collection, FunctionalSummary, HistoryWriter, OutputError, Precision, Provenance,
     RunDirectory, Status, Summary, hash, text_of, write_vtu,
 };
-use crate::parallel::Team;
+use crate::parallel::{Crew, Team};
 use crate::simulation::{Columns, Row, Simulation};
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -54,6 +55,8 @@ pub(super) struct Run<const D: usize> {
     pub cut: Option<f64>,
     /// Means over a window of time.
     pub window: Option<Window<D>>,
+    /// The processes that share the mesh.
+    crew: Option<Crew>,
 }
 
 impl<const D: usize> Run<D> {
@@ -80,6 +83,7 @@ impl<const D: usize> Run<D> {
             mesh: mesh_hash(&simulation.case),
             commit: None,
             window: Window::new(&simulation),
+            crew: share::crew_of(&simulation),
             simulation,
             directory,
             history,
@@ -104,9 +108,11 @@ impl<const D: usize> Run<D> {
     /// Step until the end, a stop, or an error.
     pub fn advance(&mut self, observer: &mut dyn Observer<D>, team: &mut Team) -> Result<Flow, Error> {
         let begun = self.begin();
+        self.order(Order::Settle)?;
         settle_with(team, begun)?;
         while !self.simulation.finished() {
             let outcome = self.step(observer);
+            self.order(Order::Settle)?;
             if settle(team, outcome)? == Flow::Stop && !self.simulation.finished() {
                 return Ok(Flow::Stop);
             }
@@ -131,6 +137,7 @@ impl<const D: usize> Run<D> {
             self.cut = self.simulation.case.time.as_ref().map(|time| time.end);
         }
         let before = self.fallbacks();
+        self.order(Order::Step)?;
         let row = self.simulation.step()?;
         let now = self.fallbacks();
         if now.0 != before.0 {
@@ -205,12 +212,27 @@ impl<const D: usize> Run<D> {
             return Ok(());
         }
         self.verify()?;
-        let name = self.directory.field_name(step);
-        let snapshot = written_fields(&self.simulation);
-        write_vtu(self.directory.path().join(&name), &snapshot, self.simulation.time(), Precision::Auto)?;
+        self.order(Order::Fields)?;
+        let name = match self.crew {
+            Some(_) => share::write_fields(&self.simulation, self.directory.path())?,
+            None => self.write_vtu(step)?,
+        };
         self.collection.add(self.simulation.time(), name)?;
         self.last_fields = Some(step);
         Ok(())
+    }
+
+    /// Writes the fields of a process that has all of them; the name of the file in the directory.
+    fn write_vtu(&self, step: u64) -> Result<String, Error> {
+        let name = self.directory.field_name(step);
+        let snapshot = written_fields(&self.simulation);
+        write_vtu(self.directory.path().join(&name), &snapshot, self.simulation.time(), Precision::Auto)?;
+        Ok(name)
+    }
+
+    /// Tells the processes that share the mesh what all do next.
+    fn order(&self, order: Order) -> Result<(), Error> {
+        share::order(self.crew.as_ref(), order)
     }
 
     fn write_checkpoint(&mut self) -> Result<(), Error> {
@@ -233,7 +255,9 @@ impl<const D: usize> Run<D> {
                 .map(|row| text_of(&numbers(row, self.with_iterations))),
             cut: self.cut,
         };
-        let mut checkpoint = checkpoint::of(&self.simulation, &of_run)?;
+        self.order(Order::Checkpoint)?;
+        let memory = share::whole_memory(&self.simulation)?;
+        let mut checkpoint = checkpoint::of(&self.simulation, memory, &of_run)?;
         if let Some(window) = &self.window {
             window.save(&mut checkpoint);
         }
@@ -287,6 +311,12 @@ impl<const D: usize> Run<D> {
 
     /// Write what is left to write: last fields, a checkpoint if the run can go on, the summary.
     pub fn close(mut self, status: Status, breakdown: Option<Breakdown>) -> Result<Summary, Error> {
+        let summary = self.write_rest(status, breakdown);
+        // Before anything is given back, which all do together.
+        self.order(Order::End).and(summary)
+    }
+
+    fn write_rest(&mut self, status: Status, breakdown: Option<Breakdown>) -> Result<Summary, Error> {
         let start = Instant::now();
         // Where there is another directory now, nothing of this run belongs into it.
         self.directory.verify()?;

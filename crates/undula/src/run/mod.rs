@@ -8,6 +8,7 @@ mod identity;
 mod inflow;
 mod resume;
 mod rows;
+mod share;
 mod summary;
 mod together;
 mod window;
@@ -115,8 +116,8 @@ where
     }
     // Everything that can be wrong with the input is found before a file is touched.
     let simulation = match options.resume {
-        true => again(case, options),
-        false => Dim::<D>::set_up(case, options.threads),
+        true => again(case, options, team.crew()),
+        false => Dim::<D>::set_up_by(case, options.threads, team.crew()),
     };
     let simulation = together::settle_with(team, simulation)?;
     together::compare_states(team, &simulation)?;

@@ -9,7 +9,7 @@ use super::{Observer, RunOptions};
 use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::output::{Collection, HistoryWriter, RunDirectory};
-use crate::parallel::Team;
+use crate::parallel::{Crew, Team};
 use crate::results::computed::case_of;
 use crate::simulation::{SetUp, Simulation};
 use crate::system::Dim;
@@ -97,7 +97,11 @@ impl<const D: usize> Run<D> {
 
 /// The simulation of a run that is resumed. Its state comes from its own checkpoints, and its start, if another run
 /// gave it, from its own case.
-pub(super) fn again<const D: usize>(mut case: Case, options: &RunOptions) -> Result<Simulation<D>, Error>
+pub(super) fn again<const D: usize>(
+    mut case: Case,
+    options: &RunOptions,
+    crew: Option<&Crew>,
+) -> Result<Simulation<D>, Error>
 where
     Dim<D>: SetUp<D>,
 {
@@ -107,7 +111,7 @@ where
     {
         time.start = former.start;
     }
-    Dim::<D>::at_rest(case, options.threads)
+    Dim::<D>::at_rest_by(case, options.threads, crew)
 }
 
 /// Whether `case` ends later than that of the run in `path`.

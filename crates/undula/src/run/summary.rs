@@ -35,7 +35,7 @@ pub fn summary_of<const D: usize>(
         status,
         case: simulation.case.name.clone(),
         start: simulation.case.initial.as_ref().map(ToString::to_string),
-        cells: simulation.stepper.assembler.space.mesh.n_cells(),
+        cells: simulation.cells(),
         unknowns: simulation.unknowns(),
         steps: simulation.steps,
         newton_steps: newton.counters.newton_steps as u64,

@@ -3,7 +3,7 @@
 use super::checkpoint::restore_step;
 use super::identity::{mesh_hash, table_hashes};
 use super::summary::{Spent, summary_of};
-use super::{Flow, Observer, RunOptions};
+use super::{Flow, Observer, RunOptions, share};
 use crate::case::Case;
 use crate::error::Error;
 use crate::loops::width::best_lanes;
@@ -17,10 +17,12 @@ pub(super) fn settle(team: &mut Team, outcome: Result<Flow, Error>) -> Result<Fl
     let wish = match &outcome {
         Ok(Flow::Continue) => Wish::GoOn,
         Ok(Flow::Stop) => Wish::Stop,
+        // The one that knows says what it is.
+        Err(Error::Elsewhere { .. }) => Wish::GoOn,
         Err(error) => Wish::Fail(error.exit_code()),
     };
     match team.agree(wish).map_err(Error::Processes)? {
-        Agreed::GoOn => Ok(Flow::Continue),
+        Agreed::GoOn => outcome.map(|_| Flow::Continue),
         Agreed::Stop => Ok(Flow::Stop),
         Agreed::Fail { first, .. } if first == team.rank() => outcome,
         Agreed::Fail { code, .. } => Err(Error::Elsewhere { code }),
@@ -78,7 +80,12 @@ pub(super) fn compare_states<const D: usize>(
         return Ok(());
     }
     let state = &simulation.stepper.new;
-    let numbers = [&state.v, &state.u, &state.p, &state.s].into_iter().flatten();
+    let fields = match share::crew_of(simulation) {
+        None => vec![&state.v, &state.u, &state.p, &state.s],
+        // Each has its own part of it.
+        Some(_) => vec![],
+    };
+    let numbers = fields.into_iter().flatten();
     let bytes: Vec<u8> =
         numbers.chain([&simulation.time()]).flat_map(|number| number.to_le_bytes()).collect();
     match team.differing(&[number_of(&bytes)]).map_err(Error::Processes)? {
@@ -105,6 +112,11 @@ pub(super) fn follow<const D: usize>(
     // It has opened its files.
     settle(team, Ok(Flow::Continue))?;
     observer.start(&simulation);
+    let spent = Spent { wall: 0.0, output: 0.0 };
+    if share::crew_of(&simulation).is_some() {
+        let status = share::serve(&mut simulation, &options.directory, (observer, team))?;
+        return Ok(summary_of(&simulation, status, None, spent));
+    }
     settle(team, Ok(Flow::Continue))?;
     let mut status = Status::Completed;
     while !simulation.finished() {
@@ -118,5 +130,5 @@ pub(super) fn follow<const D: usize>(
             break;
         }
     }
-    Ok(summary_of(&simulation, status, None, Spent { wall: 0.0, output: 0.0 }))
+    Ok(summary_of(&simulation, status, None, spent))
 }

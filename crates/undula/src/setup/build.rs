@@ -4,8 +4,9 @@ use super::dimension::Dimension;
 use super::functions::{body_force, current_force, function, motion};
 use super::mesh::Marked;
 use super::overview::Overview;
+use super::share::Shared;
 use super::terms::has_correction;
-use crate::algebra::petsc::PetscSolver;
+use crate::algebra::petsc::{EXTENSION_OPTIONS, PetscSolver, USUAL_OPTIONS};
 use crate::algebra::{self, LinearSolver};
 use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
@@ -19,6 +20,7 @@ use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
+use crate::parallel::Crew;
 use crate::physics::Projection;
 use crate::space::{
     BoundaryCondition, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed,
@@ -45,7 +47,7 @@ impl Case {
     /// # Errors
     /// As [`Case::build_mesh`], and if the linear solver cannot be prepared.
     pub fn build_stepper(&self, threads: usize) -> Result<Stepper<2>, Error> {
-        Ok(self.build_with_notes(threads)?.0)
+        Ok(self.build_with_notes(threads, None)?.0)
     }
 
     /// Spaces with the hierarchy of their mesh.
@@ -159,13 +161,14 @@ impl Case {
     }
 
     /// Everything that computes in `D` dimensions, with what should be known of it: regions that are left out, parts of the
-    /// fluid that are closed in.
+    /// fluid that are closed in. The processes of `crew` share the spaces if they can.
     ///
     /// # Errors
     /// As [`Case::build_stepper`].
     pub(crate) fn build_with_notes<const D: usize>(
         &self,
         threads: usize,
+        crew: Option<&Crew>,
     ) -> Result<(Stepper<D>, Vec<String>), Error>
     where
         Dim<D>: Dimension<D>,
@@ -178,6 +181,9 @@ impl Case {
         notes.extend(self.check_enclosed(&space)?);
         notes.extend(self.note_on_solver(&space).into_iter().chain(engine));
         notes.extend(self.notes_on_functionals());
+        let conditions = self.conditions(&space.mesh);
+        let Shared { space, note } = self.share(space, &conditions, crew);
+        notes.extend(note);
         Ok((self.stepper_on(space, threads)?, notes))
     }
 
@@ -189,8 +195,8 @@ impl Case {
     where
         Dim<D>: Dimension<D>,
     {
-        let conditions = self.conditions(&space.mesh);
-        let (stiffness, largest) = self.stiffness(&space)?;
+        let conditions = space.with_whole(|whole| self.conditions(&whole.mesh));
+        let (stiffness, largest) = space.with_whole(|whole| self.stiffness(whole))?;
         let mut options = system::Options::serial(self.space.quadrature);
         options.threads = threads;
         let mut assembler =
@@ -204,12 +210,14 @@ impl Case {
         }
         assembler.stabilize(&self.stabilization, &options)?;
         self.terms(&space).into_iter().for_each(|term| assembler.add(term));
-        let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
-        assembler.close(closed.map(|part| part.pressure(&space)).collect());
+        if space.part.is_none() {
+            let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
+            assembler.close(closed.map(|part| part.pressure(&space)).collect());
+        }
         // What is left of data on the solid is rounding, see `check_ends`.
         assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
-        let make = self.make_solver();
-        let scales = self.scales(&space, largest);
+        let make = self.make_solver(space.part.is_some());
+        let scales = space.with_whole(|whole| self.scales(whole, largest));
         let krylov = |gmres| KrylovSettings { gmres, scales };
         let levels = self.levels(&space);
         let gmres = self.linear.krylov.or(levels.map(|_| WITH_MULTIGRID));
@@ -241,8 +249,8 @@ impl Case {
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, forces.collect()))
     }
 
-    /// How linear solvers are made.
-    fn make_solver(&self) -> MakeSolver {
+    /// How linear solvers are made; `shared`: of systems that processes share.
+    fn make_solver(&self, shared: bool) -> MakeSolver {
         let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
         let (kind, precision) = (self.linear.solver, self.linear.precision);
         let petsc = self.petsc_options().map(String::from);
@@ -250,6 +258,10 @@ impl Case {
             let (precision, definite, options) = match (purpose, &petsc) {
                 (Purpose::Whole | Purpose::Condensed, Some(options)) => {
                     return Box::new(PetscSolver::new(options, linear.refinement));
+                }
+                (_, Some(options)) if shared => {
+                    let definite = purpose == Purpose::Definite;
+                    return Box::new(PetscSolver::new(of_extension(options, definite), linear.refinement));
                 }
                 (Purpose::Exact | Purpose::Whole, _) => (Precision::Double, false, linear),
                 (Purpose::Correction | Purpose::Condensed, _) => {
@@ -337,7 +349,8 @@ impl Case {
     /// Points outside of the mesh.
     pub fn build_functionals<const D: usize>(&self, space: &FsiSpace<D>) -> Result<Functionals<D>, Error> {
         let mut list: Functionals<D> = vec![];
-        let surfaces = Surfaces::new(space, &self.conditions(&space.mesh), self.space.quadrature + 1);
+        let conditions = space.with_whole(|whole| self.conditions(&whole.mesh));
+        let surfaces = Surfaces::new(space, &conditions, self.space.quadrature + 1);
         for (name, spec) in self.functional.iter().filter(|(_, spec)| self.has_body_of(spec)) {
             let blame = |e| self.blame(&format!("functional.{name}.{}", spec.key_of(&e)), e);
             let functional = spec.build(self, space, &surfaces).map_err(blame)?;
@@ -348,6 +361,12 @@ impl Case {
         }
         Ok(list)
     }
+}
+
+/// Options of the extension where the flow has `options`: factors where that has them, too.
+fn of_extension(options: &str, definite: bool) -> &'static str {
+    let direct = options.split_whitespace().any(|word| word == "preonly");
+    if definite && !direct { EXTENSION_OPTIONS } else { USUAL_OPTIONS }
 }
 
 /// The directions of the fibres of a solid, if they are a field.

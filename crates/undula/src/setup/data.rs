@@ -134,6 +134,7 @@ impl Case {
                 let mut given = self.boundary.iter().filter(|(name, c)| c.is_given() && here(name));
                 given.find_map(|(name, condition)| of_condition(name, condition))
             }
+            DataKind::Elsewhere => None,
             DataKind::Condition { boundary } => {
                 let name = &space.mesh.boundaries[usize::from(boundary)];
                 self.boundary.get(name).and_then(|condition| of_condition(name, condition))

@@ -64,7 +64,8 @@ impl FunctionalSpec {
         let along = if case.mesh.extrude.is_some() { 2 } else { D };
         Ok(match self {
             FunctionalSpec::Force { on, component, surface_integral, coefficient } => {
-                let (factor, unit) = coefficient.map_or((1.0, "N/m"), |c| (case.of_force(space, on, c), ""));
+                let of_force = |c| space.with_whole(|whole| case.of_force(whole, on, c));
+                let (factor, unit) = coefficient.map_or((1.0, "N/m"), |c| (of_force(c), ""));
                 // An interface that is not there, as in a flow without body, carries no force.
                 if *surface_integral {
                     Box::new(ForceBySurface::new(surfaces, on, *component, factor, unit))

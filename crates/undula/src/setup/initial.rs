@@ -212,7 +212,7 @@ impl Case {
     where
         Dim<D>: Dimension<D>,
     {
-        let mut stepper = self.at_start().build_with_notes::<D>(threads)?.0;
+        let mut stepper = self.at_start().build_with_notes::<D>(threads, None)?.0;
         let report = stepper.stationary().map_err(|failure| match &failure.reason {
             NewtonError::Linear(error) if failure.is_too_large() => Error::Solver(error.clone()),
             _ => Error::Breakdown(failure),

@@ -30,6 +30,7 @@ pub(crate) mod prestress;
 pub mod profile;
 mod regions;
 mod seconds;
+mod share;
 pub mod starter;
 mod supports;
 mod terms;

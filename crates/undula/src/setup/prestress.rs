@@ -87,14 +87,14 @@ impl Case {
         let mut whole = self.stepper_on(space.clone(), threads)?;
         let mut state = whole.assembler.zero();
         if let Some(flow) = self.flow_alone() {
-            let mut stepper = flow.build_with_notes::<D>(threads).map_err(about)?.0;
+            let mut stepper = flow.build_with_notes::<D>(threads, None).map_err(about)?.0;
             let (found, _) = settled(&mut stepper)?;
             let cells = Shared::new(space, &stepper.assembler.space, Region::Fluid);
             cells.copy(&found.v, &mut state.v);
             cells.copy_pressure(&found.p, &mut state.p);
             state.s = scalars(&whole.assembler, &found.s);
         }
-        let mut stepper = self.solids_alone().build_with_notes::<D>(threads).map_err(about)?.0;
+        let mut stepper = self.solids_alone().build_with_notes::<D>(threads, None).map_err(about)?.0;
         let part = stepper.assembler.space.clone();
         let cells = Shared::new(space, &part, Region::Solid);
         let mut load = vec![0.0; part.n_v()];

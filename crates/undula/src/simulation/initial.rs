@@ -5,6 +5,7 @@ use crate::case::{Case, Initial};
 use crate::error::Error;
 use crate::functional::transfer::transfer;
 use crate::output::{Checkpoint, RunDirectory};
+use crate::parallel::Crew;
 use crate::setup::dimension::Dimension;
 use crate::setup::initial::scalars;
 use crate::setup::prestress::Prestress;
@@ -62,32 +63,48 @@ pub trait SetUp<const D: usize>: Dimension<D> {
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    fn set_up(case: Case, threads: usize) -> Result<Simulation<D>, Error>;
+    fn set_up(case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+        Self::set_up_by(case, threads, None)
+    }
+
+    /// The same by the processes of `crew`, which share it if they can.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    fn set_up_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<D>, Error>;
 
     /// The same at rest, whatever the case begins with: its state comes from elsewhere.
     ///
     /// # Errors
     /// If the case does not fit its mesh, or if the linear solver cannot be prepared.
-    fn at_rest(case: Case, threads: usize) -> Result<Simulation<D>, Error>;
+    fn at_rest(case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+        Self::at_rest_by(case, threads, None)
+    }
+
+    /// The same by the processes of `crew`, which share it if they can.
+    ///
+    /// # Errors
+    /// As [`SetUp::at_rest`].
+    fn at_rest_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<D>, Error>;
 }
 
 impl SetUp<2> for Dim<2> {
-    fn set_up(case: Case, threads: usize) -> Result<Simulation<2>, Error> {
-        Simulation::set_up(case, threads)
+    fn set_up_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<2>, Error> {
+        Simulation::set_up(case, threads, crew)
     }
 
-    fn at_rest(case: Case, threads: usize) -> Result<Simulation<2>, Error> {
-        Simulation::rest(case, threads)
+    fn at_rest_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<2>, Error> {
+        Simulation::rest(case, threads, crew)
     }
 }
 
 impl SetUp<3> for Dim<3> {
-    fn set_up(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
-        Simulation::set_up(case, threads)
+    fn set_up_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<3>, Error> {
+        Simulation::set_up(case, threads, crew)
     }
 
-    fn at_rest(case: Case, threads: usize) -> Result<Simulation<3>, Error> {
-        Simulation::rest(case, threads)
+    fn at_rest_by(case: Case, threads: usize, crew: Option<&Crew>) -> Result<Simulation<3>, Error> {
+        Simulation::rest(case, threads, crew)
     }
 }
 
@@ -109,9 +126,13 @@ where
     ///
     /// # Errors
     /// As [`Simulation::new`].
-    pub(crate) fn set_up(mut case: Case, threads: usize) -> Result<Simulation<D>, Error> {
+    pub(crate) fn set_up(
+        mut case: Case,
+        threads: usize,
+        crew: Option<&Crew>,
+    ) -> Result<Simulation<D>, Error> {
         let start = Start::of(&mut case)?;
-        let mut simulation = Simulation::rest(case, threads)?;
+        let mut simulation = Simulation::rest(case, threads, crew)?;
         start.begin(&mut simulation)?;
         Ok(simulation)
     }

@@ -60,11 +60,13 @@ impl<const D: usize> Simulation<D> {
     /// Numbers of unknowns, given ones counted.
     pub fn unknowns(&self) -> Unknowns {
         let space = &self.stepper.assembler.space;
-        Unknowns {
-            velocity: space.n_v(),
-            deformation: space.n_u(),
-            pressure: space.n_p(),
-            total: space.n_field_unknowns(),
-        }
+        let [velocity, deformation, pressure] = space.n_all();
+        Unknowns { velocity, deformation, pressure, total: velocity + deformation + pressure }
+    }
+
+    /// Number of cells, those of all processes.
+    pub fn cells(&self) -> usize {
+        let space = &self.stepper.assembler.space;
+        space.part.as_ref().map_or(space.mesh.n_cells(), |part| part.all_cells())
     }
 }

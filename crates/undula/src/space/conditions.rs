@@ -18,6 +18,8 @@ pub struct Constraints<const D: usize> {
     pub data: Vec<(u32, VelocityData<D>)>,
     /// Nodes with a given displacement, and which.
     pub motion: Vec<(u32, MotionData<D>)>,
+    /// Whether there are such nodes, here or on another of the processes that share the space.
+    pub moves: bool,
     /// Nodes of `Slip` with the axes that are normal there: the extension is mirrored.
     pub mirrors: Vec<(u32, [bool; D])>,
     /// Nodes at which v or u vanishes in directions that are no axes.
@@ -72,7 +74,8 @@ impl<const D: usize> Constraints<D> {
         let (v, u) = (vec![[false; D]; n], vec![[false; D]; n]);
         let (data, motion, mirrors, directions) = (vec![], vec![], vec![], vec![]);
         let (load, still, follows) = (1.0, false, false);
-        let mut c = Constraints { v, u, p: vec![], data, motion, mirrors, directions, load, still, follows };
+        let (p, moves) = (vec![], false);
+        let mut c = Constraints { v, u, p, data, motion, moves, mirrors, directions, load, still, follows };
         let mut seen = seen(space, conditions);
         for (node, seen) in seen.iter().enumerate() {
             let free = !seen.motion.is_empty() && !seen.fixed;
@@ -107,6 +110,7 @@ impl<const D: usize> Constraints<D> {
             }
         }
         c.directions.retain(|at| at.v || at.u);
+        c.moves = !c.motion.is_empty();
         c
     }
 

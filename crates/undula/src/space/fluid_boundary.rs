@@ -51,7 +51,25 @@ impl FluidBoundary {
                 boundary.facets[n].boundary = Some(facet.boundary);
             }
         }
+        if space.part.is_some() {
+            boundary.drop_cuts();
+        }
         boundary
+    }
+
+    /// Leaves out facets behind which the mesh goes on, on another process: they have no name.
+    fn drop_cuts(&mut self) {
+        let is_kept = |facet: &FluidFacet| facet.at_solid || facet.boundary.is_some();
+        let (mut new, mut n) = (vec![usize::MAX; self.facets.len()], 0);
+        for (new, facet) in new.iter_mut().zip(&self.facets).filter(|(_, facet)| is_kept(facet)) {
+            (*new, n) = (n, n + 1);
+            let _ = facet;
+        }
+        self.number.retain(|_, number| {
+            *number = new[*number];
+            *number != usize::MAX
+        });
+        self.facets.retain(is_kept);
     }
 
     /// Numbers of the facets that are among `named`, whichever side those are seen from; ascending, each once.

@@ -9,6 +9,7 @@ pub mod ends;
 pub mod fabric;
 pub mod fluid_boundary;
 pub mod normals;
+pub mod part;
 pub mod pressure;
 pub mod seams;
 mod sliding;
@@ -21,6 +22,7 @@ pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fabric::{Fabrics, FibreField};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
+pub use part::Part;
 pub use pressure::{PressureKind, PressureSpace};
 pub use seams::Places;
 pub use state::State;
@@ -28,6 +30,7 @@ pub use state::State;
 use crate::element::{Quadrature, Shape};
 use crate::math::Tensor;
 use crate::mesh::{Facet, Hierarchy, Mesh, Seam, Side};
+use std::sync::Arc;
 
 /// Which equations hold in a cell.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -80,6 +83,8 @@ pub struct FsiSpace<const D: usize> {
     pub fabrics: Fabrics<D>,
     /// Nearest velocity node of the cell for every continuous pressure unknown.
     pressure_nodes: Vec<u32>,
+    /// What is known of the whole where this is the part of one of several processes.
+    pub part: Option<Arc<Part<D>>>,
 }
 
 impl<const D: usize> FsiSpace<D> {
@@ -155,6 +160,7 @@ impl<const D: usize> FsiSpace<D> {
             places: None,
             fabrics: Fabrics::default(),
             pressure_nodes,
+            part: None,
         }
     }
 

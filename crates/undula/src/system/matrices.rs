@@ -193,13 +193,16 @@ impl<const D: usize> Assembler<D> {
             return false;
         }
         let has_slopes = |cell: usize| self.space.regions[cell] == body && pressure.cell(cell).len() > 1;
-        let cells = (0..mesh.n_cells()).filter(|&cell| has_slopes(cell));
+        let cells = (0..mesh.n_cells()).filter(|&cell| has_slopes(cell) && self.space.owns_cell(cell));
         let mut ratios: Vec<f64> = cells
             .map(|cell| mesh.sizes(cell))
             .map(|sizes| {
                 sizes.into_iter().fold(0.0, f64::max) / sizes.into_iter().fold(f64::INFINITY, f64::min)
             })
             .collect();
+        if let Some(part) = &self.space.part {
+            ratios = part.crew().lists(&ratios).unwrap_or_default().concat();
+        }
         ratios.sort_unstable_by(f64::total_cmp);
         ratios.get(ratios.len() / 2).is_some_and(|median| *median > LONG)
     }

@@ -94,7 +94,11 @@ where
         options: &Options,
     ) -> Result<Assembler<D>, SolverError> {
         let regions = Dim::<D>::regions(&space, &physics, stiffness, options)?;
-        let constraints = Constraints::new(&space, conditions);
+        // At the rim of a part the facets do not tell all.
+        let constraints = match &space.part {
+            Some(part) => part.constraints.clone(),
+            None => Constraints::new(&space, conditions),
+        };
         let mut terms: Vec<Box<dyn Operator<D>>> = vec![];
         for fluid in physics.fluids() {
             let n = options.quadrature;
@@ -318,6 +322,11 @@ impl<const D: usize> Assembler<D> {
     pub fn force_through(&self, step: &StepView<'_>, sides: &[Side]) -> Vector<f64, D> {
         let of_fluid = self.terms.iter().filter(|term| term.body() == Region::Fluid);
         of_fluid.fold(Vector::zero(), |sum, term| sum + term.force_through(step, sides))
+    }
+
+    /// Whether the displacement is given somewhere, so that u has places whose values follow from it.
+    pub fn is_moved(&self) -> bool {
+        self.constraints.moves && self.space.deforms
     }
 
     /// The extension as a system of its own; `None` without fluid or deformation.

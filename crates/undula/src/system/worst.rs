@@ -1,6 +1,8 @@
 //! Where the map of the domain is close to folding.
 
 use super::Assembler;
+use crate::operators::RegionOperator;
+use crate::parallel::Reduce;
 use crate::space::State;
 
 /// Where J is smallest.
@@ -20,7 +22,9 @@ impl<const D: usize> Assembler<D> {
             return 1.0;
         }
         let Self { space, regions, .. } = self;
-        regions.iter_mut().map(|region| region.nodal_min_j(space, &state.u)).fold(f64::INFINITY, f64::min)
+        let least = |region: &mut Box<dyn RegionOperator<D>>| region.nodal_min_j(space, &state.u);
+        let here = regions.iter_mut().map(least).fold(f64::INFINITY, f64::min);
+        space.over_all(Reduce::Min, here)
     }
 
     /// Where J was smallest in the last residual, and at the nodes if that was asked for since.

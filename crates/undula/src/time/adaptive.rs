@@ -9,6 +9,7 @@ use super::memory::Clock;
 use super::report::{StepFailure, StepReport};
 use super::schedule::{STRETCH, decimal};
 use super::stepper::Stepper;
+use crate::parallel::Reduce;
 use crate::space::State;
 
 /// Bounds of step-size control.
@@ -160,6 +161,7 @@ impl Adaptive {
         let mut worst = 0.0f64;
         for ((error, scale), new) in errors.zip([&stepper.new.v, &stepper.new.u]) {
             let scale = new.iter().fold(scale, |scale, x| scale.max(x.abs()));
+            let scale = stepper.assembler.space.over_all(Reduce::Max, scale);
             if error > f64::MIN_POSITIVE {
                 worst = worst.max(error / scale);
             }
@@ -179,6 +181,9 @@ impl Adaptive {
                 error = error.max((c[0] * new + c[1] * a + c[2] * b + c[3] * c3).abs());
                 scale = scale.max(new.abs());
             }
+            let mut both = [error, scale];
+            stepper.assembler.space.reduce(Reduce::Max, &mut both);
+            let [error, scale] = both;
             if error > f64::MIN_POSITIVE {
                 worst = worst.max(error / scale);
             }
@@ -192,7 +197,8 @@ impl Adaptive {
             if past.len() == 3 { past.pop().map(|(_, f)| f).unwrap_or_default() } else { Default::default() };
         for ((field, new), scale) in fields.iter_mut().zip([&stepper.new.v, &stepper.new.u]).zip(scales) {
             field.clone_from(new);
-            *scale = field.iter().fold(*scale, |scale, x| scale.max(x.abs()));
+            let largest = field.iter().fold(*scale, |scale, x| scale.max(x.abs()));
+            *scale = stepper.assembler.space.over_all(Reduce::Max, largest);
         }
         past.insert(0, (stepper.time, fields));
     }

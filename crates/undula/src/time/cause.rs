@@ -80,6 +80,8 @@ pub enum DataKind {
         /// Its number in the mesh.
         boundary: u16,
     },
+    /// Some, on another of the processes that share the space, which says more.
+    Elsewhere,
 }
 
 /// How an iteration ended without a solution.
@@ -176,6 +178,7 @@ impl fmt::Display for Cause {
                     DataKind::Velocity { .. } => "the velocity of the boundary",
                     DataKind::Force { .. } => "the body force",
                     DataKind::Condition { .. } => "the data of a boundary condition",
+                    DataKind::Elsewhere => "a datum of another process",
                 };
                 write!(f, "{data} is not finite: {value:?} at {at:?} m, t = {time} s")
             }

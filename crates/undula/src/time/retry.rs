@@ -73,7 +73,9 @@ impl<const D: usize> Stepper<D> {
     /// is to blame, nor where they have no length.
     fn can_halve(&self, failure: &StepFailure, end: f64) -> bool {
         let middle = self.middle(end);
-        !failure.is_stop() && !failure.is_final() && self.time < middle && middle < end
+        // What is to blame may be known to one of several processes alone.
+        let is_final = self.assembler.space.any(failure.is_final());
+        !failure.is_stop() && !is_final && self.time < middle && middle < end
     }
 
     fn middle(&self, end: f64) -> f64 {

@@ -11,6 +11,7 @@ use super::stepper::Stepper;
 use super::tableau::{START, Tableau};
 use crate::algebra;
 use crate::nonlinear::NewtonError;
+use crate::parallel::Reduce;
 use crate::physics::StepRule;
 use crate::space::State;
 
@@ -77,7 +78,7 @@ impl<const D: usize> Stepper<D> {
             }
             let rate = if i == 0 { &mut stages.guess } else { &mut stages.now.rates[0] };
             differentiate(rate, rule.per_k, &self.new, &self.old);
-            sizes[i] = algebra::norm_inf(&rate.v);
+            sizes[i] = self.assembler.space.over_all(Reduce::Max, algebra::norm_inf(&rate.v));
         }
         if sizes[0] >= JUMP * sizes[1] {
             let (State { v, u, p, s }, over) = (&mut stages.now.rates[0], &stages.guess);
@@ -131,6 +132,8 @@ impl<const D: usize> Stepper<D> {
                 worst.max((k * sum).abs())
             })
         };
-        Some([largest(|state| &state.v), largest(|state| &state.u)])
+        let mut errors = [largest(|state| &state.v), largest(|state| &state.u)];
+        self.assembler.space.reduce(Reduce::Max, &mut errors);
+        Some(errors)
     }
 }

@@ -137,7 +137,7 @@ impl<const D: usize> Stepper<D> {
         guess: Option<&State>,
     ) -> Result<(NewtonReport, BlockNorms, f64), Ended> {
         let t_force = self.prepare(formula, t_old, t);
-        if let Some(fault) = self.fault.take() {
+        if let Some(fault) = self.fault_of_all() {
             let (worst, cause) = (self.assembler.worst(), Box::new(Cause::Data(fault)));
             return Err(Ended { reason: NewtonError::Inadmissible, worst, cause });
         }
@@ -176,7 +176,7 @@ fn iterate<const D: usize>(
     guess: Guess<'_>,
 ) -> Result<(NewtonReport, f64), NewtonError> {
     // The criterion refers to the old solution with the new boundary data, whatever the start value.
-    if !system.assembler.constraints.motion.is_empty() {
+    if system.assembler.constraints.moves {
         // A boundary that moves further than a cell takes the domain along, which would fold else.
         system.new.copy_from(old);
         complete(system, true);

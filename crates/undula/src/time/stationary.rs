@@ -6,6 +6,7 @@ use super::solver::Moment;
 use super::stepper::Stepper;
 use crate::linear::BlockNorms;
 use crate::nonlinear::{NewtonError, NewtonReport};
+use crate::parallel::Reduce;
 use crate::physics::StepRule;
 use crate::space::State;
 use crate::system::{End, StepView};
@@ -118,7 +119,9 @@ impl<const D: usize> Stepper<D> {
             (total.parts, total.min_j) = (parts, min_j);
             let size = |sum: f64, x: f64| sum.max(x.abs());
             let change = before.iter().zip(&self.new.v).map(|(a, b)| a - b).fold(0.0, size);
-            if newton_steps == 0 || change <= SETTLED * self.new.v.iter().copied().fold(0.0, size) {
+            let mut both = [change, self.new.v.iter().copied().fold(0.0, size)];
+            self.assembler.space.reduce(Reduce::Max, &mut both);
+            if newton_steps == 0 || both[0] <= SETTLED * both[1] {
                 break;
             }
         }
@@ -178,7 +181,8 @@ impl<const D: usize> Stepper<D> {
         if self.whole_at_rest && active == Linearization::Condensed {
             self.linear.active = Linearization::Newton;
         }
-        if !given.is_empty() && self.fault.is_none() {
+        let moves = self.assembler.is_moved();
+        if moves && !self.assembler.space.any(self.fault.is_some()) {
             self.follow_boundary(given, &before_state);
         }
         let solved = self.solve_load(least, &before_state);
@@ -207,7 +211,7 @@ impl<const D: usize> Stepper<D> {
 
     /// The solution with the load that is set, its norms and its smallest J; `before` is the solution before.
     fn solve_load(&mut self, least: f64, before: &State) -> Result<(NewtonReport, BlockNorms, f64), Ended> {
-        let (t, fault) = (self.time, self.fault.take());
+        let (t, fault) = (self.time, self.fault_of_all());
         let (solver, states) = self.split();
         let moment = Moment { rule: StepRule::STATIONARY, time: t, force_time: t };
         let (mut system, newton) = solver.system(moment, states.new, before);

@@ -187,6 +187,14 @@ impl<const D: usize> Stepper<D> {
         }
     }
 
+    /// Data set last that are not finite, on one of the processes that share the space.
+    pub(super) fn fault_of_all(&mut self) -> Option<DataFault> {
+        let fault = self.fault.take();
+        let elsewhere =
+            || DataFault { kind: DataKind::Elsewhere, at: vec![], time: self.time, value: vec![] };
+        self.assembler.space.any(fault.is_some()).then(|| fault.unwrap_or_else(elsewhere))
+    }
+
     /// Set the boundary data of `t` \[s\], times `load`, in the new solution, and note where they are not finite.
     pub(super) fn apply_boundary(&mut self, t: f64, load: f64) {
         let State { v, u, .. } = &mut self.new;

@@ -4,6 +4,7 @@ use super::kept::JacobianPoint;
 use crate::algebra::{self, SolverError};
 use crate::linear::{BlockNorms, Linear, Scales};
 use crate::nonlinear::{Age, NonlinearSystem, Seconds};
+use crate::parallel::Reduce;
 use crate::physics::StepRule;
 use crate::space::State;
 use crate::system::{Assembler, StepView};
@@ -51,7 +52,8 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
     fn residual(&mut self, r: &mut [f64]) -> Option<f64> {
         r.copy_from_slice(self.explicit);
         let view = StepView { rule: self.rule, new: self.new, old: self.old };
-        self.min_j = self.assembler.residual(&view, r);
+        let min_j = self.assembler.residual(&view, r);
+        self.min_j = self.assembler.space.over_all(Reduce::Min, min_j);
         self.norms = self.scales.norms(&self.assembler.space, self.rule.per_k, r)?;
         (self.min_j > 0.0).then_some(self.norms.max())
     }
@@ -97,15 +99,18 @@ impl<const D: usize> NonlinearSystem for StepSystem<'_, D> {
     /// rounding of stresses, which moves v and u by that of u.
     fn is_negligible(&self, delta: &[f64]) -> bool {
         let (n_v, n_u) = (self.new.v.len(), self.new.u.len());
-        let (v, u) = (algebra::norm_inf(&self.new.v), algebra::norm_inf(&self.new.u));
-        let u = u.max(algebra::norm_inf(&self.assembler.space.fabrics.unloading));
-        algebra::norm_inf(&delta[..n_v]) <= NEGLIGIBLE * v.max(u * self.rule.per_k)
-            && algebra::norm_inf(&delta[n_v..n_v + n_u]) <= NEGLIGIBLE * u
+        let space = &self.assembler.space;
+        let fields =
+            [&self.new.v, &self.new.u, &space.fabrics.unloading, &delta[..n_v], &delta[n_v..n_v + n_u]];
+        let mut sizes = fields.map(algebra::norm_inf);
+        space.reduce(Reduce::Max, &mut sizes);
+        let [v, u, unloading, delta_v, delta_u] = sizes;
+        let u = u.max(unloading);
+        delta_v <= NEGLIGIBLE * v.max(u * self.rule.per_k) && delta_u <= NEGLIGIBLE * u
     }
 
     fn rounding(&self) -> f64 {
-        let unloading = &self.assembler.space.fabrics.unloading;
-        self.scales.rounding::<D>(self.new, unloading, self.rule.per_k)
+        self.scales.rounding(&self.assembler.space, self.new, self.rule.per_k)
     }
 
     fn price(&self) -> f64 {

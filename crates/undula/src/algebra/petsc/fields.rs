@@ -1,68 +1,62 @@
 //! Systems on their way to PETSc: entries on every diagonal, scales of fields; and words for its numbers.
 
+use super::counted::Counted;
 use crate::algebra::{Csr, Kind, Pattern, Sizes, SolverError, Unknown};
-use std::ops::Range;
+use crate::parallel::Reduce;
 
-/// Where the rows of a matrix begin if each has an entry on its diagonal, which factors without fill ask for. Of several
-/// processes each has some of the rows.
+/// Rows of a matrix as PETSc has them: the columns of each sorted, and an entry on its diagonal, which factors without fill
+/// ask for. Of several processes each has some of the rows.
 #[derive(Debug, Default)]
 pub(super) struct Layout {
-    rows: Range<usize>,
+    rows: Vec<u32>,
     starts: Vec<usize>,
-    /// Rows whose diagonal is none of ours.
-    added: Vec<usize>,
+    /// Entry of our matrix for each entry of PETSc; `u32::MAX`: a diagonal that is none of ours.
+    from: Vec<u32>,
 }
 
 impl Layout {
-    /// Of these `rows`.
-    pub(super) fn new(pattern: &Pattern, rows: Range<usize>) -> Layout {
-        let added: Vec<usize> = rows.clone().filter(|&i| pattern.find(i, i).is_none()).collect();
-        let before = |row: usize| added.partition_point(|&other| other < row);
-        let first = pattern.row_ptr[rows.start];
-        let starts = (rows.start..=rows.end).map(|row| pattern.row_ptr[row] - first + before(row)).collect();
-        Layout { rows, starts, added }
+    /// Of these `rows`, and the columns of all their entries, row by row; `number` is that of an unknown in PETSc.
+    pub(super) fn new(
+        pattern: &Pattern,
+        rows: Vec<u32>,
+        number: impl Fn(usize) -> usize,
+    ) -> (Layout, Vec<usize>) {
+        let (mut starts, mut from, mut columns) = (vec![0], vec![], vec![]);
+        let mut entries: Vec<(usize, u32)> = vec![];
+        for row in rows.iter().map(|&row| row as usize) {
+            entries.clear();
+            entries.extend(pattern.row(row).map(|at| (number(pattern.col[at] as usize), at as u32)));
+            let own = number(row);
+            if entries.iter().all(|(column, _)| *column != own) {
+                entries.push((own, u32::MAX));
+            }
+            entries.sort_unstable();
+            from.extend(entries.iter().map(|(_, at)| *at));
+            columns.extend(entries.iter().map(|(column, _)| *column));
+            starts.push(from.len());
+        }
+        (Layout { rows, starts, from }, columns)
     }
 
-    pub(super) fn rows(&self) -> Range<usize> {
-        self.rows.clone()
+    pub(super) fn rows(&self) -> &[u32] {
+        &self.rows
     }
 
     pub(super) fn starts(&self) -> &[usize] {
         &self.starts
     }
 
-    /// Columns of all entries, row by row.
-    pub(super) fn columns<'a>(&'a self, pattern: &'a Pattern) -> impl Iterator<Item = usize> + 'a {
-        self.rows().flat_map(move |row| {
-            let own = pattern.row(row).map(|at| pattern.col[at] as usize);
-            let mut columns: Vec<usize> = own.collect();
-            if self.is_added(row) {
-                columns.insert(columns.partition_point(|&column| column < row), row);
-            }
-            columns
-        })
-    }
-
-    fn is_added(&self, row: usize) -> bool {
-        self.added.binary_search(&row).is_ok()
-    }
-
     /// `values` ← entries of `a`, times `factor(row, column)`.
     pub(super) fn write(&self, a: &Csr, factor: impl Fn(usize, usize) -> f64, values: &mut [f64]) {
-        for row in self.rows() {
-            let (mut to, added) = (self.starts[row - self.rows.start], self.is_added(row));
-            let mut is_due = added;
-            for at in a.pattern.row(row) {
-                let column = a.pattern.col[at] as usize;
-                if is_due && column > row {
-                    values[to] = 0.0;
-                    (to, is_due) = (to + 1, false);
-                }
-                values[to] = a.values[at] * factor(row, column);
-                to += 1;
-            }
-            if is_due {
-                values[to] = 0.0;
+        for (row, range) in self.rows.iter().zip(self.starts.windows(2)) {
+            for to in range[0]..range[1] {
+                values[to] = match self.from[to] {
+                    u32::MAX => 0.0,
+                    at => {
+                        let at = at as usize;
+                        a.values[at] * factor(*row as usize, a.pattern.col[at] as usize)
+                    }
+                };
             }
         }
     }
@@ -86,35 +80,55 @@ fn field(kind: Kind) -> usize {
 }
 
 impl FieldScales {
-    /// Those of `a`, with typical `sizes` of its unknowns.
+    /// Those of `a`, with typical `sizes` of its unknowns, over the rows that are `counted`.
     ///
     /// # Errors
-    /// An entry that is not finite, or a row of zeros.
-    pub(super) fn update(&mut self, a: &Csr, unknowns: &[Unknown], sizes: Sizes) -> Result<(), SolverError> {
+    /// An entry that is not finite, or a row of zeros, on all processes.
+    pub(super) fn update(
+        &mut self,
+        a: &Csr,
+        unknowns: &[Unknown],
+        sizes: Sizes,
+        counted: &Counted,
+    ) -> Result<(), SolverError> {
         self.column = [sizes.velocity, sizes.deformation, sizes.pressure];
-        let (mut logarithms, mut counts, mut largest) = ([0.0; 3], [0.0; 3], [0.0f64; 3]);
-        for row in 0..a.pattern.n {
-            let mut sum = 0.0;
-            for at in a.pattern.row(row) {
-                let (value, col) = (a.values[at], a.pattern.col[at] as usize);
-                if !value.is_finite() {
-                    return Err(SolverError::NotFinite { row, col, unknown: unknowns[row] });
-                }
-                sum += value.abs() * self.column[field(unknowns[col].kind)];
-            }
-            if sum == 0.0 {
-                return Err(SolverError::ZeroRow { row, unknown: unknowns[row] });
-            }
+        let (mut means, mut largest, mut wrong) = ([0.0; 6], [0.0f64; 3], None);
+        for row in counted.rows() {
             let of = field(unknowns[row].kind);
-            logarithms[of] += sum.ln();
-            counts[of] += 1.0;
-            largest[of] = largest[of].max(sum);
+            match self.sum_of_row(a, unknowns, row) {
+                Ok(sum) => {
+                    means[of] += sum.ln();
+                    means[3 + of] += 1.0;
+                    largest[of] = largest[of].max(sum);
+                }
+                Err(error) => wrong = wrong.or(Some(error)),
+            }
         }
+        if counted.any(wrong.is_some()) {
+            let elsewhere = || SolverError::Engine("a row of the matrix of another process is none".into());
+            return Err(wrong.unwrap_or_else(elsewhere));
+        }
+        counted.reduce(Reduce::Sum, &mut means);
+        counted.reduce(Reduce::Max, &mut largest);
         for of in 0..3 {
-            self.row[of] = if counts[of] > 0.0 { (-logarithms[of] / counts[of]).exp() } else { 1.0 };
+            let count = means[3 + of];
+            self.row[of] = if count > 0.0 { (-means[of] / count).exp() } else { 1.0 };
         }
         self.norm = (0..3).map(|of| self.row[of] * largest[of]).fold(0.0, f64::max);
         Ok(())
+    }
+
+    /// Σ |a_ij| s_j of a row.
+    fn sum_of_row(&self, a: &Csr, unknowns: &[Unknown], row: usize) -> Result<f64, SolverError> {
+        let mut sum = 0.0;
+        for at in a.pattern.row(row) {
+            let (value, col) = (a.values[at], a.pattern.col[at] as usize);
+            if !value.is_finite() {
+                return Err(SolverError::NotFinite { row, col, unknown: unknowns[row] });
+            }
+            sum += value.abs() * self.column[field(unknowns[col].kind)];
+        }
+        if sum == 0.0 { Err(SolverError::ZeroRow { row, unknown: unknowns[row] }) } else { Ok(sum) }
     }
 
     /// Factor of an entry.
@@ -137,20 +151,24 @@ impl FieldScales {
     }
 
     /// ‖R b‖∞ and ‖R b‖₂; NaN where an entry is not finite.
-    pub(super) fn norms_of_rows(&self, b: &[f64], unknowns: &[Unknown]) -> [f64; 2] {
-        let scaled = b.iter().zip(unknowns).map(|(b, unknown)| b * self.row[field(unknown.kind)]);
-        let (mut most, mut sum) = (0.0f64, 0.0);
-        for value in scaled {
-            most = most.max(value.abs());
-            sum += value * value;
+    pub(super) fn norms_of_rows(&self, b: &[f64], unknowns: &[Unknown], counted: &Counted) -> [f64; 2] {
+        let (mut most, mut sum) = ([0.0f64], [0.0]);
+        for row in counted.rows() {
+            let value = b[row] * self.row[field(unknowns[row].kind)];
+            most[0] = most[0].max(value.abs());
+            sum[0] += value * value;
         }
-        [most + 0.0 * sum, sum.sqrt()]
+        counted.reduce(Reduce::Max, &mut most);
+        counted.reduce(Reduce::Sum, &mut sum);
+        [most[0] + 0.0 * sum[0], sum[0].sqrt()]
     }
 
     /// ‖C⁻¹ x‖∞.
-    pub(super) fn norm_of_columns(&self, x: &[f64], unknowns: &[Unknown]) -> f64 {
-        let scaled = x.iter().zip(unknowns).map(|(x, unknown)| x / self.column[field(unknown.kind)]);
-        scaled.fold(0.0, |most, value| most.max(value.abs()))
+    pub(super) fn norm_of_columns(&self, x: &[f64], unknowns: &[Unknown], counted: &Counted) -> f64 {
+        let scaled = counted.rows().map(|row| x[row] / self.column[field(unknowns[row].kind)]);
+        let mut most = [scaled.fold(0.0, |most: f64, value| most.max(value.abs()))];
+        counted.reduce(Reduce::Max, &mut most);
+        most[0]
     }
 }
 
@@ -198,18 +216,22 @@ mod tests {
     #[test]
     fn every_diagonal_has_an_entry() {
         let (a, mut values) = (matrix(), [f64::NAN; 8]);
-        let layout = Layout::new(&a.pattern, 0..3);
+        let (layout, columns) = Layout::new(&a.pattern, vec![0, 1, 2], |i| i);
         assert_eq!(layout.starts(), [0, 3, 5, 8]);
-        let columns: Vec<usize> = layout.columns(&a.pattern).collect();
         assert_eq!(columns, [0, 1, 2, 0, 1, 0, 1, 2]);
         layout.write(&a, |row, column| if (row, column) == (1, 0) { 10.0 } else { 1.0 }, &mut values);
         assert_eq!(values, [0.0, 1.0, -2.0, 30.0, 4.0, 5.0, -6.0, 0.0]);
         // The last two rows, as of one of two processes.
-        let (last, mut values) = (Layout::new(&a.pattern, 1..3), [f64::NAN; 5]);
+        let ((last, columns), mut values) = (Layout::new(&a.pattern, vec![1, 2], |i| i), [f64::NAN; 5]);
         assert_eq!(last.starts(), [0, 2, 5]);
-        assert_eq!(last.columns(&a.pattern).collect::<Vec<_>>(), [0, 1, 0, 1, 2]);
+        assert_eq!(columns, [0, 1, 0, 1, 2]);
         last.write(&a, |_, _| 1.0, &mut values);
         assert_eq!(values, [3.0, 4.0, 5.0, -6.0, 0.0]);
+        // The same rows where PETSc has the unknowns in another order.
+        let (other, columns) = Layout::new(&a.pattern, vec![1, 2], |i| 2 - i);
+        assert_eq!((other.starts(), columns), (&[0, 2, 5][..], vec![1, 2, 0, 1, 2]));
+        other.write(&a, |_, _| 1.0, &mut values);
+        assert_eq!(values, [4.0, 3.0, 0.0, -6.0, 5.0]);
     }
 
     #[test]
@@ -228,7 +250,7 @@ mod tests {
             }
             let sizes = Sizes { velocity: 1.0 / velocity, deformation: 1.0, pressure: 1.0 / pressure };
             let mut scales = FieldScales::default();
-            scales.update(&a, &unknowns, sizes).unwrap();
+            scales.update(&a, &unknowns, sizes, &Counted::new(3, None)).unwrap();
             let of =
                 |row: usize, at: usize| a.values[at] * scales.of(&unknowns, row, a.pattern.col[at] as usize);
             let pattern = &a.pattern;

@@ -7,6 +7,7 @@
 
 mod access;
 mod calls;
+mod counted;
 mod error;
 mod fields;
 mod prepared;
@@ -21,6 +22,9 @@ pub use access::{
 pub use error::{INSTALL, Missing, PACKAGES};
 pub use solver::PetscSolver;
 pub use trial::mistake_in_options;
+
+/// Options of an iteration for the extension, whose matrix is symmetric and positive definite.
+pub const EXTENSION_OPTIONS: &str = "-ksp_type cg -ksp_rtol 1e-10 -pc_type gamg";
 
 /// Options of a direct solver: LU of MUMPS, with room for delayed pivots.
 pub const USUAL_OPTIONS: &str =

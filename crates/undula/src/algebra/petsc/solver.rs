@@ -8,6 +8,7 @@ use super::system::Outcome;
 use crate::algebra::{
     Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Unknown,
 };
+use crate::parallel::Halo;
 use std::sync::Arc;
 
 /// Backward error at which refinement of a direct solver stops.
@@ -34,6 +35,8 @@ pub struct PetscSolver {
     pattern: Option<Arc<Pattern>>,
     unknowns: Vec<Unknown>,
     sizes: Sizes,
+    /// Where processes share the unknowns.
+    halo: Option<Arc<Halo>>,
     prepared: Option<Prepared>,
     factored: bool,
     /// Scaled right-hand side, and what is added to the solution.
@@ -59,6 +62,7 @@ impl PetscSolver {
             pattern: None,
             unknowns: vec![],
             sizes: Sizes::default(),
+            halo: None,
             prepared: None,
             factored: false,
             work: [vec![], vec![]],
@@ -72,11 +76,13 @@ impl PetscSolver {
         else {
             return Err(SolverError::NotFactored);
         };
-        let scales = &prepared.scales;
-        if let Some(row) = b.iter().position(|v| !v.is_finite()) {
+        let (scales, counted) = (&prepared.scales, &prepared.counted);
+        let wrong = counted.rows().find(|&row| !b[row].is_finite());
+        if counted.any(wrong.is_some()) {
+            let row = wrong.unwrap_or(0);
             return Err(SolverError::RightHandSide { row, unknown: unknowns[row] });
         }
-        let [norm_b, length_b] = scales.norms_of_rows(b, unknowns);
+        let [norm_b, length_b] = scales.norms_of_rows(b, unknowns, counted);
         x.fill(0.0);
         let mut report = SolveReport { refinements: 0, backward_error: 0.0 };
         if norm_b == 0.0 {
@@ -88,8 +94,8 @@ impl PetscSolver {
             let outcome = prepared.system.solve(&access()?, right, step).map_err(said)?;
             scales.add_columns(step, unknowns, x);
             a.residual(b, x, residual);
-            let [norm_r, length_r] = scales.norms_of_rows(residual, unknowns);
-            let norm_x = scales.norm_of_columns(x, unknowns);
+            let [norm_r, length_r] = scales.norms_of_rows(residual, unknowns, counted);
+            let norm_x = scales.norm_of_columns(x, unknowns, counted);
             let (before, reduction) = (report.backward_error, length_r / length_b);
             report.backward_error = norm_r / (scales.norm * norm_x + norm_b);
             let solved = outcome.reason > 0 && reduction.is_finite();
@@ -161,7 +167,8 @@ impl LinearSolver for PetscSolver {
             return Err(SolverError::Size { what: "unknowns", expected, found });
         }
         self.close();
-        let prepared = Prepared::new(&access()?, &self.options, pattern, unknowns).map_err(said)?;
+        let prepared = Prepared::new(&access()?, &self.options, pattern, unknowns, self.halo.clone());
+        let prepared = prepared.map_err(said)?;
         (self.prepared, self.pattern) = (Some(prepared), Some(Arc::clone(pattern)));
         self.unknowns = unknowns.to_vec();
         self.work = [vec![0.0; pattern.n], vec![0.0; pattern.n]];
@@ -213,6 +220,10 @@ impl LinearSolver for PetscSolver {
     fn largest_factor(&self) -> usize {
         let is_direct = self.prepared.as_ref().is_some_and(|prepared| prepared.is_direct);
         if is_direct { self.unknowns.len() } else { 0 }
+    }
+
+    fn share(&mut self, halo: Halo) {
+        self.halo = Some(Arc::new(halo));
     }
 
     fn set_sizes(&mut self, sizes: Sizes) {

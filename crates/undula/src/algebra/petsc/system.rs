@@ -4,26 +4,39 @@
 use super::access::Access;
 use super::calls::{Indices, call};
 use super::error::Trouble;
+use crate::parallel::Halo;
 use crate::parallel::library::{Object, text_of};
 use std::cell::RefCell;
 use std::ffi::CString;
-use std::ops::Range;
 use std::ptr::{null, null_mut};
 use std::slice;
+use std::sync::Arc;
 
 /// Matrix, solver and two vectors, with a database of options of their own.
 #[derive(Debug)]
 pub(super) struct System {
-    /// Those of this process.
-    rows: Range<usize>,
+    place: Place,
     entries: usize,
     options: Object,
     matrix: Object,
     solver: Object,
     right: Object,
     left: Object,
-    /// Where there are several processes.
+    /// Values of the matrix on their way, where there are several processes.
+    values: Option<RefCell<Vec<f64>>>,
+    /// Where each of several processes has all unknowns.
     shared: Option<Shared>,
+}
+
+/// The rows of a system that this process hands over.
+#[derive(Debug)]
+pub(super) struct Place {
+    /// Which of ours.
+    pub(super) rows: Vec<u32>,
+    /// How many all processes have.
+    pub(super) n: usize,
+    /// Where processes share the unknowns.
+    pub(super) halo: Option<Arc<Halo>>,
 }
 
 /// What brings the parts of several processes together.
@@ -34,8 +47,6 @@ struct Shared {
     /// The whole of it.
     whole: Object,
     n: usize,
-    /// Values of the matrix on their way.
-    values: RefCell<Vec<f64>>,
 }
 
 /// How a solve went, as PETSc sees it.
@@ -55,23 +66,18 @@ pub(super) struct Rows {
 }
 
 impl System {
-    /// With the options of a string; the values of the matrix are zero. `own` are the rows of this process, of `n`.
+    /// With the options of a string; the values of the matrix are zero. `place` are the rows of this process.
     ///
     /// # Errors
     /// What PETSc refuses. What was made until then stays in memory.
-    pub(super) fn new(
-        access: &Access,
-        (own, n): (Range<usize>, usize),
-        rows: &Rows,
-        options: &str,
-    ) -> Result<System, Trouble> {
+    pub(super) fn new(access: &Access, place: Place, rows: &Rows, options: &str) -> Result<System, Trouble> {
         let (petsc, world) = (&access.engine.petsc, access.world);
         let entries = rows.columns.len();
         let [mut database, mut matrix, mut solver, mut right, mut left] = [Object::NONE; 5];
         call!(petsc, PetscOptionsCreate(&raw mut database))?;
         let text = CString::new(options).unwrap_or_default();
         call!(petsc, PetscOptionsInsertString(database, text.as_ptr()))?;
-        let [local, size] = [own.len() as i64, n as i64];
+        let [local, size] = [place.rows.len() as i64, place.n as i64];
         call!(petsc, MatCreate(world, &raw mut matrix))?;
         call!(petsc, MatSetSizes(matrix, local, local, size, size))?;
         // Sequential on one process, else distributed by rows: of the two calls one has no effect.
@@ -81,8 +87,13 @@ impl System {
         call!(petsc, MatMPIAIJSetPreallocationCSR(matrix, starts, columns, null()))?;
         call!(petsc, MatCreateVecs(matrix, &raw mut right, &raw mut left))?;
         call!(petsc, KSPCreate(world, &raw mut solver))?;
-        let shared = if access.share.size > 1 { Some(Shared::new(access, right, n, entries)?) } else { None };
-        Ok(System { rows: own, entries, options: database, matrix, solver, right, left, shared })
+        let several = access.share.size > 1;
+        let values = several.then(|| RefCell::new(vec![0.0; entries]));
+        let shared = match place.halo {
+            None if several => Some(Shared::new(access, right, place.n)?),
+            _ => None,
+        };
+        Ok(System { place, entries, options: database, matrix, solver, right, left, values, shared })
     }
 
     /// Does something with the options of this system in force, and no others.
@@ -127,8 +138,8 @@ impl System {
     /// New values of the matrix, which `write` sets in the order of its entries.
     pub(super) fn set_values(&self, access: &Access, write: impl FnOnce(&mut [f64])) -> Result<(), Trouble> {
         let (petsc, mut values) = (&access.engine.petsc, null_mut());
-        if let Some(shared) = &self.shared {
-            let mut values = shared.values.borrow_mut();
+        if let Some(values) = &self.values {
+            let mut values = values.borrow_mut();
             write(&mut values);
             return call!(petsc, MatUpdateMPIAIJWithArray(self.matrix, values.as_ptr()));
         }
@@ -157,15 +168,22 @@ impl System {
         self.with_options(access, || call!(petsc, PCApply(preconditioner, self.left, self.right)))
     }
 
-    /// x ← A⁻¹ b, as well as the options ask for: on all processes the same.
+    /// x ← A⁻¹ b, as well as the options ask for: on all processes the same, or its own unknowns and copies of others.
     pub(super) fn solve(&self, access: &Access, b: &[f64], x: &mut [f64]) -> Result<Outcome, Trouble> {
         debug_assert_eq!(b.len(), x.len(), "vectors do not fit the matrix");
         let petsc = &access.engine.petsc;
-        let own = &b[self.rows.clone()];
-        self.in_vector(access, self.left, |values| values.copy_from_slice(own))?;
+        let own = || self.place.rows.iter().map(|&row| row as usize);
+        self.in_vector(access, self.left, |values| {
+            values.iter_mut().zip(own()).for_each(|(v, i)| *v = b[i])
+        })?;
         self.with_options(access, || call!(petsc, KSPSolve(self.solver, self.left, self.right)))?;
         match &self.shared {
-            None => self.in_vector(access, self.right, |values| x.copy_from_slice(values))?,
+            None => {
+                self.in_vector(access, self.right, |values| {
+                    values.iter().zip(own()).for_each(|(v, i)| x[i] = *v)
+                })?;
+                self.place.halo.iter().for_each(|halo| halo.update(x));
+            }
             Some(shared) => shared.gather(access, self.right, x)?,
         }
         self.outcome(access)
@@ -193,7 +211,7 @@ impl System {
         vector: Object,
         act: impl FnOnce(&mut [f64]),
     ) -> Result<(), Trouble> {
-        in_vector(access, vector, self.rows.len(), act)
+        in_vector(access, vector, self.place.rows.len(), act)
     }
 
     /// Types of the iteration and of the preconditioner, such as `preonly` and `lu`.
@@ -253,11 +271,11 @@ impl System {
 }
 
 impl Shared {
-    /// For vectors like `vector`, of `n` numbers, and a matrix that has `entries` here.
-    fn new(access: &Access, vector: Object, n: usize, entries: usize) -> Result<Shared, Trouble> {
+    /// For vectors like `vector`, of `n` numbers.
+    fn new(access: &Access, vector: Object, n: usize) -> Result<Shared, Trouble> {
         let [mut scatter, mut whole] = [Object::NONE; 2];
         call!(access.engine.petsc, VecScatterCreateToAll(vector, &raw mut scatter, &raw mut whole))?;
-        Ok(Shared { scatter, whole, n, values: RefCell::new(vec![0.0; entries]) })
+        Ok(Shared { scatter, whole, n })
     }
 
     /// `values` ← all of `vector`, on every process.

@@ -25,7 +25,7 @@ pub fn mistake_in_options(options: &str, fields: &[Kind]) -> Result<Option<Strin
     let (a, unknowns) = small(fields);
     let engine = engine()?;
     let access = engine.access()?;
-    let mut prepared = match Prepared::new(&access, options, &a.pattern, &unknowns) {
+    let mut prepared = match Prepared::new(&access, options, &a.pattern, &unknowns, None) {
         Ok(prepared) => prepared,
         Err(trouble) => return Ok(Some(trouble.to_string())),
     };
