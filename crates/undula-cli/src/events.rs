@@ -34,7 +34,7 @@ impl Events {
                 "directory": directory.display().to_string(),
                 "version": env!("CARGO_PKG_VERSION"),
                 "dimension": D,
-                "cells": simulation.stepper.assembler.space.mesh.n_cells(),
+                "cells": simulation.cells(),
                 "unknowns": {
                     "total": unknowns.total,
                     "velocity": unknowns.velocity,

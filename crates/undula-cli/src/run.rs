@@ -188,7 +188,7 @@ impl<const D: usize> Observer<D> for Display {
         } else if !self.quiet {
             say_notes(simulation.case.notes());
             let unknowns = simulation.unknowns();
-            let cells = simulation.stepper.assembler.space.mesh.n_cells();
+            let cells = simulation.cells();
             let Case { name, title, .. } = &simulation.case;
             let threads = simulation.threads();
             let text = format!(

@@ -126,7 +126,8 @@ impl BodyEnergy {
         density: impl Fn(&PointValues<'_, D>, &Fields<f64, D>) -> f64,
     ) -> f64 {
         let rule = Quadrature::cell(at.space.mesh.shape, self.quadrature);
-        let own = |cell: usize| (at.space.regions[cell], at.space.material[cell]) == self.body;
+        let is_of_body = |cell: usize| (at.space.regions[cell], at.space.material[cell]) == self.body;
+        let own = |cell: usize| at.space.owns_cell(cell) && is_of_body(cell);
         let mut sum = 0.0;
         for_each_point_of(at.space, at.new, &rule, own, |point| {
             let old = fields_at(at.space.nodes.cell(point.cell), point.value, point.grad, at.old);

@@ -3,9 +3,10 @@
 
 use super::{Functional, Snapshot};
 use crate::choice::{Choice, choice};
+use crate::element::Quadrature;
 use crate::parallel::Reduce;
 use crate::physics::{Fabric, Fields, Fluid, Kinematics, axisymmetric};
-use crate::sampling::{PointValues, for_each_point};
+use crate::sampling::{PointValues, for_each_point_of};
 use crate::space::Region;
 use crate::system::Physics;
 
@@ -58,7 +59,8 @@ impl<const D: usize> Functional<D> for Energy {
 
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let (mut sum, mut volume) = (0.0, 0.0);
-        for_each_point(at.space, at.new, self.quadrature, |point| {
+        let rule = Quadrature::cell(at.space.mesh.shape, self.quadrature);
+        for_each_point_of(at.space, at.new, &rule, |cell| at.space.owns_cell(cell), |point| {
             if let Some(value) = self.value(at, point) {
                 sum += point.weight * value;
                 volume += point.weight;

@@ -172,7 +172,7 @@ impl<const D: usize> Functional<D> for InRegion {
         };
         let state = state_of(self.quantity, at);
         let mut collected = Collected::new();
-        let wanted = |cell: usize| self.place.has(at.space, cell);
+        let wanted = |cell: usize| at.space.owns_cell(cell) && self.place.has(at.space, cell);
         for_each_point_of(at.space, &state, &rule, wanted, |point| {
             let physics = at.physics.of(at.space.material[point.cell]);
             let (fabric, fields, body) = (&point.fabric, &point.fields, self.place.body);

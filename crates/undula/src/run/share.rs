@@ -116,7 +116,12 @@ fn own_fields<const D: usize>(simulation: &Simulation<D>) -> FieldSnapshot {
     let fields = written_fields(simulation);
     // Cells that were cut into straight ones follow each other.
     let per_cell = fields.n_cells() / space.mesh.n_cells();
-    fields.restricted(|cell| space.owns_cell(cell / per_cell))
+    let mut own = fields.restricted(|cell| space.owns_cell(cell / per_cell));
+    let numbers = own.cell_data.iter_mut().filter(|field| field.name == "cell");
+    for number in numbers.flat_map(|field| &mut field.values) {
+        *number = space.part.as_ref().map_or(*number, |part| part.cell(*number as usize) as f64);
+    }
+    own
 }
 
 /// What a checkpoint keeps of all processes, on the first one; what the others get is of no use.

@@ -39,7 +39,7 @@ pub fn for_each_point<const D: usize>(
     for_each_point_of(space, state, &Quadrature::cell(space.mesh.shape, n), |_| true, visit);
 }
 
-/// Call `visit` at the points of `rule` in every cell that is `wanted`, of those that this process counts.
+/// Call `visit` at the points of `rule` in every cell that is `wanted`.
 pub fn for_each_point_of<const D: usize>(
     space: &FsiSpace<D>,
     state: &State,
@@ -50,7 +50,7 @@ pub fn for_each_point_of<const D: usize>(
     let mesh = &space.mesh;
     let table = space.nodes.table(mesh.shape, rule);
     let mut grad = vec![[0.0; D]; table.n_basis];
-    for cell in (0..mesh.n_cells()).filter(|&cell| space.owns_cell(cell) && wanted(cell)) {
+    for cell in (0..mesh.n_cells()).filter(|&cell| wanted(cell)) {
         for (q, xi) in rule.points.iter().enumerate() {
             let xi: [f64; D] = std::array::from_fn(|d| xi[d]);
             let x = mesh.map(cell, xi);

@@ -239,6 +239,11 @@ impl<const D: usize> Part<D> {
         own(&self.pressures, self.crew.rank())
     }
 
+    /// The number in the whole mesh of a cell here.
+    pub fn cell(&self, here: usize) -> usize {
+        self.cells[here].id as usize
+    }
+
     /// The number here of a cell of the whole mesh, if it is an own one.
     pub fn own_cell(&self, whole: usize) -> Option<usize> {
         let at = self.cells.binary_search_by_key(&(whole as u64), |shared| shared.id).ok()?;
