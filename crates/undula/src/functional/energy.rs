@@ -60,12 +60,18 @@ impl<const D: usize> Functional<D> for Energy {
     fn evaluate(&self, at: &Snapshot<'_, D>) -> f64 {
         let (mut sum, mut volume) = (0.0, 0.0);
         let rule = Quadrature::cell(at.space.mesh.shape, self.quadrature);
-        for_each_point_of(at.space, at.new, &rule, |cell| at.space.owns_cell(cell), |point| {
-            if let Some(value) = self.value(at, point) {
-                sum += point.weight * value;
-                volume += point.weight;
-            }
-        });
+        for_each_point_of(
+            at.space,
+            at.new,
+            &rule,
+            |cell| at.space.owns_cell(cell),
+            |point| {
+                if let Some(value) = self.value(at, point) {
+                    sum += point.weight * value;
+                    volume += point.weight;
+                }
+            },
+        );
         let mut sums = [sum, volume];
         at.space.reduce(Reduce::Sum, &mut sums);
         let [sum, volume] = sums;

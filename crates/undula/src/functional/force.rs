@@ -225,8 +225,9 @@ pub struct ForceByResidual<const D: usize> {
     shared: Vec<(u32, Tensor<f64, D>)>,
     /// Surface integrals at the latter.
     tractions: Vec<Tractions<D>>,
-    /// Facets with an outflow condition.
+    /// Facets with an outflow condition, and whether there are some, on any of the processes that share the space.
     outflow: Vec<Side>,
+    flows_out: bool,
     component: usize,
     factor: f64,
     unit: &'static str,
@@ -253,6 +254,7 @@ impl<const D: usize> ForceByResidual<D> {
                     .chain(seams.into_iter().map(|n| surfaces.tractions(n, |_| Tensor::identity())))
                     .collect()
             },
+            flows_out: surfaces.space.any(!outflow.is_empty()),
             outflow: outflow.into_iter().map(|n| surfaces.boundary.facets[n].side).collect(),
             component,
             factor,
@@ -285,7 +287,7 @@ impl<const D: usize> Functional<D> for ForceByResidual<D> {
             sum += tractions.sum(at).0[self.component];
         }
         // What the condition adds to the residual makes it vanish.
-        if let (Some(system), false) = (at.system, self.outflow.is_empty()) {
+        if let (Some(system), true) = (at.system, self.flows_out) {
             sum -= system.force_through(&at.step(), &self.outflow).0[self.component];
         }
         -self.factor * at.space.sum(sum)

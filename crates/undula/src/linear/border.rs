@@ -58,7 +58,8 @@ impl Bordered {
         self.small.clear();
         for (i, border) in self.borders.iter().enumerate() {
             for (j, z) in self.solved.iter().enumerate() {
-                self.small.push(if i == j { border.corner } else { 0.0 } - border.product(z));
+                let product = assembler.space.sum(border.product(z));
+                self.small.push(if i == j { border.corner } else { 0.0 } - product);
             }
         }
         self.factor()?;
@@ -90,7 +91,7 @@ impl Bordered {
         self.lambda.clear();
         for border in self.borders.iter() {
             let residual = border.scalar.map_or(0.0, |scalar| r_scalar[scalar]);
-            self.lambda.push(residual - border.product(delta));
+            self.lambda.push(residual - assembler.space.sum(border.product(delta)));
         }
         self.substitute();
         for ((border, z), lambda) in self.borders.iter().zip(&self.solved).zip(&self.lambda) {

@@ -16,6 +16,7 @@ use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
 use crate::algebra::SolverError;
 use crate::math::Vector;
 use crate::mesh::Side;
+use crate::parallel::{Crew, Reduce};
 use crate::physics::kinematics::cofactor;
 use crate::sampling::fields_at;
 use crate::space::{FsiSpace, Region, State};
@@ -57,6 +58,11 @@ pub struct Outlet<const D: usize> {
     scalar: (usize, usize),
     deforms: bool,
     n_v: usize,
+    /// Facets whose flow this process counts, and the processes that count the others.
+    counted: Vec<bool>,
+    crew: Option<Crew>,
+    /// Nodes that it counts of `nodes`.
+    own: Vec<bool>,
     /// Nodes of the cells at the facets, ascending, and their numbers `[facet][a]` among them.
     nodes: Vec<u32>,
     local: Vec<u32>,
@@ -80,7 +86,26 @@ impl<const D: usize> Outlet<D> {
         let local = load.facets.iter().flat_map(|facet| facet.nodes.iter().map(number)).collect();
         let zero = vec![0.0; nodes.len() * D];
         let (column, row, at) = (zero.clone(), [zero.clone(), zero], Default::default());
-        Outlet { law, load, boundary, start, at, scalar, deforms, n_v, nodes, local, column, row }
+        let counted = load.facets.iter().map(|facet| space.owns_cell(facet.side.cell as usize)).collect();
+        let own = nodes.iter().map(|&node| space.owns_node(node as usize)).collect();
+        let crew = space.part.as_ref().map(|part| part.crew().clone());
+        Outlet {
+            law,
+            load,
+            boundary,
+            start,
+            at,
+            scalar,
+            deforms,
+            n_v,
+            counted,
+            crew,
+            own,
+            nodes,
+            local,
+            column,
+            row,
+        }
     }
 
     fn has_scalar(&self) -> bool {
@@ -123,9 +148,14 @@ impl<const D: usize> Outlet<D> {
 
     /// Q at a moment.
     fn flow(&self, step: &StepView<'_>, tau: f64) -> f64 {
-        let mut sum = 0.0;
-        self.visit(step, tau, |_, _, normal, relative| sum += normal.dot(relative));
-        sum
+        let (mut sum, mut facets) = (0.0, 0);
+        self.visit(step, tau, |_, q, normal, relative| {
+            facets += usize::from(q == 0);
+            if self.counted[facets - 1] {
+                sum += normal.dot(relative);
+            }
+        });
+        self.crew.as_ref().map_or(sum, |crew| crew.one(Reduce::Sum, sum))
     }
 
     fn scalar_at(&self, step: &StepView<'_>, tau: f64) -> f64 {
@@ -205,10 +235,16 @@ impl<const D: usize> Outlet<D> {
     /// Take the derivatives into a border.
     fn fill(&self, matrix: Matrix, border: &mut Border) {
         let places = || self.nodes.iter().flat_map(|&node| (0..D as u32).map(move |i| node * D as u32 + i));
+        // Of a product with a vector each process has the entries of its own nodes.
+        let own = |list: &[f64]| {
+            let entries = places().zip(list.iter().copied()).enumerate();
+            let counted = entries.filter(|(n, _)| self.own[n / D]);
+            counted.map(|(_, entry)| entry).collect::<Vec<_>>()
+        };
         border.column.extend(places().zip(self.column.iter().copied()));
-        border.row.extend(places().zip(self.row[0].iter().copied()));
+        border.row.extend(own(&self.row[0]));
         if self.deforms && matrix == Matrix::Whole {
-            border.row.extend(places().map(|at| at + self.n_v as u32).zip(self.row[1].iter().copied()));
+            border.row.extend(own(&self.row[1]).into_iter().map(|(at, b)| (at + self.n_v as u32, b)));
         }
     }
 }

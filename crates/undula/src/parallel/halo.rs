@@ -147,3 +147,49 @@ impl Halo {
         self.crew.one(Reduce::Max, f64::from(u8::from(holds))) > 0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parallel::threads::together;
+
+    /// A line of 10 unknowns, of which process r has 4 r … 4 r + 3 and a copy of each neighbour.
+    fn line(rank: usize) -> Vec<Shared> {
+        let ids = (4 * rank).saturating_sub(1)..(4 * rank + 5).min(10);
+        ids.map(|id| Shared { owner: (id / 4) as u32, id: id as u64 }).collect()
+    }
+
+    #[test]
+    fn copies_become_the_numbers_of_their_owners() {
+        let found = together(3, |comm| {
+            let (rank, crew) = (comm.rank(), Crew::new(comm));
+            let shared = line(rank);
+            let halo = Halo::new(&crew, &shared).unwrap();
+            let mut x: Vec<f64> =
+                shared.iter().map(|s| if s.owner as usize == rank { s.id as f64 + 0.5 } else { -1.0 }).collect();
+            halo.update(&mut x);
+            let numbers: Vec<usize> = (0..x.len()).map(|place| halo.number(place)).collect();
+            assert!(halo.any(rank == 1) && !halo.any(false));
+            let gathered = crew.collect(vec![rank as f64; rank + 1]).unwrap();
+            assert_eq!(gathered.len(), if rank == 0 { 3 } else { 0 });
+            (x, numbers, halo.first(), halo.total(), halo.own().len(), halo.bytes())
+        });
+        for (rank, (x, numbers, first, total, own, bytes)) in found.into_iter().enumerate() {
+            let ids: Vec<u64> = line(rank).iter().map(|s| s.id).collect();
+            assert_eq!(x, ids.iter().map(|id| *id as f64 + 0.5).collect::<Vec<_>>());
+            assert_eq!(numbers, ids.iter().map(|id| *id as usize).collect::<Vec<_>>());
+            assert_eq!((first, total, own), (4 * rank, 10, [4, 4, 2][rank]));
+            assert_eq!(bytes, [8, 16, 8][rank]);
+        }
+    }
+
+    #[test]
+    fn a_copy_that_nobody_owns_is_told() {
+        let found = together(2, |comm| {
+            let (rank, crew) = (comm.rank(), Crew::new(comm));
+            let id = if rank == 0 { 7 } else { 8 };
+            Halo::new(&crew, &[Shared { owner: 1, id }]).err()
+        });
+        assert_eq!(found, [Some(Fault::Mismatch(0, 1)), Some(Fault::Mismatch(0, 1))]);
+    }
+}

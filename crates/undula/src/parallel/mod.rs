@@ -13,6 +13,8 @@ mod halo;
 pub(crate) mod library;
 pub(crate) mod mpi;
 mod team;
+#[doc(hidden)]
+pub mod threads;
 
 pub use alone::Alone;
 pub use comm::{Comm, Fault, Message, Reduce};

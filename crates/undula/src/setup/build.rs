@@ -210,10 +210,11 @@ impl Case {
         }
         assembler.stabilize(&self.stabilization, &options)?;
         self.terms(&space).into_iter().for_each(|term| assembler.add(term));
-        if space.part.is_none() {
-            let closed = enclosed(&space, &conditions).into_iter().filter(|part| !part.touches_solid);
-            assembler.close(closed.map(|part| part.pressure(&space)).collect());
-        }
+        let closed = space.with_whole(|whole| {
+            let closed = enclosed(whole, &conditions).into_iter().filter(|part| !part.touches_solid);
+            closed.map(|part| part.pressure(whole).part(&space)).collect()
+        });
+        assembler.close(closed);
         // What is left of data on the solid is rounding, see `check_ends`.
         assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
         let make = self.make_solver(space.part.is_some());

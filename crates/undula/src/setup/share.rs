@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Initial};
 use crate::parallel::Crew;
-use crate::space::{BoundaryCondition, Constraints, FsiSpace, Walls, enclosed};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace};
 use std::sync::Arc;
 
 /// What a run has on one of several processes.
@@ -25,11 +25,11 @@ impl Case {
         };
         let n = crew.size();
         let alone = |why: &str| format!("each of the {n} processes has the whole problem: {why}");
-        if let Some(why) = self.is_not_shared(&whole, conditions) {
+        if let Some(why) = self.is_not_shared(&whole) {
             return Shared { space: whole, note: Some(alone(why)) };
         }
         let constraints = Constraints::new(&whole, conditions);
-        match whole.parted(crew, &constraints) {
+        match whole.parted(crew, &constraints, self.needs_patches()) {
             Some(part) => {
                 let note = format!("{n} processes share the mesh of {} cells", whole.mesh.n_cells());
                 Shared { space: Arc::new(part), note: Some(note) }
@@ -39,30 +39,20 @@ impl Case {
     }
 
     /// Why processes cannot share it, if they cannot.
-    fn is_not_shared<const D: usize>(
-        &self,
-        whole: &FsiSpace<D>,
-        conditions: &[BoundaryCondition<D>],
-    ) -> Option<&'static str> {
-        let lumped = self.boundary.values().any(|condition| condition.is_lumped());
-        let closed = || enclosed(whole, conditions).iter().any(|part| !part.touches_solid);
+    fn is_not_shared<const D: usize>(&self, whole: &FsiSpace<D>) -> Option<&'static str> {
         let begins = match &self.initial {
             None => false,
             Some(Initial::From(_) | Initial::Fields { .. } | Initial::Static) => true,
         };
         let reasons = [
             (!whole.seams.is_empty(), "it has periodic boundaries"),
-            (lumped, "the flow through a boundary acts on all of it"),
             (self.factorises_extension(), "`motion.model = \"biharmonic\"`"),
-            (self.stabilization.acts(), "`[stabilization]`"),
             (self.is_prestressed(), "`solid.prestress`"),
             (begins, "`[initial]`"),
             (self.linear.krylov.is_some(), "`linear.krylov-tolerance`"),
             (self.newton.settings.secants > 0, "`newton.secants`"),
             (self.output.window.is_some(), "`output.window`"),
-            (whole.walls == Walls::Sliding, "`motion.walls = \"sliding\"`"),
         ];
-        let found = reasons.into_iter().find(|(is_there, _)| *is_there).map(|(_, why)| why);
-        found.or_else(|| closed().then_some("a part of the fluid is closed in"))
+        reasons.into_iter().find(|(is_there, _)| *is_there).map(|(_, why)| why)
     }
 }

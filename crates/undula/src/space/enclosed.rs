@@ -140,7 +140,7 @@ impl<const D: usize> Enclosed<D> {
 /// The pressure of a part of the fluid whose data determine it up to a constant.
 #[derive(Clone, Debug)]
 pub struct ClosedPressure {
-    /// The unknown that corrections leave alone.
+    /// The unknown that corrections leave alone; `u32::MAX` where that is of another process.
     pub fixed: u32,
     /// The unknowns that are 1 where the pressure is 1, all others being 0.
     constant: Vec<u32>,
@@ -154,9 +154,20 @@ impl ClosedPressure {
         &self.constant
     }
 
+    /// The same in a part of the space.
+    #[must_use]
+    pub fn part<const D: usize>(&self, space: &FsiSpace<D>) -> ClosedPressure {
+        let here = |dof: u32| space.pressure_here(dof);
+        ClosedPressure {
+            fixed: here(self.fixed).unwrap_or(u32::MAX),
+            constant: self.constant.iter().filter_map(|&dof| here(dof)).collect(),
+            mean: self.mean.iter().filter_map(|&(dof, w)| Some((space.own_pressure(dof)?, w))).collect(),
+        }
+    }
+
     /// Makes the mean of the pressure 0.
-    pub fn level(&self, p: &mut [f64]) {
-        let mean: f64 = self.mean.iter().map(|&(dof, weight)| weight * p[dof as usize]).sum();
+    pub fn level<const D: usize>(&self, space: &FsiSpace<D>, p: &mut [f64]) {
+        let mean = space.sum(self.mean.iter().map(|&(dof, weight)| weight * p[dof as usize]).sum());
         self.constant.iter().for_each(|&dof| p[dof as usize] -= mean);
     }
 }

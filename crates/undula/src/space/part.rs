@@ -110,16 +110,21 @@ impl<const D: usize> Constraints<D> {
 
 impl<const D: usize> FsiSpace<D> {
     /// The part of this process in a space that `crew` shares, with what is given at the nodes of the whole space; `None` if
-    /// there are too few cells for so many processes.
+    /// there are too few cells for so many processes. With `families` the children of a refined cell are all there, or none.
     ///
     /// # Panics
     /// If the space has seams, or is itself a part.
-    pub fn parted(self: &Arc<Self>, crew: &Crew, constraints: &Constraints<D>) -> Option<FsiSpace<D>> {
+    pub fn parted(
+        self: &Arc<Self>,
+        crew: &Crew,
+        constraints: &Constraints<D>,
+        families: bool,
+    ) -> Option<FsiSpace<D>> {
         assert!(self.seams.is_empty() && self.part.is_none(), "a space with seams is not shared");
         let work = |cell: usize| if self.regions[cell] == super::Region::Solid { SOLID } else { 1.0 };
         let owner = self.mesh.partition(&self.hierarchy, crew.size(), work)?;
         let of_nodes = least_owner(self.nodes.len(), &owner, |cell| self.nodes.cell(cell));
-        let cells = self.around(&owner, crew.rank() as u32);
+        let cells = self.around(&owner, crew.rank() as u32, families);
         let (n, nodes_of) = (self.nodes.per_cell, |&cell: &u32| cell as usize * self.nodes.per_cell);
         let of_cells = || {
             let ranges = cells.iter().map(nodes_of).map(move |at| at..at + n);
@@ -171,13 +176,25 @@ impl<const D: usize> FsiSpace<D> {
         })
     }
 
-    /// The cells of `rank`, and all that share a node with one of them, ascending.
-    fn around(&self, owner: &[u32], rank: u32) -> Vec<u32> {
+    /// The cells of `rank`, and all that share a node with one of them, ascending; with `families` those that have the same
+    /// parent, too.
+    fn around(&self, owner: &[u32], rank: u32, families: bool) -> Vec<u32> {
         let mut near = vec![false; self.nodes.len()];
         let own = (0..owner.len()).filter(|&cell| owner[cell] == rank);
         own.flat_map(|cell| self.nodes.cell(cell)).for_each(|&node| near[node as usize] = true);
         let touches = |cell: &u32| self.nodes.cell(*cell as usize).iter().any(|&node| near[node as usize]);
-        (0..owner.len() as u32).filter(touches).collect()
+        let level = self.hierarchy.coarser().len();
+        if level == 0 || !families {
+            return (0..owner.len() as u32).filter(touches).collect();
+        }
+        let parent = |cell: u32| self.hierarchy.child(level - 1, cell as usize).parent;
+        let mut parents: Vec<usize> = (0..owner.len() as u32).filter(touches).map(parent).collect();
+        parents.dedup();
+        parents
+            .iter()
+            .flat_map(|&parent| self.hierarchy.children(level - 1, parent))
+            .map(|c| c as u32)
+            .collect()
     }
 
     /// The pressures of `cells`.
@@ -275,6 +292,12 @@ impl<const D: usize> FsiSpace<D> {
     /// The number here of a cell of the whole space, if this process counts it.
     pub fn own_cell(&self, whole: usize) -> Option<usize> {
         self.part.as_ref().map_or(Some(whole), |part| part.own_cell(whole))
+    }
+
+    /// The number here of a pressure of the whole space, if it is here, as a copy or not.
+    pub fn pressure_here(&self, whole: u32) -> Option<u32> {
+        let Some(part) = &self.part else { return Some(whole) };
+        part.pressures.binary_search_by_key(&u64::from(whole), |shared| shared.id).ok().map(|at| at as u32)
     }
 
     /// The number here of a pressure of the whole space, if this process counts it.

@@ -206,7 +206,7 @@ impl<const D: usize> Assembler<D> {
         assert!(self.closed.is_empty(), "closed parts are told once");
         let first = self.space.n_v() + self.space.n_u();
         self.constraints.p = vec![false; if closed.is_empty() { 0 } else { self.space.n_p() }];
-        for part in &closed {
+        for part in closed.iter().filter(|part| part.fixed != u32::MAX) {
             self.constraints.p[part.fixed as usize] = true;
             self.given.push(first as u32 + part.fixed);
         }
@@ -215,7 +215,7 @@ impl<const D: usize> Assembler<D> {
 
     /// Make the mean of each pressure of [`Assembler::close`] 0.
     pub fn level(&self, p: &mut [f64]) {
-        self.closed.iter().for_each(|part| part.level(p));
+        self.closed.iter().for_each(|part| part.level(&self.space, p));
     }
 
     /// Whether there is stabilisation, with parameters from the old state.
@@ -278,7 +278,8 @@ impl<const D: usize> Assembler<D> {
     /// Returns the smallest J at the quadrature points of the regions whose map must not fold.
     pub fn residual(&mut self, step: &StepView<'_>, out: &mut [f64]) -> f64 {
         let min_j = self.operators_mut().map(|o| o.residual(step, out)).fold(f64::INFINITY, f64::min);
-        for &row in &self.given[..self.given.len() - self.closed.len()] {
+        let open = self.closed.iter().filter(|part| part.fixed != u32::MAX).count();
+        for &row in &self.given[..self.given.len() - open] {
             out[row as usize] = 0.0;
         }
         directions::project(&self.space, &self.constraints, out);
