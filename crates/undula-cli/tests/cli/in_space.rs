@@ -57,7 +57,7 @@ on = ["right"]
 "#;
 
 /// Functionals of every kind; the names of those per depth begin with `per`.
-const FUNCTIONALS: &str = r#"
+pub const FUNCTIONALS: &str = r#"
 [functional]
 per-surface = { kind = "force", on = ["interface"], component = "y", method = "surface-integral" }
 per-bottom = { kind = "force", on = ["bottom"], component = "y" }

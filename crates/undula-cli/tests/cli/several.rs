@@ -2,10 +2,11 @@
 //! wrong on some of them.
 
 use super::engines::{LAYER, PETSC, TIGHT, is_near, is_there};
-use super::in_space::FLAP;
+use super::in_space::{FLAP, FUNCTIONALS};
 use super::{Place, Said};
 use std::fs;
 use std::process::Command;
+use undula::output::read_snapshot;
 
 /// Whether the machine can; says so if not.
 fn can() -> bool {
@@ -63,7 +64,7 @@ fn several_processes_compute_what_one_computes() {
         return;
     }
     let here = Place::new("several-same");
-    here.write("flap.toml", FLAP);
+    here.write("flap.toml", &format!("{FLAP}{FUNCTIONALS}"));
     for space in [&[][..], &[LAYER]] {
         let sets = [&TIGHT[..], space].concat();
         let own = here.rows("flap.toml", &sets);
@@ -82,6 +83,113 @@ fn several_processes_compute_what_one_computes() {
     let summary = here.json("several/summary.json");
     assert_eq!((&summary["status"], &summary["processes"]), (&"completed".into(), &2.into()));
     assert!(summary["engine"].as_str().is_some_and(|engine| engine.starts_with("PETSc 3.")), "{summary}");
+    // They share the mesh: none has all of it.
+    let ranks = summary["ranks"].as_array().unwrap();
+    let cells = |key: &str| ranks.iter().map(|rank| rank[key].as_u64().unwrap()).sum::<u64>();
+    assert_eq!((ranks.len(), cells("cells")), (2, summary["cells"].as_u64().unwrap()));
+    assert!(
+        cells("copies") < cells("cells") && ranks.iter().all(|rank| rank["sent_bytes"].as_u64() > Some(0))
+    );
+}
+
+/// A tube with an outlet whose pressure depends on the flow.
+const OUTLET: &str = r#"
+[mesh]
+generator = "tube"
+length = 0.05
+radii = [0.005, 0.006]
+cells = [6, 4, 1]
+[fluid]
+density = 1000
+kinematic-viscosity = 3e-6
+[solid]
+density = 1200
+young = 3e5
+poisson = 0.3
+[boundary.inflow]
+condition = "flux"
+profile = "parabolic"
+flow-rate = "-1e-5*ramp(t,0.001)"
+[boundary.outflow]
+condition = "windkessel"
+proximal = 1e7
+capacitance = 1e-9
+distal = 1e8
+[boundary.clamp]
+condition = "clamped"
+[boundary.outside]
+condition = "traction-free"
+[time]
+step = 1e-4
+end = 3e-4
+[functional.flow]
+kind = "flux"
+on = ["outflow"]
+[functional.force]
+kind = "force"
+on = ["outflow", "interface"]
+component = "z"
+"#;
+
+/// What couples all of the domain: flow through an outlet, a pressure without a level, patches, terms of fourth order,
+/// boundaries that move.
+#[test]
+#[ignore = "long"]
+fn what_couples_the_whole_domain_is_shared() {
+    if !can() {
+        return;
+    }
+    let here = Place::new("several-couplings");
+    here.write("outlet.toml", OUTLET);
+    let fsi3 = ["mesh.refine=0", "time.end=0.01"];
+    for (case, sets) in [
+        ("outlet.toml", &[][..]),
+        ("outlet.toml", &["newton.linearization=newton"]),
+        ("cavity", &["mesh.refine=0", "time.end=0.05"]),
+        ("pump", &["mesh.refine=0", "time.end=0.02"]),
+        ("fsi3", &[fsi3[0], fsi3[1], "motion.model=biharmonic"]),
+        ("fsi3", &["mesh.refine=1", fsi3[1], "space.pressure=Q2", "stabilization.pressure=lps"]),
+        ("fsi3", &[fsi3[0], "time.end=0.02", "time.adaptive.tolerance=1e-3"]),
+        ("fsi3", &[fsi3[0], fsi3[1], "time.scheme=esdirk3"]),
+        ("land", &[]),
+    ] {
+        let sets = [&["newton.tolerance=1e-11", "linear.precision=double"], sets].concat();
+        let arguments = format!("run {case} --quiet --force -o");
+        here.run(&format!("{arguments} one"), &sets).expect(0, &[]);
+        together(&here, &[(3, &format!("{arguments} several"), &sets)]).expect(0, &[]);
+        assert!(here.json("several/summary.json")["ranks"].is_array(), "{case} {sets:?} is not shared");
+        is_near(&here.rows_of("one"), &here.rows_of("several"), &sets);
+    }
+}
+
+#[test]
+fn fields_of_several_processes_are_those_of_one() {
+    if !can() {
+        return;
+    }
+    let here = Place::new("several-fields");
+    here.write("flap.toml", FLAP);
+    let fields = "output.fields=[\"velocity\", \"displacement\", \"pressure\", \"stress\", \"vorticity\"]";
+    let sets = [&TIGHT[..], &["linear.precision=double", "output.fields-every=1", fields]].concat();
+    here.run("run flap.toml --quiet -o one", &sets).expect(0, &[]);
+    together(&here, &[(3, "run flap.toml --quiet -o several", &sets)]).expect(0, &[]);
+    let read = |name: &str| read_snapshot(here.file(name)).unwrap();
+    let (one, time) = read("one/fields/fields_000002.vtu");
+    let (several, same) = read("several/fields/fields_000002.pvtu");
+    assert_eq!((time, one.n_cells(), one.points.len()), (same, several.n_cells(), several.points.len()));
+    let near = |a: &[f64; 3], b: &[f64; 3]| (0..3).all(|d| (a[d] - b[d]).abs() < 1e-9);
+    for (n, x) in several.points.iter().enumerate() {
+        let m = one.points.iter().position(|y| near(x, y)).unwrap();
+        for (a, b) in several.point_data.iter().zip(&one.point_data) {
+            let (k, largest) = (a.components, b.values.iter().fold(1e-9, |most: f64, b| most.max(b.abs())));
+            for (a_i, b_i) in a.values[n * k..][..k].iter().zip(&b.values[m * k..][..k]) {
+                let gap = (a_i - b_i).abs() / largest;
+                assert!(gap < 1e-8 || (a_i.is_nan() && b_i.is_nan()), "{} at {x:?}: {a_i} {b_i}", a.name);
+            }
+        }
+    }
+    here.run("plot several", &[]).expect(0, &[]);
+    here.run("report several", &[]).expect(0, &[]);
 }
 
 #[test]
@@ -140,6 +248,12 @@ fn what_goes_wrong_on_one_ends_all_and_is_said_once() {
     );
     said.expect(3, &["breakdown: ", "broken/breakdown.txt"]);
     assert!(fs::metadata(here.file("broken/breakdown.txt")).is_ok());
+    // Data that are no numbers in the part of the second process alone, at one time.
+    let force = "fluid.body-force=[\"sqrt(abs(t - 0.03) - 0.001 + 0.01*(1.2 - x))\", 0]";
+    let said = together(&here, &[(2, "run flap.toml -o data", &[force, "time.end=0.05"])]);
+    said.expect(2, &["fluid.body-force"]);
+    assert_eq!(own_lines(&said, "fluid.body-force"), 1, "{}", said.err);
+    assert_eq!(here.rows_of("data").len(), 2);
 }
 
 #[test]

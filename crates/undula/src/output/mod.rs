@@ -30,7 +30,8 @@ pub use pvd::Collection;
 pub use pvtu::{pieces_of, read_snapshot, write_pvtu};
 pub use snapshot::{CellKind, Field, FieldSnapshot};
 pub use summary::{
-    Breakdown, FunctionalSummary, Phases, Status, Summary, Unknowns, peak_memory, processor_seconds,
+    Breakdown, FunctionalSummary, Phases, RankSummary, Status, Summary, Unknowns, peak_memory,
+    processor_seconds,
 };
 pub use vtu::{Precision, read_vtu, write_vtu};
 

@@ -44,6 +44,9 @@ pub struct Summary {
     pub largest_factor_unknowns: usize,
     /// Threads used, by each process.
     pub threads: usize,
+    /// What each process has had to do, where several share the mesh.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ranks: Vec<RankSummary>,
     /// Processes, where there are several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub processes: Option<usize>,
@@ -53,7 +56,7 @@ pub struct Summary {
     /// Elapsed time \[s\].
     #[serde(with = "nullable")]
     pub wall_seconds: f64,
-    /// Processor time of the process since the run began, or was resumed \[s\], where the system tells: with that of
+    /// Processor time of the process, of all that share the mesh, since the run began, or was resumed \[s\], where the system tells: with that of
     /// other runs of the process at the same time.
     pub cpu_seconds: Option<f64>,
     /// Where it went.
@@ -110,6 +113,31 @@ impl fmt::Display for Status {
             Status::Interrupted => "interrupted",
         })
     }
+}
+
+/// The part of one of several processes in a run.
+#[derive(Copy, Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct RankSummary {
+    /// Cells that it counts.
+    pub cells: usize,
+    /// Copies of cells of others.
+    pub copies: usize,
+    /// Largest resident memory \[B\], and what it was before there was a mesh.
+    pub peak_memory_bytes: u64,
+    pub base_memory_bytes: u64,
+    /// Processor time \[s\].
+    #[serde(with = "nullable")]
+    pub cpu_seconds: f64,
+    /// Time for residuals and matrices \[s\].
+    #[serde(with = "nullable")]
+    pub assembly_seconds: f64,
+    /// Time in calls of MPI but for those of PETSc \[s\].
+    #[serde(with = "nullable")]
+    pub waiting_seconds: f64,
+    /// Bytes that it sent for copies of unknowns, and in how many messages, but for those of PETSc.
+    pub sent_bytes: u64,
+    pub sent_messages: u64,
 }
 
 /// Number of unknowns by field.

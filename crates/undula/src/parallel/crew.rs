@@ -3,6 +3,7 @@
 use super::comm::{Comm, Fault, Message, Reduce};
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 /// The processes that share a mesh. All calls are made by all of them, in the same order.
 ///
@@ -11,7 +12,23 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Crew {
     rank: usize,
     size: usize,
-    comm: Arc<Mutex<Box<dyn Comm>>>,
+    inner: Arc<Mutex<Inner>>,
+}
+
+struct Inner {
+    comm: Box<dyn Comm>,
+    traffic: Traffic,
+}
+
+/// What a process has had to do with others.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Traffic {
+    /// Time in calls of MPI: waiting, mostly \[s\].
+    pub seconds: f64,
+    /// Bytes sent for copies of unknowns.
+    pub bytes: f64,
+    /// Messages that these took.
+    pub messages: f64,
 }
 
 impl fmt::Debug for Crew {
@@ -23,7 +40,9 @@ impl fmt::Debug for Crew {
 impl Crew {
     /// Of those that `comm` connects.
     pub fn new(comm: impl Comm + 'static) -> Crew {
-        Crew { rank: comm.rank(), size: comm.size(), comm: Arc::new(Mutex::new(Box::new(comm))) }
+        let (rank, size) = (comm.rank(), comm.size());
+        let inner = Inner { comm: Box::new(comm), traffic: Traffic::default() };
+        Crew { rank, size, inner: Arc::new(Mutex::new(inner)) }
     }
 
     /// Number of this process.
@@ -41,8 +60,23 @@ impl Crew {
     /// # Errors
     /// As the calls.
     pub fn with<T>(&self, act: impl FnOnce(&mut dyn Comm) -> Result<T, Fault>) -> Result<T, Fault> {
-        let mut comm = self.comm.lock().unwrap_or_else(PoisonError::into_inner);
-        act(&mut **comm)
+        let mut inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        let start = Instant::now();
+        let result = act(&mut *inner.comm);
+        inner.traffic.seconds += start.elapsed().as_secs_f64();
+        result
+    }
+
+    /// Counts messages of so many bytes in all.
+    pub(super) fn count(&self, messages: usize, bytes: usize) {
+        let traffic = &mut self.inner.lock().unwrap_or_else(PoisonError::into_inner).traffic;
+        traffic.bytes += bytes as f64;
+        traffic.messages += messages as f64;
+    }
+
+    /// What this process has had to do with the others.
+    pub fn traffic(&self) -> Traffic {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner).traffic
     }
 
     /// Each number becomes that of all; NaN where MPI fails.

@@ -134,6 +134,7 @@ impl Halo {
         for (message, (_, list)) in sent.iter_mut().zip(&self.sent) {
             message.values.iter_mut().zip(list).for_each(|(value, &i)| *value = x[i as usize]);
         }
+        self.crew.count(sent.len(), self.bytes());
         let failed = self.crew.with(|comm| comm.exchange(sent, received)).is_err();
         for (message, (_, list)) in received.iter().zip(&self.received) {
             for (value, &i) in message.values.iter().zip(list) {
@@ -165,8 +166,10 @@ mod tests {
             let (rank, crew) = (comm.rank(), Crew::new(comm));
             let shared = line(rank);
             let halo = Halo::new(&crew, &shared).unwrap();
-            let mut x: Vec<f64> =
-                shared.iter().map(|s| if s.owner as usize == rank { s.id as f64 + 0.5 } else { -1.0 }).collect();
+            let mut x: Vec<f64> = shared
+                .iter()
+                .map(|s| if s.owner as usize == rank { s.id as f64 + 0.5 } else { -1.0 })
+                .collect();
             halo.update(&mut x);
             let numbers: Vec<usize> = (0..x.len()).map(|place| halo.number(place)).collect();
             assert!(halo.any(rank == 1) && !halo.any(false));

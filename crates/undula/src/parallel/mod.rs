@@ -18,7 +18,7 @@ pub mod threads;
 
 pub use alone::Alone;
 pub use comm::{Comm, Fault, Message, Reduce};
-pub use crew::Crew;
+pub use crew::{Crew, Traffic};
 pub use halo::{Halo, Shared};
 pub use mpi::World;
 pub use team::{Agreed, Team, Wish};

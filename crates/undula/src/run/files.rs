@@ -11,7 +11,7 @@ use super::{Flow, Observer, RunOptions, written_fields};
 use crate::error::Error;
 use crate::output::{
     Breakdown, Checkpoint, Collection, FunctionalSummary, HistoryWriter, OutputError, Precision, Provenance,
-    RunDirectory, Status, Summary, hash, text_of, write_vtu,
+    RankSummary, RunDirectory, Status, Summary, hash, text_of, write_vtu,
 };
 use crate::parallel::{Crew, Team};
 use crate::simulation::{Columns, Row, Simulation};
@@ -57,6 +57,8 @@ pub(super) struct Run<const D: usize> {
     pub window: Option<Window<D>>,
     /// The processes that share the mesh.
     crew: Option<Crew>,
+    /// What they have had to do, at the end.
+    ranks: Vec<RankSummary>,
 }
 
 impl<const D: usize> Run<D> {
@@ -84,6 +86,7 @@ impl<const D: usize> Run<D> {
             commit: None,
             window: Window::new(&simulation),
             crew: share::crew_of(&simulation),
+            ranks: vec![],
             simulation,
             directory,
             history,
@@ -273,7 +276,10 @@ impl<const D: usize> Run<D> {
         let wall = self.wall_before + self.start.elapsed().as_secs_f64();
         let spent = Spent { wall, output: self.output_seconds };
         let summary = summary_of(&self.simulation, status, breakdown, spent);
+        let all = self.ranks.iter().map(|rank| rank.cpu_seconds).sum::<f64>();
         Summary {
+            cpu_seconds: summary.cpu_seconds.map(|own| if self.ranks.is_empty() { own } else { all }),
+            ranks: self.ranks.clone(),
             functionals: self.statistics(),
             provenance: Provenance {
                 case_hash: std::fs::read(self.directory.case()).ok().map(|case| hash(&case)),
@@ -332,6 +338,8 @@ impl<const D: usize> Run<D> {
         self.output_seconds += start.elapsed().as_secs_f64();
         let errors = [lost.map_or(Ok(()), Err), fields, means, checkpoint, self.check_files()];
         let failed = errors.iter().any(Result::is_err);
+        self.order(Order::Account)?;
+        self.ranks = share::account(&self.simulation)?;
         // The summary is written even where the disk refused the rest: it is small.
         let summary = self.write_summary(if failed { Status::Failed } else { status }, breakdown)?;
         errors.into_iter().collect::<Result<(), Error>>()?;

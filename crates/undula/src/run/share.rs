@@ -3,7 +3,9 @@
 use super::together::settle;
 use super::{Flow, Observer, written_fields};
 use crate::error::Error;
-use crate::output::{FieldSnapshot, Precision, RunDirectory, Status, write_pvtu, write_vtu};
+use crate::output::{
+    FieldSnapshot, Precision, RankSummary, RunDirectory, Status, peak_memory, write_pvtu, write_vtu,
+};
 use crate::parallel::{Crew, Fault, Team};
 use crate::simulation::{Memory, Simulation};
 use crate::space::{Part, State};
@@ -17,10 +19,12 @@ pub(super) enum Order {
     Fields,
     Checkpoint,
     Settle,
+    Account,
 }
 
 impl Order {
-    const ALL: [Order; 5] = [Order::End, Order::Step, Order::Fields, Order::Checkpoint, Order::Settle];
+    const ALL: [Order; 6] =
+        [Order::End, Order::Step, Order::Fields, Order::Checkpoint, Order::Settle, Order::Account];
 
     fn of(number: f64) -> Order {
         Order::ALL.into_iter().find(|order| f64::from(*order as u8) == number).unwrap_or(Order::End)
@@ -65,6 +69,9 @@ pub(super) fn serve<const D: usize>(
             Order::Checkpoint => {
                 whole_memory(simulation)?;
             }
+            Order::Account => {
+                account(simulation)?;
+            }
             Order::Settle => {
                 let settled = settle(team, std::mem::replace(&mut outcome, Ok(Flow::Continue)));
                 match settled {
@@ -75,6 +82,41 @@ pub(super) fn serve<const D: usize>(
             }
         }
     }
+}
+
+/// What each process has had to do; empty where none shares the mesh.
+///
+/// # Errors
+/// If MPI fails.
+pub(super) fn account<const D: usize>(simulation: &Simulation<D>) -> Result<Vec<RankSummary>, Error> {
+    let space = &simulation.stepper.assembler.space;
+    let Some(part) = &space.part else { return Ok(vec![]) };
+    let (all, traffic) = (space.mesh.n_cells(), part.crew().traffic());
+    let cells = (0..all).filter(|&cell| space.owns_cell(cell)).count();
+    let own = [
+        cells as f64,
+        (all - cells) as f64,
+        peak_memory().unwrap_or(0) as f64,
+        part.memory_before() as f64,
+        simulation.processor_seconds().unwrap_or(f64::NAN),
+        simulation.stepper.newton.seconds.assembly,
+        traffic.seconds,
+        traffic.bytes,
+        traffic.messages,
+    ];
+    let lists = part.crew().lists(&own).map_err(Error::Processes)?;
+    let summary = |n: &Vec<f64>| RankSummary {
+        cells: n[0] as usize,
+        copies: n[1] as usize,
+        peak_memory_bytes: n[2] as u64,
+        base_memory_bytes: n[3] as u64,
+        cpu_seconds: n[4],
+        assembly_seconds: n[5],
+        waiting_seconds: n[6],
+        sent_bytes: n[7] as u64,
+        sent_messages: n[8] as u64,
+    };
+    Ok(lists.iter().map(summary).collect())
 }
 
 /// Writes the piece of this process, and on the first one the file that names all; its name in the directory.

@@ -43,6 +43,7 @@ pub fn summary_of<const D: usize>(
         rejected_steps: simulation.adaptive.as_ref().map(|a| a.memory.rejected),
         factorizations: newton.counters.factorizations as u64,
         threads: simulation.threads(),
+        ranks: vec![],
         processes: Some(petsc::processes_at_work()).filter(|&n| n > 1),
         engine: engine_of(simulation),
         wall_seconds: spent.wall,

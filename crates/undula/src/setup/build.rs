@@ -20,6 +20,7 @@ use crate::functional::spatial::Spatial;
 use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
+use crate::output::peak_memory;
 use crate::parallel::Crew;
 use crate::physics::Projection;
 use crate::space::{
@@ -174,6 +175,7 @@ impl Case {
         Dim<D>: Dimension<D>,
     {
         let engine = self.check_engine()?;
+        let before = peak_memory().unwrap_or(0);
         let marked = self.marked_mesh()?;
         let space = Arc::new(self.space_of(&marked)?);
         let Marked { mut notes, .. } = marked;
@@ -182,7 +184,7 @@ impl Case {
         notes.extend(self.note_on_solver(&space).into_iter().chain(engine));
         notes.extend(self.notes_on_functionals());
         let conditions = self.conditions(&space.mesh);
-        let Shared { space, note } = self.share(space, &conditions, crew);
+        let Shared { space, note } = self.share(space, &conditions, crew.map(|crew| (crew, before)));
         notes.extend(note);
         Ok((self.stepper_on(space, threads)?, notes))
     }

@@ -2,7 +2,7 @@
 
 use crate::case::{Case, Initial};
 use crate::parallel::Crew;
-use crate::space::{BoundaryCondition, Constraints, FsiSpace};
+use crate::space::{BoundaryCondition, Constraints, FsiSpace, Rim};
 use std::sync::Arc;
 
 /// What a run has on one of several processes.
@@ -13,14 +13,15 @@ pub(super) struct Shared<const D: usize> {
 }
 
 impl Case {
-    /// The part of this process of `whole`, where the processes of `crew` can share it.
+    /// The part of this process of `whole`, where the processes of `crew` can share it; with the bytes of memory that this
+    /// one had before there was a mesh.
     pub(super) fn share<const D: usize>(
         &self,
         whole: Arc<FsiSpace<D>>,
         conditions: &[BoundaryCondition<D>],
-        crew: Option<&Crew>,
+        crew: Option<(&Crew, u64)>,
     ) -> Shared<D> {
-        let Some(crew) = crew.filter(|crew| crew.size() > 1) else {
+        let Some((crew, before)) = crew.filter(|(crew, _)| crew.size() > 1) else {
             return Shared { space: whole, note: None };
         };
         let n = crew.size();
@@ -29,7 +30,13 @@ impl Case {
             return Shared { space: whole, note: Some(alone(why)) };
         }
         let constraints = Constraints::new(&whole, conditions);
-        match whole.parted(crew, &constraints, self.needs_patches()) {
+        let rim = Rim {
+            // Its terms on facets couple the nodes of both cells.
+            layers: if self.factorises_extension() { 2 } else { 1 },
+            families: self.needs_patches(),
+            memory_before: before,
+        };
+        match whole.parted(crew, &constraints, rim) {
             Some(part) => {
                 let note = format!("{n} processes share the mesh of {} cells", whole.mesh.n_cells());
                 Shared { space: Arc::new(part), note: Some(note) }
@@ -46,7 +53,6 @@ impl Case {
         };
         let reasons = [
             (!whole.seams.is_empty(), "it has periodic boundaries"),
-            (self.factorises_extension(), "`motion.model = \"biharmonic\"`"),
             (self.is_prestressed(), "`solid.prestress`"),
             (begins, "`[initial]`"),
             (self.linear.krylov.is_some(), "`linear.krylov-tolerance`"),

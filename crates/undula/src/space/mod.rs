@@ -22,7 +22,7 @@ pub use dofs::Nodes;
 pub use enclosed::{ClosedPressure, Enclosed, enclosed};
 pub use fabric::{Fabrics, FibreField};
 pub use fluid_boundary::{FluidBoundary, FluidFacet};
-pub use part::Part;
+pub use part::{Part, Rim};
 pub use pressure::{PressureKind, PressureSpace};
 pub use seams::Places;
 pub use state::State;

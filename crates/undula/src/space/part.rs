@@ -21,6 +21,8 @@ pub struct Part<const D: usize> {
     /// Nodes and pressures of the whole space, and its cells.
     all: [usize; 2],
     all_cells: usize,
+    /// Bytes of the process before there was a mesh.
+    memory_before: u64,
     /// What is given at the nodes.
     pub(crate) constraints: Constraints<D>,
     whole: Mutex<Option<Arc<FsiSpace<D>>>>,
@@ -30,6 +32,17 @@ impl<const D: usize> fmt::Debug for Part<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Part").field("crew", &self.crew).field("all", &self.all).finish_non_exhaustive()
     }
+}
+
+/// What a part needs of others, and what is told of its process.
+#[derive(Copy, Clone, Debug)]
+pub struct Rim {
+    /// Layers of cells around the own ones: those that an equation couples to.
+    pub layers: usize,
+    /// Whether the children of a refined cell are all there, or none.
+    pub families: bool,
+    /// Bytes of the process before there was a mesh.
+    pub memory_before: u64,
 }
 
 /// Work of a cell of the solid, where that of one of the fluid is 1: it has no pressure, and its deformation follows.
@@ -110,7 +123,7 @@ impl<const D: usize> Constraints<D> {
 
 impl<const D: usize> FsiSpace<D> {
     /// The part of this process in a space that `crew` shares, with what is given at the nodes of the whole space; `None` if
-    /// there are too few cells for so many processes. With `families` the children of a refined cell are all there, or none.
+    /// there are too few cells for so many processes.
     ///
     /// # Panics
     /// If the space has seams, or is itself a part.
@@ -118,13 +131,13 @@ impl<const D: usize> FsiSpace<D> {
         self: &Arc<Self>,
         crew: &Crew,
         constraints: &Constraints<D>,
-        families: bool,
+        rim: Rim,
     ) -> Option<FsiSpace<D>> {
         assert!(self.seams.is_empty() && self.part.is_none(), "a space with seams is not shared");
         let work = |cell: usize| if self.regions[cell] == super::Region::Solid { SOLID } else { 1.0 };
         let owner = self.mesh.partition(&self.hierarchy, crew.size(), work)?;
         let of_nodes = least_owner(self.nodes.len(), &owner, |cell| self.nodes.cell(cell));
-        let cells = self.around(&owner, crew.rank() as u32, families);
+        let cells = self.around(&owner, crew.rank() as u32, rim);
         let (n, nodes_of) = (self.nodes.per_cell, |&cell: &u32| cell as usize * self.nodes.per_cell);
         let of_cells = || {
             let ranges = cells.iter().map(nodes_of).map(move |at| at..at + n);
@@ -143,6 +156,7 @@ impl<const D: usize> FsiSpace<D> {
             pressures: shared(&pressures, &of_pressures),
             all: [self.nodes.len(), self.n_p()],
             all_cells: self.mesh.n_cells(),
+            memory_before: rim.memory_before,
             constraints: constraints.part(&nodes),
             whole: Mutex::new(Some(Arc::clone(self))),
         };
@@ -176,19 +190,25 @@ impl<const D: usize> FsiSpace<D> {
         })
     }
 
-    /// The cells of `rank`, and all that share a node with one of them, ascending; with `families` those that have the same
-    /// parent, too.
-    fn around(&self, owner: &[u32], rank: u32, families: bool) -> Vec<u32> {
-        let mut near = vec![false; self.nodes.len()];
-        let own = (0..owner.len()).filter(|&cell| owner[cell] == rank);
-        own.flat_map(|cell| self.nodes.cell(cell)).for_each(|&node| near[node as usize] = true);
-        let touches = |cell: &u32| self.nodes.cell(*cell as usize).iter().any(|&node| near[node as usize]);
+    /// The cells of `rank`, and those around them, ascending: all that share a node with one of them for each layer, and
+    /// with families those that have the same parent.
+    fn around(&self, owner: &[u32], rank: u32, rim: Rim) -> Vec<u32> {
+        let mut cells: Vec<u32> =
+            (0..owner.len() as u32).filter(|&cell| owner[cell as usize] == rank).collect();
+        for _ in 0..rim.layers {
+            let mut near = vec![false; self.nodes.len()];
+            let nodes = cells.iter().flat_map(|&cell| self.nodes.cell(cell as usize));
+            nodes.for_each(|&node| near[node as usize] = true);
+            let touches =
+                |cell: &u32| self.nodes.cell(*cell as usize).iter().any(|&node| near[node as usize]);
+            cells = (0..owner.len() as u32).filter(touches).collect();
+        }
         let level = self.hierarchy.coarser().len();
-        if level == 0 || !families {
-            return (0..owner.len() as u32).filter(touches).collect();
+        if level == 0 || !rim.families {
+            return cells;
         }
         let parent = |cell: u32| self.hierarchy.child(level - 1, cell as usize).parent;
-        let mut parents: Vec<usize> = (0..owner.len() as u32).filter(touches).map(parent).collect();
+        let mut parents: Vec<usize> = cells.into_iter().map(parent).collect();
         parents.dedup();
         parents
             .iter()
@@ -229,6 +249,11 @@ impl<const D: usize> Part<D> {
     /// Nodes and pressures of the whole space.
     pub fn all(&self) -> [usize; 2] {
         self.all
+    }
+
+    /// Bytes of the process before there was a mesh.
+    pub fn memory_before(&self) -> u64 {
+        self.memory_before
     }
 
     /// Cells of the whole space.

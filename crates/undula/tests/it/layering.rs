@@ -40,7 +40,7 @@ const LAYERS: [(&str, &str); 30] = [
     ("error", "parallel algebra mesh nonlinear output time case"),
     (
         "setup",
-        "choice parallel math physics tangent algebra element mesh nonlinear space multigrid sampling operators system functional linear time case error",
+        "choice parallel math physics tangent algebra element mesh nonlinear space multigrid sampling operators system functional linear output time case error",
     ),
     ("builder", "physics mesh case error"),
     ("simulation", "*"),
