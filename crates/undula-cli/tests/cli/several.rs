@@ -249,9 +249,9 @@ fn what_goes_wrong_on_one_ends_all_and_is_said_once() {
     said.expect(3, &["breakdown: ", "broken/breakdown.txt"]);
     assert!(fs::metadata(here.file("broken/breakdown.txt")).is_ok());
     // Data that are no numbers in the part of the second process alone, at one time.
-    let force = "fluid.body-force=[\"sqrt(abs(t - 0.03) - 0.001 + 0.01*(1.2 - x))\", 0]";
+    let force = "fluid.body-force=[\"sqrt(abs(t - 0.03) - 1e-4 + 1e-3*(1.2 - x))\", 0]";
     let said = together(&here, &[(2, "run flap.toml -o data", &[force, "time.end=0.05"])]);
-    said.expect(2, &["fluid.body-force"]);
+    let said = said.expect(2, &["fluid.body-force"]);
     assert_eq!(own_lines(&said, "fluid.body-force"), 1, "{}", said.err);
     assert_eq!(here.rows_of("data").len(), 2);
 }
