@@ -193,6 +193,11 @@ impl<const D: usize> Simulation<D> {
         Some(processor_seconds()? - self.begun?)
     }
 
+    /// The processes that share the mesh, if there are several.
+    pub(crate) fn crew(&self) -> Option<Crew> {
+        self.stepper.assembler.space.part.as_ref().map(|part| part.crew().clone())
+    }
+
     /// Threads in use.
     pub fn threads(&self) -> usize {
         self.threads

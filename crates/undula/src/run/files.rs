@@ -85,7 +85,7 @@ impl<const D: usize> Run<D> {
             mesh: mesh_hash(&simulation.case),
             commit: None,
             window: Window::new(&simulation),
-            crew: share::crew_of(&simulation),
+            crew: simulation.crew(),
             ranks: vec![],
             simulation,
             directory,

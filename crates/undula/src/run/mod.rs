@@ -4,6 +4,7 @@ mod breakdown;
 mod checkpoint;
 mod fields;
 mod files;
+mod follow;
 mod identity;
 mod inflow;
 mod resume;
@@ -11,6 +12,7 @@ mod rows;
 mod share;
 mod summary;
 mod together;
+mod watch;
 mod window;
 
 pub use breakdown::describe as breakdown_of;
@@ -123,7 +125,7 @@ where
     together::compare_states(team, &simulation)?;
     let result = match team.is_first() {
         true => lead(simulation, options, observer, team),
-        false => together::follow(simulation, options, observer, team),
+        false => follow::follow(simulation, options, observer, team),
     };
     // What follows, such as the page about the run, is done by one of them.
     petsc::part();

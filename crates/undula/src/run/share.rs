@@ -1,6 +1,7 @@
 //! A run of processes that share a mesh: the first one tells the others what all do next, and has the files.
 
 use super::together::settle;
+use super::watch::Watch;
 use super::{Flow, Observer, written_fields};
 use crate::error::Error;
 use crate::output::{
@@ -31,11 +32,6 @@ impl Order {
     }
 }
 
-/// The processes that share the mesh of a simulation, if there are several.
-pub(super) fn crew_of<const D: usize>(simulation: &Simulation<D>) -> Option<Crew> {
-    simulation.stepper.assembler.space.part.as_ref().map(|part| part.crew().clone())
-}
-
 /// Tells the others what all do next; nothing where there are none.
 pub(super) fn order(crew: Option<&Crew>, order: Order) -> Result<(), Error> {
     crew.map_or(Ok(0.0), |crew| crew.told(f64::from(order as u8))).map(|_| ()).map_err(Error::Processes)
@@ -50,11 +46,15 @@ pub(super) fn serve<const D: usize>(
     directory: &Path,
     (observer, team): (&mut dyn Observer<D>, &mut Team),
 ) -> Result<Status, Error> {
-    let Some(crew) = crew_of(simulation) else { return Ok(Status::Completed) };
+    let Some(crew) = simulation.crew() else { return Ok(Status::Completed) };
     let mut outcome = Ok(Flow::Continue);
     let (mut status, mut result) = (Status::Completed, Ok(()));
     loop {
-        match Order::of(crew.told(0.0).map_err(Error::Processes)?) {
+        // The first process may never come to tell what is next.
+        let watch = outcome.as_ref().err().and_then(|error| Watch::of(team, error));
+        let next = crew.told(0.0);
+        drop(watch);
+        match Order::of(next.map_err(Error::Processes)?) {
             Order::End => return outcome.and(result).map(|()| status),
             Order::Step => {
                 outcome = simulation.step().map(|row| observer.after_step(simulation, &row));

@@ -1,13 +1,12 @@
 //! A run of several processes: the first one writes, the others follow it, and all agree before every step.
 
-use super::checkpoint::restore_step;
 use super::identity::{mesh_hash, table_hashes};
-use super::summary::{Spent, summary_of};
-use super::{Flow, Observer, RunOptions, share};
+use super::watch::Watch;
+use super::{Flow, RunOptions};
 use crate::case::Case;
 use crate::error::Error;
 use crate::loops::width::best_lanes;
-use crate::output::{Status, Summary, hash};
+use crate::output::hash;
 use crate::parallel::{Agreed, Team, Wish};
 use crate::simulation::Simulation;
 
@@ -21,7 +20,10 @@ pub(super) fn settle(team: &mut Team, outcome: Result<Flow, Error>) -> Result<Fl
         Err(Error::Elsewhere { .. }) => Wish::GoOn,
         Err(error) => Wish::Fail(error.exit_code()),
     };
-    match team.agree(wish).map_err(Error::Processes)? {
+    let watch = outcome.as_ref().err().and_then(|error| Watch::of(team, error));
+    let agreed = team.agree(wish);
+    drop(watch);
+    match agreed.map_err(Error::Processes)? {
         Agreed::GoOn => outcome.map(|_| Flow::Continue),
         Agreed::Stop => Ok(Flow::Stop),
         Agreed::Fail { first, .. } if first == team.rank() => outcome,
@@ -80,7 +82,7 @@ pub(super) fn compare_states<const D: usize>(
         return Ok(());
     }
     let state = &simulation.stepper.new;
-    let fields = match share::crew_of(simulation) {
+    let fields = match simulation.crew() {
         None => vec![&state.v, &state.u, &state.p, &state.s],
         // Each has its own part of it.
         Some(_) => vec![],
@@ -92,43 +94,4 @@ pub(super) fn compare_states<const D: usize>(
         Some(rank) => Err(Error::Differing { rank, what: "another state to begin with" }),
         None => Ok(()),
     }
-}
-
-/// The run of a process that writes nothing.
-pub(super) fn follow<const D: usize>(
-    mut simulation: Simulation<D>,
-    options: &RunOptions,
-    observer: &mut dyn Observer<D>,
-    team: &mut Team,
-) -> Result<Summary, Error> {
-    if options.resume {
-        // The first process has found the checkpoint.
-        settle(team, Ok(Flow::Continue))?;
-        let step = team.told(0.0).map_err(Error::Processes)? as u64;
-        let restored = restore_step(&mut simulation, &options.directory, step);
-        settle_with(team, restored)?;
-        compare_states(team, &simulation)?;
-    }
-    // It has opened its files.
-    settle(team, Ok(Flow::Continue))?;
-    observer.start(&simulation);
-    let spent = Spent { wall: 0.0, output: 0.0 };
-    if share::crew_of(&simulation).is_some() {
-        let status = share::serve(&mut simulation, &options.directory, (observer, team))?;
-        return Ok(summary_of(&simulation, status, None, spent));
-    }
-    settle(team, Ok(Flow::Continue))?;
-    let mut status = Status::Completed;
-    while !simulation.finished() {
-        let outcome = simulation.step().map(|row| observer.after_step(&simulation, &row));
-        // Nobody reads them here.
-        let rows = simulation.history.len();
-        simulation.history.drain(..rows.saturating_sub(2));
-        let is_over = simulation.finished();
-        if settle(team, outcome)? == Flow::Stop && !is_over {
-            status = Status::Interrupted;
-            break;
-        }
-    }
-    Ok(summary_of(&simulation, status, None, spent))
 }

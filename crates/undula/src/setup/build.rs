@@ -6,10 +6,8 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use super::share::Shared;
 use super::terms::has_correction;
-use crate::algebra::petsc::{EXTENSION_OPTIONS, PetscSolver, USUAL_OPTIONS};
-use crate::algebra::{self, LinearSolver};
 use crate::case::{
-    Case, Condition, FluidSpec, FunctionalSpec, Load, Precision, PressureElement, SolidSpec, VelocityElement,
+    Case, Condition, FluidSpec, FunctionalSpec, Load, PressureElement, SolidSpec, VelocityElement,
     WITH_MULTIGRID,
 };
 use crate::element::Shape;
@@ -17,14 +15,15 @@ use crate::error::Error;
 use crate::functional::Functional;
 use crate::functional::force::Surfaces;
 use crate::functional::spatial::Spatial;
-use crate::linear::{KrylovSettings, Linear, MakeSolver, Purpose};
+use crate::linear::{KrylovSettings, Linear};
 use crate::mesh::{Facet, FacetDistance, INTERFACE, Mesh, MeshError};
 use crate::nonlinear::Newton;
 use crate::output::peak_memory;
 use crate::parallel::Crew;
 use crate::physics::Projection;
 use crate::space::{
-    BoundaryCondition, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls, enclosed,
+    BoundaryCondition, ClosedPressure, FibreField, FsiSpace, PressureKind, PsiOwner, Region, State, Walls,
+    enclosed,
 };
 use crate::system::{self, Assembler, Dim, Physics};
 use crate::time::{MaterialForce, Scheme, Stepper, StepperSettings};
@@ -212,11 +211,7 @@ impl Case {
         }
         assembler.stabilize(&self.stabilization, &options)?;
         self.terms(&space).into_iter().for_each(|term| assembler.add(term));
-        let closed = space.with_whole(|whole| {
-            let closed = enclosed(whole, &conditions).into_iter().filter(|part| !part.touches_solid);
-            closed.map(|part| part.pressure(whole).part(&space)).collect()
-        });
-        assembler.close(closed);
+        assembler.close(closed(&space, &conditions));
         // What is left of data on the solid is rounding, see `check_ends`.
         assembler.constraints.data.retain(|(node, _)| space.owner[*node as usize] != PsiOwner::Relation);
         let make = self.make_solver(space.part.is_some());
@@ -250,30 +245,6 @@ impl Case {
             Some(MaterialForce { body, material, force: body_force(load.force)? })
         });
         Ok(Stepper::new(assembler, newton, linear, settings, start, initial, forces.collect()))
-    }
-
-    /// How linear solvers are made; `shared`: of systems that processes share.
-    fn make_solver(&self, shared: bool) -> MakeSolver {
-        let linear = algebra::Options { refinement: self.linear.refinement, ..algebra::Options::default() };
-        let (kind, precision) = (self.linear.solver, self.linear.precision);
-        let petsc = self.petsc_options().map(String::from);
-        Box::new(move |purpose| -> Box<dyn LinearSolver> {
-            let (precision, definite, options) = match (purpose, &petsc) {
-                (Purpose::Whole | Purpose::Condensed, Some(options)) => {
-                    return Box::new(PetscSolver::new(options, linear.refinement));
-                }
-                (_, Some(options)) if shared => {
-                    let definite = purpose == Purpose::Definite;
-                    return Box::new(PetscSolver::new(of_extension(options, definite), linear.refinement));
-                }
-                (Purpose::Exact | Purpose::Whole, _) => (Precision::Double, false, linear),
-                (Purpose::Correction | Purpose::Condensed, _) => {
-                    (precision, false, algebra::Options::unprobed())
-                }
-                (Purpose::Definite, _) => (precision, true, algebra::Options::unprobed()),
-            };
-            kind.make(precision, definite, options)
-        })
     }
 
     /// Newton's method for `assembler`, with nothing kept.
@@ -366,10 +337,12 @@ impl Case {
     }
 }
 
-/// Options of the extension where the flow has `options`: factors where that has them, too.
-fn of_extension(options: &str, definite: bool) -> &'static str {
-    let direct = options.split_whitespace().any(|word| word == "preonly");
-    if definite && !direct { EXTENSION_OPTIONS } else { USUAL_OPTIONS }
+/// Pressures that are determined up to a constant.
+fn closed<const D: usize>(space: &FsiSpace<D>, conditions: &[BoundaryCondition<D>]) -> Vec<ClosedPressure> {
+    space.with_whole(|whole| {
+        let closed = enclosed(whole, conditions).into_iter().filter(|part| !part.touches_solid);
+        closed.map(|part| part.pressure(whole).part(space)).collect()
+    })
 }
 
 /// The directions of the fibres of a solid, if they are a field.

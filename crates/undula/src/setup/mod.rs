@@ -31,6 +31,7 @@ pub mod profile;
 mod regions;
 mod seconds;
 mod share;
+mod solvers;
 pub mod starter;
 mod supports;
 mod terms;

@@ -10,6 +10,7 @@ pub mod fabric;
 pub mod fluid_boundary;
 pub mod normals;
 pub mod part;
+mod parting;
 pub mod pressure;
 pub mod seams;
 mod sliding;

@@ -28,7 +28,7 @@ const LAYERS: [(&str, &str); 30] = [
     ("multigrid", "algebra element mesh space"),
     ("sampling", "math physics element mesh space"),
     ("loops", "math physics element mesh space algebra"),
-    ("operators", "math physics tangent element mesh space algebra sampling loops"),
+    ("operators", "parallel math physics tangent element mesh space algebra sampling loops"),
     ("system", "parallel math physics tangent mesh space algebra loops operators"),
     ("functional", "choice parallel math physics element mesh space sampling system"),
     ("linear", "parallel physics tangent algebra nonlinear space multigrid system"),

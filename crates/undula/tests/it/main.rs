@@ -59,6 +59,7 @@ mod output_fields;
 mod output_vtu;
 mod own_problems;
 mod parallel;
+mod parted;
 mod patch;
 mod patch_in_space;
 mod periodic;
