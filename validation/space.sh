@@ -27,6 +27,10 @@ dfg-3d1z | mesh.refine=1 mesh.extrude.layers=4 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=6 mesh.extrude.grading=0
 dfg-3d1z | mesh.refine=1
 dfg-3d1z | mesh.refine=1 mesh.extrude.layers=8 mesh.extrude.grading=2
+validation/dfg-3d1z-half.toml | mesh.refine=0
+validation/dfg-3d1z-half.toml | mesh.extrude.grading=2
+validation/dfg-3d1z-half.toml | mesh.extrude.layers=8 mesh.extrude.grading=2
+validation/dfg-3d1z-half.toml | mesh.refine=1
 dfg-3d3z | time.step=0.02 linear.solver=multifrontal
 dfg-3d3z | time.step=0.02 linear.solver=multifrontal time.end=5 mesh.refine=1
 dfg-3d3z | time.step=0.02 linear.solver=multifrontal time.end=4.5 mesh.refine=1 mesh.extrude.layers=8 mesh.extrude.grading=2

@@ -70,6 +70,9 @@ pub trait Backend: Send + std::fmt::Debug {
         None
     }
 
+    /// Forget what only factorisations need.
+    fn settle(&mut self) {}
+
     /// Whether matrices are taken to be symmetric positive definite: then both sides are scaled alike.
     fn is_definite(&self) -> bool {
         false
@@ -304,6 +307,12 @@ impl<B: Backend> LinearSolver for Direct<B> {
 
     fn largest_factor(&self) -> usize {
         self.unknowns.len()
+    }
+
+    fn settle(&mut self) {
+        // Matrices of another pattern are refused.
+        self.pattern = self.pattern.as_ref().map(|_| Arc::new(Pattern::from_rows::<[u32; 0]>(&[])));
+        self.backend.settle();
     }
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {

@@ -137,6 +137,9 @@ pub trait LinearSolver: Send {
     /// Tells typical sizes of the unknowns for the factorisations to come: with them the pivots do not depend on the
     /// units in which the matrix is given.
     fn set_sizes(&mut self, _sizes: Sizes) {}
+
+    /// No other matrix will come: forget what only factorisations need.
+    fn settle(&mut self) {}
 }
 
 /// What a part of iterations has cost.

@@ -58,7 +58,7 @@ impl<const D: usize> Extension<D> {
             solver.factor(&system.matrix)?;
             Ok(solver)
         };
-        let solver = match factor(purpose) {
+        let mut solver = match factor(purpose) {
             // By rounding, in single precision: the operator is nearly singular.
             Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
             result => result?,
@@ -66,6 +66,7 @@ impl<const D: usize> Extension<D> {
         // An iteration needs the matrix itself.
         if assembler.extension_is_constant() && solver.is_exact() {
             system.settle();
+            solver.settle();
         }
         let n = system.places.len();
         let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES), vec![1.0; n]));

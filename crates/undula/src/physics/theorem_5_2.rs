@@ -25,9 +25,21 @@ pub fn fluid<S: Scalar<Value = S>, const D: usize>(
     }
     pressures(rule, new, old, W, &mut r);
     divergence(new, W, &mut r);
-    let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
-    r.grad_psi = form.extension.derivative(&new.grad_u, &W.grad_u, stiffness);
+    r.grad_psi = extension(form, place, new, old, W);
     r
+}
+
+/// The part of the extension: what stands before ∇ψ in the fluid.
+#[inline(always)]
+pub fn extension<S: Scalar<Value = S>, const D: usize>(
+    form: &Fluid,
+    place: &Place<S, D>,
+    new: &Fields<S, D>,
+    old: &Fields<S, D>,
+    W: &Fields<S, D>,
+) -> Tensor<S, D> {
+    let stiffness = form.extension.stiffness(place.stiffness, &old.grad_u);
+    form.extension.derivative(&new.grad_u, &W.grad_u, stiffness)
 }
 
 /// Derivative of ρ J (∂_t v − ∇v F⁻¹ ∂_t u) at the times of the rule.

@@ -36,6 +36,17 @@ fn put(matrix: &mut Csr, entries: &mut [(u32, f64)], slot: u32, value: f64) {
     }
 }
 
+/// Leave out entries that are zero: what other components have where the operator does not couple components.
+fn drop_zeros(rows: &mut [(u32, u32)], entries: &mut Vec<(u32, f64)>) {
+    let (mut start, mut kept) =
+        (0, Vec::with_capacity(entries.iter().filter(|entry| entry.1 != 0.0).count()));
+    for (_, end) in rows {
+        kept.extend(entries[start..*end as usize].iter().filter(|entry| entry.1 != 0.0));
+        (start, *end) = (*end as usize, kept.len() as u32);
+    }
+    *entries = kept;
+}
+
 /// Numbers of the unknowns by their places in `[v, u, p]`, and the places by their numbers.
 fn numbers<const D: usize>(space: &FsiSpace<D>, given: impl Fn(u32) -> bool) -> (Vec<u32>, Vec<u32>) {
     let mut number = vec![DROP; space.n_field_unknowns()];
@@ -109,6 +120,9 @@ impl<const D: usize> ExtensionSystem<D> {
             }
         });
         directions.constrain(&mut matrix);
+        if !changes {
+            drop_zeros(&mut rows, &mut entries);
+        }
         ExtensionSystem { matrix, places, rows, entries, directions, along, slots }
     }
 

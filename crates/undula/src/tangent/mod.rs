@@ -11,7 +11,7 @@ pub use in_space::InSpace;
 pub use step_form::StepForm;
 
 use crate::choice::{Choice, choice};
-use crate::math::{Dual, Scalar, Vector};
+use crate::math::{Dual, Scalar, Tensor, Vector};
 use crate::physics::axisymmetric::{self, Seen};
 use crate::physics::{
     Backflow, FacetForm, Fields, Fluid, Outflow, Place, Pressure, Reference, Solid, Spring, StepRule, Tested,
@@ -142,6 +142,17 @@ pub trait ByHand<const D: usize>: WeakForm<D> {
         old: &Fields<S, D>,
         W: &Fields<S, D>,
     ) -> Tested<S, D>;
+
+    /// What stands before ∇ψ there, if `W` moves u alone: the extension; 0 outside of the fluid.
+    fn extension_by_hand<S: Scalar<Value = S>>(
+        &self,
+        _place: &Place<S, D>,
+        _new: &Fields<S, D>,
+        _old: &Fields<S, D>,
+        _W: &Fields<S, D>,
+    ) -> Tensor<S, D> {
+        Tensor::zero()
+    }
 }
 
 impl<const D: usize> ByHand<D> for Fluid {
@@ -155,6 +166,17 @@ impl<const D: usize> ByHand<D> for Fluid {
         W: &Fields<S, D>,
     ) -> Tested<S, D> {
         theorem_5_2::fluid(self, rule, place, new, old, W)
+    }
+
+    #[inline(always)]
+    fn extension_by_hand<S: Scalar<Value = S>>(
+        &self,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        W: &Fields<S, D>,
+    ) -> Tensor<S, D> {
+        theorem_5_2::extension(self, place, new, old, W)
     }
 }
 

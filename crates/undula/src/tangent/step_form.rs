@@ -48,6 +48,17 @@ pub trait StepForm<const D: usize>: Sync {
         W: &Fields<S, D>,
     ) -> Tested<S, D>;
 
+    /// What of it stands before ψ in the fluid, where `W` moves u alone: the extension, which the reduced Jacobian
+    /// keeps.
+    #[allow(non_snake_case)]
+    fn extension<S: Scalar<Value = S>>(
+        &self,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        W: &Fields<S, D>,
+    ) -> Tested<S, D>;
+
     /// J.
     fn volume_ratio<S: Scalar>(&self, place: &Place<S, D>, at: &Fields<S, D>) -> S;
 }
@@ -93,6 +104,17 @@ impl<F: ByHand<D>, const D: usize> StepForm<D> for F {
         W: &Fields<S, D>,
     ) -> Tested<S, D> {
         self.by_hand(rule, place, new, old, W)
+    }
+
+    #[inline(always)]
+    fn extension<S: Scalar<Value = S>>(
+        &self,
+        place: &Place<S, D>,
+        new: &Fields<S, D>,
+        old: &Fields<S, D>,
+        W: &Fields<S, D>,
+    ) -> Tested<S, D> {
+        Tested { grad_psi: self.extension_by_hand(place, new, old, W), ..Tested::zero() }
     }
 
     #[inline(always)]
@@ -143,6 +165,18 @@ impl<F: ByHand<3>> StepForm<3> for InSpace<F> {
         W: &Fields<S, 3>,
     ) -> Tested<S, 3> {
         in_space::analytic(&self.0, rule, place, [new, old], W)
+    }
+
+    #[allow(non_snake_case)]
+    #[inline(always)]
+    fn extension<S: Scalar<Value = S>>(
+        &self,
+        place: &Place<S, 3>,
+        new: &Fields<S, 3>,
+        old: &Fields<S, 3>,
+        W: &Fields<S, 3>,
+    ) -> Tested<S, 3> {
+        Tested { grad_psi: self.0.extension_by_hand(place, new, old, W), ..Tested::zero() }
     }
 
     #[inline(always)]
@@ -211,6 +245,23 @@ impl<F: ByHand<3>> StepForm<2> for Axisymmetric<F> {
             let ends = [&at_lane(new, lane), &at_lane(old, lane)];
             add_lane(&by_hand_around(&self.0, rule, &place, ends, &direction), lane, &mut r);
         }
+        r
+    }
+
+    #[inline(always)]
+    fn extension<S: Scalar<Value = S>>(
+        &self,
+        place: &Place<S, 2>,
+        new: &Fields<S, 2>,
+        old: &Fields<S, 2>,
+        W: &Fields<S, 2>,
+    ) -> Tested<S, 2> {
+        let per_radius = place.per_radius;
+        let in_space = |at| axisymmetric::fields(at, per_radius);
+        let (place, new, old) = (axisymmetric::place(place), in_space(new), in_space(old));
+        let grad_psi = self.0.extension_by_hand(&place, &new, &old, &in_space(W));
+        let mut r = Tested::zero();
+        axisymmetric::add_tested(&Tested { grad_psi, ..Tested::zero() }, per_radius, &mut r);
         r
     }
 

@@ -11,9 +11,9 @@ use undula::mesh::generate::rectangle;
 use undula::physics::stabilization::CellState;
 use undula::physics::{Mapping, PressureTerm, Projection, Stabilization, StepRule, TransportTerm};
 use undula::space::PressureKind::Continuous;
-use undula::space::{Against, BoundaryCondition, FsiSpace, Region, State};
+use undula::space::{Against, BoundaryCondition, FsiSpace, PsiOwner, Region, State};
 use undula::system::{Assembler, End, Options, StepView};
-use undula::tangent::{Difference, Stencil, Tangent};
+use undula::tangent::{Difference, Linearization, Stencil, Tangent};
 
 use PressureTerm::{BrezziPitkaranta, LocalProjection, Pspg};
 
@@ -171,6 +171,40 @@ fn derivatives_are_limits_of_differences() {
                 }
             }
         }
+    }
+}
+
+/// Momentum and divergence of the reduced matrix have nothing of u in the fluid, that of the stabilisation included; all
+/// other entries are those of the Jacobian.
+#[test]
+fn the_reduced_matrix_leaves_out_u_in_the_fluid() {
+    let mut random = Random(7);
+    let space = halves(2, Q2);
+    let (n_v, n_u) = (space.n_v(), space.n_u());
+    let is_flow = |i: usize| i < n_v || i >= n_v + n_u;
+    let in_fluid = |i: usize| !is_flow(i) && space.owner[(i - n_v) / 2] == PsiOwner::Extension;
+    for how in methods() {
+        let mut assembler = assembler(&space, &how, 1, 1);
+        let (new, old) = (random_state(&space, &mut random, 0.01), random_state(&space, &mut random, 0.01));
+        let step = StepView { rule: StepRule::theta(0.1, 0.6), new: &new, old: &old };
+        let [full, reduced] = [Linearization::Newton, Linearization::Reduced].map(|kind| {
+            let mut matrix = Csr::zeros(&assembler.pattern());
+            assembler.matrix(&step, kind, Tangent::Analytic, &mut matrix);
+            matrix
+        });
+        let mut left_out = 0.0f64;
+        for i in 0..space.n_field_unknowns() {
+            for at in full.pattern.row(i) {
+                let j = full.pattern.col[at] as usize;
+                if is_flow(i) && in_fluid(j) {
+                    left_out = left_out.max(full.values[at].abs());
+                    assert_eq!(reduced.values[at], 0.0, "{how:?} ({i}, {j})");
+                } else if !is_flow(i) || is_flow(j) {
+                    assert_eq!(reduced.values[at], full.values[at], "{how:?} ({i}, {j})");
+                }
+            }
+        }
+        assert!(left_out > 0.0, "{how:?}");
     }
 }
 

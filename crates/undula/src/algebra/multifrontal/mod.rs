@@ -93,6 +93,10 @@ impl Backend for MultifrontalBackend {
         self.0.predicted()
     }
 
+    fn settle(&mut self) {
+        self.0.settle();
+    }
+
     fn is_definite(&self) -> bool {
         self.0.is_definite()
     }
@@ -204,6 +208,13 @@ impl<T: Real> Backend for Multifrontal<T> {
 
     fn is_definite(&self) -> bool {
         self.symbolic.definite
+    }
+
+    fn settle(&mut self) {
+        self.pool = Pool::new();
+        for shape in &mut self.symbolic.fronts {
+            (shape.left, shape.right) = (vec![], vec![]);
+        }
     }
 
     fn predicted(&self) -> Option<Cost> {

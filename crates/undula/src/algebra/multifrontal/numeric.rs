@@ -6,7 +6,7 @@ use super::front::{Front, Scratch};
 use super::kernels::flushed;
 use super::real::Real;
 use super::sizes::{SLACK, Sizes, padded, stored};
-use super::symbolic::{Entry, Run, Shape, Symbolic};
+use super::symbolic::{Run, Shape, Symbolic};
 use crate::algebra::vectors::dispatch;
 use pulp::{Arch, Simd, WithSimd};
 use std::sync::{Mutex, PoisonError};
@@ -239,19 +239,23 @@ fn add_entries<T: Real>(
         row_scale.push(scaling.row[old]);
         col_scale.push(scaling.col[old]);
     }
-    let value = |entry: &Entry, i: usize, j: usize| {
-        flushed(T::of(a.values[entry.source as usize] * row_scale[i] * col_scale[j]))
-    };
+    let value =
+        |source: usize, i: usize, j: usize| flushed(T::of(a.values[source] * row_scale[i] * col_scale[j]));
     // Loops, not adapters: those are not always inlined where vectors are wide.
     let panel = &mut front.panel[..];
-    for entry in &shape.left {
-        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
-        panel[j * ld + i + if i < k { 0 } else { delayed }] += value(entry, i, j);
+    for of in &shape.left {
+        let (source, i, j) = (of.source as usize, usize::from(of.row), usize::from(of.col));
+        let row = i + if i < k { 0 } else { delayed };
+        for n in 0..usize::from(of.len) {
+            panel[(j + n) * ld + row] += value(source + n, i, j + n);
+        }
     }
     let upper = &mut front.upper[..];
-    for entry in &shape.right {
-        let (i, j) = (usize::from(entry.row), usize::from(entry.col));
-        upper[i * ldu + j - k] += value(entry, i, j);
+    for of in &shape.right {
+        let (source, i, j) = (of.source as usize, usize::from(of.row), usize::from(of.col));
+        for n in 0..usize::from(of.len) {
+            upper[i * ldu + j + n - k] += value(source + n, i, j + n);
+        }
     }
 }
 

@@ -28,15 +28,34 @@ pub(super) struct Run {
     pub len: u32,
 }
 
-/// An entry of the matrix and its place in a front.
+/// Entries of a row of the matrix that follow each other, and their places in a front, where they do so, too: those of
+/// the components of a node.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
-    /// Position in the values of the matrix.
+pub(super) struct Entries {
+    /// Position of the first in the values of the matrix.
     pub source: u32,
     /// Place of the row among pivots and rows of the front.
     pub row: u16,
-    /// Place of the column.
+    /// Place of the first column.
     pub col: u16,
+    /// How many they are.
+    pub len: u16,
+}
+
+impl Entries {
+    /// Add a single entry to a list, or to the last of it.
+    fn push(self, list: &mut Vec<Entries>) {
+        match list.last_mut() {
+            Some(last)
+                if last.row == self.row
+                    && last.col + last.len == self.col
+                    && last.source + u32::from(last.len) == self.source =>
+            {
+                last.len += 1;
+            }
+            _ => list.push(self),
+        }
+    }
 }
 
 /// A front as known before any numbers.
@@ -53,9 +72,9 @@ pub(super) struct Shape {
     /// Where the rows are in the parent.
     pub runs: Vec<Run>,
     /// Entries of the matrix in the columns of pivots.
-    pub left: Vec<Entry>,
+    pub left: Vec<Entries>,
     /// Entries of the matrix right of the pivots.
-    pub right: Vec<Entry>,
+    pub right: Vec<Entries>,
     /// Where its factors begin, L and U; that of the next front in one piece of memory for L, of the one before for U.
     pub lower: usize,
     /// The same for U.
@@ -225,24 +244,22 @@ impl Symbolic {
             *at += 1;
         });
         let mut local = vec![0_u16; self.old.len()];
+        let (mut left, mut right) = (vec![], vec![]);
         let mut start = 0;
         for (shape, end) in self.fronts.iter_mut().zip(ends) {
             let pivots = shape.first as u32..(shape.first + shape.k) as u32;
             for (at, i) in pivots.chain(shape.rows.iter().copied()).enumerate() {
                 local[i as usize] = at as u16;
             }
-            let entry = |&(source, row): &(u32, u32)| Entry {
-                source,
-                row: local[new[row as usize] as usize],
-                col: local[new[pattern.col[source as usize] as usize] as usize],
-            };
-            let of_front = || all[start..end].iter().map(entry);
-            let is_left = |entry: &Entry| usize::from(entry.col) < shape.k;
-            let left = of_front().filter(is_left).count();
-            (shape.left, shape.right) = (Vec::with_capacity(left), Vec::with_capacity(end - start - left));
-            for entry in of_front() {
-                if is_left(&entry) { shape.left.push(entry) } else { shape.right.push(entry) }
+            left.clear();
+            right.clear();
+            for &(source, row) in &all[start..end] {
+                let row = local[new[row as usize] as usize];
+                let col = local[new[pattern.col[source as usize] as usize] as usize];
+                let list = if usize::from(col) < shape.k { &mut left } else { &mut right };
+                Entries { source, row, col, len: 1 }.push(list);
             }
+            (shape.left, shape.right) = (left.as_slice().to_vec(), right.as_slice().to_vec());
             start = end;
         }
         Ok(())

@@ -73,7 +73,7 @@ where
         let of = Equations { form: &self.form, rule: &step.rule, basis: &b.basis, lagged };
         let (with_u, coupling) = match directions {
             Directions::Condensed { coupling } => (false, coupling),
-            _ => (self.deforms, 0.0),
+            Directions::All | Directions::Flow => (self.deforms, 0.0),
         };
         let Nodal { matrix, cell } = &mut s.nodal;
         matrix.clear();

@@ -2,13 +2,13 @@
 
 use super::kernel::Kernel;
 use super::residual::PieceTask;
-use super::tangents::{Directions, TangentTasks};
+use super::tangents::ExtensionTask;
 use crate::loops::scatter::DROP;
 use crate::loops::test_functions::{Test, Trial};
 use crate::loops::width::Width;
 use crate::math::Lanes;
 use crate::operators::StepView;
-use crate::tangent::{Linearization, StepForm, Tangent};
+use crate::tangent::StepForm;
 
 impl<F: StepForm<D>, const D: usize, const L: usize> Kernel<F, D, L>
 where
@@ -20,10 +20,7 @@ where
         let n_v = step.new.v.len() as u32;
         for batch in 0..self.batches.len() {
             self.scratch.with(|s| {
-                let (linearization, tangent) = (Linearization::Newton, Tangent::Analytic);
-                let directions = Directions::Deformation;
-                TangentTasks { kernel: self, step, linearization, tangent, directions, batch, scratch: s }
-                    .run();
+                Lanes::<L>::dispatch(ExtensionTask { kernel: self, step, batch, scratch: &mut *s });
                 for piece in &self.pieces {
                     let (Test::Psi(i), Trial::U(j)) = (piece.test, piece.trial) else { continue };
                     let block = &mut s.piece[..n * n];

@@ -161,10 +161,10 @@ where
     /// for the processor: one function of everything would take minutes to compile.
     pub(super) fn run(self) {
         let JacobianTask { kernel: k, step, linearization, tangent, batch, scratch: s, slots, out } = self;
-        let directions = Directions::All;
+        let reduced = linearization == Linearization::Reduced && !k.relation();
+        let directions = if reduced && k.deforms { Directions::Flow } else { Directions::All };
         TangentTasks { kernel: k, step, linearization, tangent, directions, batch, scratch: s }.run();
         let tangents = k.tangents(batch, &s.tangent, s.nodal.asked(tangent));
-        let reduced = linearization == Linearization::Reduced && !k.relation();
         let (pieces, piece, work) = (&k.pieces, &mut s.piece, &mut s.tensor.matrices);
         Lanes::<L>::dispatch(ContractTask { tangents, pieces, reduced, batch, slots, piece, work, out });
     }

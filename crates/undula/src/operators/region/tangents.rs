@@ -18,8 +18,8 @@ pub(super) enum Directions {
         /// kθ in the solid, else 0 \[s\].
         coupling: f64,
     },
-    /// u alone.
-    Deformation,
+    /// v and p; u in the extension alone: the fluid of the reduced Jacobian.
+    Flow,
 }
 
 /// The tangents at all points of a batch, or its element matrix where that comes from differences in nodal values.
@@ -54,6 +54,10 @@ where
     #[inline(always)]
     fn dispatch<H: How<F, D, L>>(self, how: H) {
         let TangentTasks { kernel, step, directions, batch, scratch, .. } = self;
+        if directions == Directions::Flow {
+            let scratch = &mut *scratch;
+            Lanes::<L>::dispatch(ExtensionTask { kernel, step, batch, scratch });
+        }
         Lanes::<L>::dispatch(TangentTask { kernel, step, directions, batch, scratch, how });
     }
 }
@@ -224,10 +228,10 @@ where
         let (k, batch, s) = (self.kernel, self.batch, self.scratch);
         let b = &k.batches;
         let components = Fields::<f64, D>::COMPONENTS;
-        let (with_vp, with_u, coupling) = match self.directions {
-            Directions::All => (true, k.deforms, 0.0),
-            Directions::Condensed { coupling } => (true, false, coupling),
-            Directions::Deformation => (false, k.deforms, 0.0),
+        let (with_u, coupling) = match self.directions {
+            Directions::All => (k.deforms, 0.0),
+            Directions::Condensed { coupling } => (false, coupling),
+            Directions::Flow => (false, 0.0),
         };
         k.load(self.step, batch, s, true);
         for q in 0..b.n_points {
@@ -237,8 +241,7 @@ where
             let at = Point { form: &k.form, rule: &self.step.rule, place: &place, new: &new, old: &old };
             let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
             for (n, column) in columns.chunks_exact_mut(components).enumerate() {
-                let of_u = (D + D * D..2 * (D + D * D)).contains(&n);
-                if !(if of_u { with_u } else { with_vp }) {
+                if !with_u && of_deformation::<D>().contains(&n) {
                     continue;
                 }
                 let mut direction = reference_direction::<D, L>(n, &point.inverse);
@@ -251,6 +254,42 @@ where
             }
         }
     }
+}
+
+/// The tangent of the extension at all points of a batch: all that the reduced Jacobian has of u in the fluid.
+pub(super) struct ExtensionTask<'a, F, const D: usize, const L: usize> {
+    pub(super) kernel: &'a Kernel<F, D, L>,
+    pub(super) step: &'a StepView<'a>,
+    pub(super) batch: usize,
+    pub(super) scratch: &'a mut Scratch<D, L>,
+}
+
+impl<F: StepForm<D>, const D: usize, const L: usize> Task for ExtensionTask<'_, F, D, L>
+where
+    Lanes<L>: Width,
+{
+    #[inline(always)]
+    fn run(self) {
+        let (k, batch, s) = (self.kernel, self.batch, self.scratch);
+        let components = Fields::<f64, D>::COMPONENTS;
+        k.load(self.step, batch, s, true);
+        for q in 0..k.batches.n_points {
+            let index = batch * k.batches.n_points + q;
+            let (new, old) = k.fields(batch, q, s);
+            let (point, place) = (&k.batches.points[index], k.place(End::New, index));
+            let columns = &mut s.tangent[q * components * components..(q + 1) * components * components];
+            for n in of_deformation::<D>() {
+                let direction = reference_direction::<D, L>(n, &point.inverse);
+                let t = k.form.extension(&place, &new, &old, &direction);
+                store(&pull_back(&t, point), &mut columns[n * components..(n + 1) * components]);
+            }
+        }
+    }
+}
+
+/// Numbers of the components of u and ∇u among the fields.
+fn of_deformation<const D: usize>() -> std::ops::Range<usize> {
+    D + D * D..2 * (D + D * D)
 }
 
 /// The direction in which only component `n` of the fields moves, gradients taken with respect to ξ:

@@ -21,6 +21,7 @@ use crate::loops::width::Width;
 use crate::math::{Lanes, Vector};
 use crate::physics::{Fluid, Mapping, PressureTerm, Stabilization, TransportTerm};
 use crate::space::{FsiSpace, Region};
+use crate::tangent::Linearization;
 use apply::ApplyTask;
 use differences::DifferenceTask;
 use patches::axes;
@@ -216,7 +217,9 @@ where
     /// By dual numbers, but by differences in nodal values where the whole matrix is made of them.
     fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
         let mut slots = std::mem::take(&mut self.targets[matrix as usize].slots);
-        let couplings = &self.targets[matrix as usize].couplings;
+        // Of the reduced Jacobian u is left out, as of the condensed one.
+        let left = if how.linearization == Linearization::Reduced { Matrix::Condensed } else { matrix };
+        let couplings = &self.targets[left as usize].couplings;
         slots.fill(out, |slots, out| {
             self.for_each_batch(|batch| {
                 self.scratch.with(|scratch| {
