@@ -236,15 +236,14 @@ impl<const D: usize> Outlet<D> {
     fn fill(&self, matrix: Matrix, border: &mut Border) {
         let places = || self.nodes.iter().flat_map(|&node| (0..D as u32).map(move |i| node * D as u32 + i));
         // Of a product with a vector each process has the entries of its own nodes.
-        let own = |list: &[f64]| {
-            let entries = places().zip(list.iter().copied()).enumerate();
-            let counted = entries.filter(|(n, _)| self.own[n / D]);
-            counted.map(|(_, entry)| entry).collect::<Vec<_>>()
+        let own = |n: usize| {
+            let entries = places().zip(self.row[n].iter().copied()).enumerate();
+            entries.filter(|(n, _)| self.own[n / D]).map(|(_, entry)| entry)
         };
         border.column.extend(places().zip(self.column.iter().copied()));
-        border.row.extend(own(&self.row[0]));
+        border.row.extend(own(0));
         if self.deforms && matrix == Matrix::Whole {
-            border.row.extend(own(&self.row[1]).into_iter().map(|(at, b)| (at + self.n_v as u32, b)));
+            border.row.extend(own(1).map(|(at, b)| (at + self.n_v as u32, b)));
         }
     }
 }

@@ -74,6 +74,10 @@ impl Case {
         constraints: &Constraints<D>,
         t: f64,
     ) -> Option<String> {
+        if space.part.is_some() {
+            // What a process has of the fluid ends at others.
+            return None;
+        }
         let parts = enclosed(space, &self.conditions(&space.mesh));
         let whole = is_whole(space, &parts);
         parts.iter().find_map(|part| {

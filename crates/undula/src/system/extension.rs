@@ -101,8 +101,7 @@ impl<const D: usize> ExtensionSystem<D> {
             entries.extend(list.iter().map(|&place| (place, 0.0)));
             rows.push((row as u32, entries.len() as u32));
         }
-        let (behind, mut slots) = (pattern.nnz() as u32, vec![]);
-        let mut matrix = Csr::zeros(&pattern);
+        let (behind, mut slots, mut matrix) = (pattern.nnz() as u32, vec![], Csr::zeros(&pattern));
         visit(&mut |row, column, value| {
             let (row, other) = (number[row as usize], number[column as usize]);
             let slot = match (row, other) {

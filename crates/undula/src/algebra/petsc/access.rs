@@ -108,9 +108,13 @@ enum State {
     Ended,
 }
 
-/// Packages by a function that PETSc has with them alone.
-const PACKAGES_BY_SYMBOL: [(&str, &str); 3] =
-    [("MUMPS", "MatMumpsSetIcntl"), ("SuperLU_DIST", "MatSuperluDistGetDiagU"), ("hypre", "PCHYPRESetType")];
+/// Packages by functions of their own, and by some of PETSc that are there with them alone. Newer versions show none of the
+/// latter, and have `MatMumpsSetIcntl` and `PCHYPRESetType` without the package, too.
+const PACKAGES_BY_SYMBOL: [(&str, [&str; 2]); 3] = [
+    ("MUMPS", ["dmumps_c", "MatMumpsSetIcntl_MUMPS"]),
+    ("SuperLU_DIST", ["superlu_gridinit", "MatSuperluDistGetDiagU_SuperLU_DIST"]),
+    ("hypre", ["HYPRE_IJMatrixCreate", "MatCreate_HYPRE"]),
+];
 
 /// The engine, looked for once in the life of the process; nothing is started yet.
 ///
@@ -223,7 +227,7 @@ fn examine(library: String, handle: Library) -> Result<Engine, Missing> {
     let mpi_calls = (mpi != MpiKind::Without).then(|| Mpi::find(handle)).transpose().map_err(lacks)?;
     let mpi_version = mpi_calls.map_or(Ok(String::new()), |calls| calls.version());
     let mpi_version = mpi_version.map_err(|fault| failed(fault.to_string()))?;
-    let packages = PACKAGES_BY_SYMBOL.map(|(name, symbol)| (name, handle.has(symbol)));
+    let packages = PACKAGES_BY_SYMBOL.map(|(name, of)| (name, of.iter().any(|symbol| handle.has(symbol))));
     let state = Mutex::new(State::Waiting);
     Ok(Engine { library, version, index_bits, mpi, mpi_version, packages, handle, petsc, mpi_calls, state })
 }
