@@ -6,7 +6,6 @@ use super::calls::{Indices, call};
 use super::error::Trouble;
 use crate::parallel::Halo;
 use crate::parallel::library::{Object, text_of};
-use std::cell::RefCell;
 use std::ffi::CString;
 use std::ptr::{null, null_mut};
 use std::slice;
@@ -22,8 +21,8 @@ pub(super) struct System {
     solver: Object,
     right: Object,
     left: Object,
-    /// Values of the matrix on their way, where there are several processes.
-    values: Option<RefCell<Vec<f64>>>,
+    /// Whether there are several processes.
+    several: bool,
     /// Where each of several processes has all unknowns.
     shared: Option<Shared>,
 }
@@ -88,12 +87,11 @@ impl System {
         call!(petsc, MatCreateVecs(matrix, &raw mut right, &raw mut left))?;
         call!(petsc, KSPCreate(world, &raw mut solver))?;
         let several = access.share.size > 1;
-        let values = several.then(|| RefCell::new(vec![0.0; entries]));
         let shared = match place.halo {
             None if several => Some(Shared::new(access, right, place.n)?),
             _ => None,
         };
-        Ok(System { place, entries, options: database, matrix, solver, right, left, values, shared })
+        Ok(System { place, entries, options: database, matrix, solver, right, left, several, shared })
     }
 
     /// Does something with the options of this system in force, and no others.
@@ -138,8 +136,9 @@ impl System {
     /// New values of the matrix, which `write` sets in the order of its entries.
     pub(super) fn set_values(&self, access: &Access, write: impl FnOnce(&mut [f64])) -> Result<(), Trouble> {
         let (petsc, mut values) = (&access.engine.petsc, null_mut());
-        if let Some(values) = &self.values {
-            let mut values = values.borrow_mut();
+        if self.several {
+            // Given back before factors are made: they would stand beside them for nothing.
+            let mut values = vec![0.0; self.entries];
             write(&mut values);
             return call!(petsc, MatUpdateMPIAIJWithArray(self.matrix, values.as_ptr()));
         }
