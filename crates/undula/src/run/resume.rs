@@ -86,8 +86,9 @@ impl<const D: usize> Run<D> {
         run.cut = metadata.cut.filter(|end| run.simulation.case.time.as_ref().is_some_and(|t| t.end == *end));
         if !run.are_fields_due() {
             // Written because the run ended here, which it does no longer.
-            let name = run.directory.field_name(metadata.step);
-            run.collection.remove(&name)?;
+            let step = metadata.step;
+            run.collection.remove(&run.directory.field_name(step))?;
+            run.collection.remove(&RunDirectory::shared_field_name(step))?;
         }
         run.write_case()?;
         run.directory.write_breakdown(None)?;

@@ -60,14 +60,13 @@ impl FluidBoundary {
     /// Leaves out facets behind which the mesh goes on, on another process: they have no name.
     fn drop_cuts(&mut self) {
         let is_kept = |facet: &FluidFacet| facet.at_solid || facet.boundary.is_some();
-        let (mut new, mut n) = (vec![usize::MAX; self.facets.len()], 0);
-        for (new, facet) in new.iter_mut().zip(&self.facets).filter(|(_, facet)| is_kept(facet)) {
-            (*new, n) = (n, n + 1);
-            let _ = facet;
-        }
+        let mut kept = 0..;
+        let number = |facet: &FluidFacet| if is_kept(facet) { kept.next() } else { None };
+        let new: Vec<Option<usize>> = self.facets.iter().map(number).collect();
         self.number.retain(|_, number| {
-            *number = new[*number];
-            *number != usize::MAX
+            let is_there = new[*number].is_some();
+            *number = new[*number].unwrap_or(0);
+            is_there
         });
         self.facets.retain(is_kept);
     }

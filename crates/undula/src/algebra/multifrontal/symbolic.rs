@@ -48,7 +48,7 @@ impl Entries {
         match list.last_mut() {
             Some(last)
                 if last.row == self.row
-                    && last.col + last.len == self.col
+                    && usize::from(last.col) + usize::from(last.len) == usize::from(self.col)
                     && last.source + u32::from(last.len) == self.source =>
             {
                 last.len += 1;
