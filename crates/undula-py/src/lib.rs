@@ -26,7 +26,7 @@ mod _undula {
     #[pymodule_export]
     use super::run::Run;
     #[pymodule_export]
-    use super::{builtin, command, keys, page, picture, plots, read_snapshot, version};
+    use super::{builtin, command, keys, page, picture, plots, read_fields, version};
 
     /// The variables of the environment that name libraries hold for Python, too.
     #[pymodule_init]
@@ -63,7 +63,7 @@ fn command(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
 
 /// The fields of a VTU file that a run has written, as a dictionary of arrays.
 #[pyfunction]
-fn read_snapshot<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
+fn read_fields<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
     let read = py.detach(|| undula::output::read_snapshot(&path));
     let (mut snapshot, time) = read.map_err(|error| errors::of(py, &error.into()))?;
     if snapshot.kind.dim() == 2 {
