@@ -105,9 +105,11 @@ fn load(args: &CaseArgs, team: &mut Team) -> anyhow::Result<Result<Case, ExitCod
     }
 }
 
-/// The case of one of `n` processes. Several of them take PETSc, unless the case names another engine.
+/// The case of one of `n` processes. Several of them take PETSc, unless the case names another engine, and multigrid in
+/// space where it is usual there, unless the case says how PETSc shall solve.
 fn load_here(args: &CaseArgs, n: usize) -> anyhow::Result<Result<Case, ExitCode>> {
     const ENGINE: &str = "linear.engine";
+    const OTHERS: [&str; 2] = ["linear.solver", "linear.petsc.options"];
     let loaded = check::load(args)?;
     let Ok(case) = &loaded else { return Ok(loaded) };
     if n == 1 || case.linear.engine == Engine::Petsc {
@@ -117,7 +119,9 @@ fn load_here(args: &CaseArgs, n: usize) -> anyhow::Result<Result<Case, ExitCode>
         let message = format!("{n} processes are computed by PETSc: expected `petsc`");
         return bad_input(case.refuse(ENGINE, message)).map(Err);
     }
-    let set = args.set.iter().cloned().chain([format!("{ENGINE}=petsc")]).collect();
+    let says_how = OTHERS.iter().any(|key| case.record.places.contains_key(*key));
+    let usual = (case.mesh.dimension == 3 && !says_how).then(|| "linear.solver=automatic".to_string());
+    let set = args.set.iter().cloned().chain([format!("{ENGINE}=petsc")]).chain(usual).collect();
     check::load(&CaseArgs { case: args.case.clone(), set })
 }
 

@@ -107,7 +107,9 @@ where
         let (assembler, state) = (&stepper.assembler, &stepper.new);
         let density = assembler.physics.fluids().map(|(_, fluid)| fluid.rho).reduce(f64::min);
         let balance = density.map(|rho| Balance::new(&assembler.space, rho, state, stepper.time));
-        assembler.space.part.iter().for_each(|part| part.forget());
+        // Multigrid still needs its coarser meshes.
+        let unused = assembler.space.part.iter().filter(|_| !stepper.linear.is_multigrid());
+        unused.for_each(|part| part.forget());
         Ok(Simulation {
             case,
             adaptive,

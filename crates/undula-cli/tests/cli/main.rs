@@ -23,6 +23,7 @@ mod multigrid;
 mod outputs;
 mod pictures;
 mod pictures_space;
+mod python;
 mod report;
 mod several;
 mod space_cases;

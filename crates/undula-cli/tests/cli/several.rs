@@ -92,6 +92,37 @@ fn several_processes_compute_what_one_computes() {
     );
 }
 
+/// Levels of multigrid, and older factors with GMRES.
+#[test]
+fn our_own_iterations_go_on_across_the_processes() {
+    if !can() {
+        return;
+    }
+    let here = Place::new("several-levels");
+    here.write("flap.toml", FLAP);
+    let sets = [&TIGHT[..], &["linear.precision=double", "mesh.refine=1"]].concat();
+    let own = here.rows("flap.toml", &sets);
+    for (n, more) in
+        [(2, "linear.solver=multigrid"), (3, "linear.solver=multigrid"), (2, "linear.krylov=gmres")]
+    {
+        let sets = [&sets[..], &[more]].concat();
+        let said = together(&here, &[(n, "run flap.toml --force -o several", &sets)]);
+        said.expect(0, &["processes share the mesh of 48 cells"]);
+        is_near(&own, &here.rows_of("several"), &sets);
+        let summary = here.json("several/summary.json");
+        assert_eq!(summary["direct_fallbacks"], 0);
+        let iterations = summary["linear_iterations"].as_u64();
+        assert!(iterations > summary["newton_steps"].as_u64(), "{summary}");
+    }
+    // Nothing as large as the system has factors.
+    here.run("run flap.toml --force --quiet -o one", &[&sets[..], &["linear.solver=multigrid"]].concat())
+        .expect(0, &[]);
+    let sets = [&sets[..], &["linear.solver=multigrid"]].concat();
+    together(&here, &[(2, "run flap.toml --force --quiet -o several", &sets)]).expect(0, &[]);
+    let largest = |name: &str| here.json(name)["largest_factor_unknowns"].as_u64().unwrap();
+    assert_eq!(largest("several/summary.json"), largest("one/summary.json"));
+}
+
 /// A tube with an outlet whose pressure depends on the flow.
 const OUTLET: &str = r#"
 [mesh]
@@ -152,6 +183,9 @@ fn what_couples_the_whole_domain_is_shared() {
         ("fsi3", &[fsi3[0], "time.end=0.02", "time.adaptive.tolerance=1e-3"]),
         ("fsi3", &[fsi3[0], fsi3[1], "time.scheme=esdirk3"]),
         ("land", &[]),
+        ("outlet.toml", &["linear.solver=multigrid", "mesh.refine=1"]),
+        ("fsi3", &["linear.solver=multigrid", "mesh.refine=1", "time.end=0.005"]),
+        ("dfg-2d3", &["linear.solver=multigrid", "mesh.refine=1", "time.end=0.01"]),
     ] {
         let sets = [&["newton.tolerance=1e-11", "linear.precision=double"], sets].concat();
         let arguments = format!("run {case} --quiet --force -o");

@@ -1,6 +1,9 @@
 //! GMRES with a preconditioner on the right, for factors that are no longer those of the matrix.
 
-use super::{LinearOperator, SolverError, dot};
+use super::{LinearOperator, SolverError};
+use crate::algebra;
+use crate::parallel::{Halo, Reduce};
+use std::sync::Arc;
 
 /// Share of an image that must be new against those before for its direction to be of use.
 const INDEPENDENT: f64 = 1e-10;
@@ -37,6 +40,8 @@ pub struct Gmres {
     /// W r.
     residual: Vec<f64>,
     work: Vec<f64>,
+    /// Where processes share the unknowns: products are those of all.
+    halo: Option<Arc<Halo>>,
 }
 
 #[derive(Clone, Debug, Default)]
@@ -58,7 +63,34 @@ impl Gmres {
     /// No directions yet.
     pub fn new(settings: GmresSettings) -> Gmres {
         let room = || Vec::with_capacity(settings.size);
-        Gmres { settings, pairs: room(), spare: room(), residual: vec![], work: vec![] }
+        Gmres { settings, pairs: room(), spare: room(), residual: vec![], work: vec![], halo: None }
+    }
+
+    /// For a system that processes share. Its operator and preconditioner see own rows and copies of the others; what is in
+    /// rows of copies does not count.
+    #[must_use]
+    pub fn shared(mut self, halo: Option<Arc<Halo>>) -> Gmres {
+        self.halo = halo;
+        self
+    }
+
+    /// (a, b) of all processes.
+    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
+        match &self.halo {
+            None => algebra::dot(a, b),
+            Some(halo) => {
+                let own = halo.own().iter().map(|&at| a[at as usize] * b[at as usize]).sum();
+                halo.crew().one(Reduce::Sum, own)
+            }
+        }
+    }
+
+    /// The step of least residual along a direction.
+    fn project(&mut self, pair: usize, x: &mut [f64]) {
+        let length = self.dot(&self.pairs[pair].image, &self.residual);
+        let Pair { direction, image } = &self.pairs[pair];
+        add(-length, image, &mut self.residual);
+        add(length, direction, x);
     }
 
     /// Forget all directions, as for another matrix or other weights.
@@ -87,16 +119,14 @@ impl Gmres {
         x.fill(0.0);
         self.residual.clear();
         self.residual.extend(b.iter().zip(weights).map(|(b, w)| b * w));
-        let norm = dot(&self.residual, &self.residual).sqrt();
+        let norm = self.dot(&self.residual, &self.residual).sqrt();
         if norm == 0.0 {
             return Ok(GmresReport { iterations: 0, reduction: 0.0 });
         }
-        for pair in &self.pairs {
-            pair.project(&mut self.residual, x);
-        }
+        (0..self.pairs.len()).for_each(|pair| self.project(pair, x));
         let (mut iterations, GmresSettings { tolerance, size }) = (0, self.settings);
         loop {
-            let reduction = dot(&self.residual, &self.residual).sqrt() / norm;
+            let reduction = self.dot(&self.residual, &self.residual).sqrt() / norm;
             if reduction <= tolerance {
                 return Ok(GmresReport { iterations, reduction });
             }
@@ -104,9 +134,7 @@ impl Gmres {
                 return Err(SolverError::NotConverged { iterations, reduction, allowed: tolerance });
             }
             iterations += 1;
-            if let Some(pair) = self.pairs.last() {
-                pair.project(&mut self.residual, x);
-            }
+            self.project(self.pairs.len() - 1, x);
         }
     }
 
@@ -129,14 +157,14 @@ impl Gmres {
         precondition(&mut self.work, direction);
         a.apply(direction, image);
         image.iter_mut().zip(weights).for_each(|(q, w)| *q *= w);
-        let size = dot(image, image).sqrt();
+        let size = self.dot(image, image).sqrt();
         // Modified Gram and Schmidt: few vectors, and no more digits than the tolerance.
         for before in &self.pairs {
-            let known = dot(&before.image, image);
+            let known = self.dot(&before.image, image);
             add(-known, &before.image, image);
             add(-known, &before.direction, direction);
         }
-        let rest = dot(image, image).sqrt();
+        let rest = self.dot(image, image).sqrt();
         let is_new = rest.is_finite() && rest > INDEPENDENT * size;
         if is_new {
             direction.iter_mut().chain(image).for_each(|x| *x /= rest);
@@ -145,15 +173,6 @@ impl Gmres {
             self.spare.push(pair);
         }
         is_new
-    }
-}
-
-impl Pair {
-    /// The step of least residual along the direction.
-    fn project(&self, residual: &mut [f64], x: &mut [f64]) {
-        let length = dot(&self.image, residual);
-        add(-length, &self.image, residual);
-        add(length, &self.direction, x);
     }
 }
 

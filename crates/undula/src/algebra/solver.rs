@@ -78,8 +78,8 @@ pub trait LinearSolver: Send {
     fn name(&self) -> &'static str;
 
     /// Tells, before the analysis, that processes share the unknowns: rows of copies are not complete, and solutions have
-    /// the copies, too. For solvers that can: those of PETSc.
-    fn share(&mut self, _halo: Halo) {}
+    /// the copies, too. For solvers that can: those of PETSc, and multigrid.
+    fn share(&mut self, _halo: Arc<Halo>) {}
 
     /// Prepares for matrices of this pattern, once per run. `unknowns` has one entry per row.
     ///

@@ -7,7 +7,7 @@ use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
-use crate::multigrid::{self, System, tiers};
+use crate::multigrid::{self, System, Tiers};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, State};
 use crate::system::{Assembler, CondensedSystem, StepView};
@@ -39,13 +39,16 @@ impl<const D: usize> Condensed<D> {
         let mut solver: Box<dyn LinearSolver> = match multigrid {
             Some(settings) => {
                 let places = System::Flow { given: &assembler.is_given(), places: &system.places };
-                multigrid::multigrid(settings, tiers(&assembler.space, places), make(Purpose::Correction))
+                let tiers = Tiers::new(&assembler.space, places)?;
+                multigrid::multigrid(settings, tiers, make(Purpose::Coarsest))
             }
             None => make(Purpose::Condensed),
         };
-        share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
-        let factored = Factored::new(&system.pattern, &system.unknowns, solver, krylov)?;
+        let halo = share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
+        let factored = Factored::new(&system.pattern, &system.unknowns, solver, krylov, halo)?;
         let extension = Extension::new(assembler, view, make, multigrid)?;
+        // Its coarser meshes were all that was still needed.
+        assembler.space.part.iter().for_each(|part| part.forget());
         let relation = relation::places(assembler).map(|place| place as u32).collect();
         let n = system.places.len();
         Ok(Condensed {

@@ -2,7 +2,7 @@
 
 use super::factors::{MakeSolver, Purpose, share};
 use crate::algebra::{Cost, Gmres, GmresSettings, LinearSolver, SolverError};
-use crate::multigrid::{self, System, tiers};
+use crate::multigrid::{self, System, Tiers};
 use crate::system::extension::ExtensionSystem;
 use crate::system::{Assembler, StepView};
 
@@ -48,17 +48,20 @@ impl<const D: usize> Extension<D> {
         let factor = |purpose| {
             let mut solver: Box<dyn LinearSolver> = match multigrid {
                 Some(settings) => {
-                    let tiers = tiers(&assembler.space, System::Extension(&system.places));
+                    let tiers = Tiers::new(&assembler.space, System::Extension(&system.places))?;
+                    // On several processes each solves the coarsest level alone.
+                    let alone = assembler.space.part.is_none();
+                    let purpose = if alone { purpose } else { Purpose::Coarsest };
                     multigrid::multigrid(settings, tiers, make(purpose))
                 }
                 None => make(purpose),
             };
-            share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
+            let halo = share(&assembler.space, system.places.iter().copied(), &mut *solver)?;
             solver.analyse(&system.matrix.pattern, &unknowns)?;
             solver.factor(&system.matrix)?;
-            Ok(solver)
+            Ok((solver, halo))
         };
-        let mut solver = match factor(purpose) {
+        let (mut solver, halo) = match factor(purpose) {
             // By rounding, in single precision: the operator is nearly singular.
             Err(SolverError::NotDefinite { .. }) => factor(Purpose::Correction)?,
             result => result?,
@@ -69,7 +72,7 @@ impl<const D: usize> Extension<D> {
             solver.settle();
         }
         let n = system.places.len();
-        let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES), vec![1.0; n]));
+        let gmres = (!solver.is_exact()).then(|| (Gmres::new(GMRES).shared(halo), vec![1.0; n]));
         Ok(Some(Extension { system, solver, gmres, b: vec![0.0; n], x: vec![0.0; n] }))
     }
 

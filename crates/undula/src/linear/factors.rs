@@ -6,6 +6,7 @@ use super::price::Work;
 use super::relation;
 use super::scales::Scales;
 use crate::algebra::{Cost, Csr, LinearSolver, Pattern, Sizes, SolverError, Unknown};
+use crate::parallel::Halo;
 use crate::physics::StepRule;
 use crate::space::FsiSpace;
 use crate::system::Assembler;
@@ -27,6 +28,8 @@ pub enum Purpose {
     Correction,
     /// The same where the matrix is symmetric and should be positive definite.
     Definite,
+    /// The coarsest level of multigrid, of which every process has all.
+    Coarsest,
 }
 
 /// A matrix, and the factors of it or of an older one.
@@ -36,6 +39,8 @@ pub(super) struct Factored {
     /// Rule of the step that the factors are of.
     rule: StepRule,
     krylov: Option<Krylov>,
+    /// Where processes share the unknowns.
+    halo: Option<Arc<Halo>>,
 }
 
 impl Factored {
@@ -45,10 +50,11 @@ impl Factored {
         unknowns: &[Unknown],
         mut solver: Box<dyn LinearSolver>,
         krylov: Option<KrylovSettings>,
+        halo: Option<Arc<Halo>>,
     ) -> Result<Factored, SolverError> {
         solver.analyse(pattern, unknowns)?;
-        let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n));
-        Ok(Factored { matrix: Csr::zeros(pattern), solver, rule: StepRule::STATIONARY, krylov })
+        let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n, halo.clone()));
+        Ok(Factored { matrix: Csr::zeros(pattern), solver, rule: StepRule::STATIONARY, krylov, halo })
     }
 
     /// Factorise the matrix, which is that of a step by `rule`.
@@ -123,11 +129,11 @@ impl Factored {
     pub(super) fn work(&self, unknowns: usize, extension: Option<Cost>) -> Work {
         let (rows, entries) = (self.matrix.pattern.n, self.matrix.pattern.nnz());
         let (factors, iterative) = (self.solver.predicted(), self.krylov.is_some());
-        Work { unknowns, rows, entries, factors, extension, iterative }
+        Work { unknowns, rows, entries, factors, extension, iterative, halo: self.halo.clone() }
     }
 }
 
-/// Tells a solver of the unknowns at `places` in \[v, u, p\] that processes share them, if they do.
+/// Tells a solver of the unknowns at `places` in \[v, u, p\] that processes share them, if they do, and returns how.
 ///
 /// # Errors
 /// If MPI fails.
@@ -135,11 +141,11 @@ pub(super) fn share<const D: usize>(
     space: &FsiSpace<D>,
     places: impl Iterator<Item = u32>,
     solver: &mut dyn LinearSolver,
-) -> Result<(), SolverError> {
-    if let Some(halo) = space.halo(places) {
-        solver.share(halo.map_err(|fault| SolverError::Engine(fault.to_string()))?);
-    }
-    Ok(())
+) -> Result<Option<Arc<Halo>>, SolverError> {
+    let Some(halo) = space.halo(places) else { return Ok(None) };
+    let halo = Arc::new(halo.map_err(|fault| SolverError::Engine(fault.to_string()))?);
+    solver.share(Arc::clone(&halo));
+    Ok(Some(halo))
 }
 
 /// Scale the rows that have k⁻¹M + θA: momentum and velocity-deformation relation.

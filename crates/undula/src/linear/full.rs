@@ -6,7 +6,7 @@ use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
 use crate::algebra::{LinearSolver, SolverError};
-use crate::multigrid::{self, Part, System, Triangular, tiers};
+use crate::multigrid::{self, Part, System, Tiers, Triangular};
 use crate::physics::StepRule;
 use crate::space::{FsiSpace, PsiOwner};
 use crate::system::{Assembler, StepView};
@@ -25,8 +25,8 @@ impl Full {
         krylov: Option<KrylovSettings>,
     ) -> Result<Full, SolverError> {
         let pattern = assembler.try_pattern()?;
-        share(&assembler.space, 0..pattern.n as u32, &mut *solver)?;
-        let factored = Factored::new(&pattern, &assembler.unknowns(), solver, krylov)?;
+        let halo = share(&assembler.space, 0..pattern.n as u32, &mut *solver)?;
+        let factored = Factored::new(&pattern, &assembler.unknowns(), solver, krylov, halo)?;
         Ok(Full { factored, work: vec![] })
     }
 
@@ -55,7 +55,7 @@ pub(super) fn by_parts<const D: usize>(
     assembler: &mut Assembler<D>,
     make: &MakeSolver,
     settings: multigrid::Settings,
-) -> Box<dyn LinearSolver> {
+) -> Result<Box<dyn LinearSolver>, SolverError> {
     let (n_v, n_u) = (assembler.space.n_v(), assembler.space.n_u());
     let mut given = assembler.is_given();
     let nodal: Vec<u32> = relation::places(assembler).map(|at| at as u32).collect();
@@ -75,23 +75,23 @@ pub(super) fn by_parts<const D: usize>(
         let is_there = match system {
             System::Flow { places, .. } | System::Extension(places) => !places.is_empty(),
         };
-        let tiers = if is_there { tiers(space, system) } else { vec![] };
-        Some(multigrid::multigrid(settings, tiers, make(Purpose::Correction)))
+        let tiers = if is_there { Tiers::new(space, system)? } else { Tiers::Whole(vec![]) };
+        Ok::<_, SolverError>(Some(multigrid::multigrid(settings, tiers, make(Purpose::Coarsest))))
     };
-    let of_flow = solver(System::Flow { given: &given, places: &flow }, settings);
+    let of_flow = solver(System::Flow { given: &given, places: &flow }, settings)?;
     // A thin body bends by forces that are rounding of the single ones.
-    let of_solid = solver(System::Extension(&moves), multigrid::Settings { double: true, ..settings });
+    let of_solid = solver(System::Extension(&moves), multigrid::Settings { double: true, ..settings })?;
     let of_extension = if assembler.is_biharmonic() {
         Some(make(Purpose::Exact))
     } else {
-        solver(System::Extension(&extension), settings)
+        solver(System::Extension(&extension), settings)?
     };
-    Box::new(Triangular::new(vec![
+    Ok(Box::new(Triangular::new(vec![
         Part { rows: moves.clone(), columns: nodal.clone(), solver: None },
         Part { rows: flow.clone(), columns: flow, solver: of_flow },
         Part { rows: nodal, columns: moves, solver: of_solid },
         Part { rows: extension.clone(), columns: extension, solver: of_extension },
-    ]))
+    ])))
 }
 
 impl<const D: usize> Correction<D> for Full {

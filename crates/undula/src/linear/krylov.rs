@@ -2,6 +2,8 @@
 
 use super::scales::Scales;
 use crate::algebra::{Gmres, GmresSettings, LinearOperator, SolverError};
+use crate::parallel::Halo;
+use std::sync::Arc;
 
 /// What GMRES is asked for.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -23,9 +25,10 @@ pub(super) struct Krylov {
 }
 
 impl Krylov {
-    pub(super) fn new(settings: KrylovSettings, rows: usize) -> Krylov {
+    /// Of a system that processes share where there is a `halo`.
+    pub(super) fn new(settings: KrylovSettings, rows: usize, halo: Option<Arc<Halo>>) -> Krylov {
         let KrylovSettings { gmres, scales } = settings;
-        Krylov { gmres: Gmres::new(gmres), scales, weights: vec![1.0; rows], active: false }
+        Krylov { gmres: Gmres::new(gmres).shared(halo), scales, weights: vec![1.0; rows], active: false }
     }
 
     /// The operator is new, the factors are not; `set` sets the weights of the rows.

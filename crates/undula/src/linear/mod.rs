@@ -226,8 +226,9 @@ impl<const D: usize> Linear<D> {
             }
             Linearization::Newton | Linearization::Reduced | Linearization::FixedPoint => {
                 let at_rest = view.rule.per_k == 0.0;
-                let solver = match self.multigrid.filter(|_| at_rest) {
-                    Some(settings) => by_parts(assembler, &self.make, settings),
+                let alone = assembler.space.part.is_none();
+                let solver = match self.multigrid.filter(|_| at_rest && alone) {
+                    Some(settings) => by_parts(assembler, &self.make, settings)?,
                     None => (self.make)(Purpose::Whole),
                 };
                 Box::new(Full::new(assembler, solver, self.krylov)?)

@@ -2,6 +2,8 @@
 //! run.
 
 use crate::algebra::Cost;
+use crate::parallel::{Halo, Reduce};
+use std::sync::Arc;
 
 /// A new Jacobian in iterations where the solver does not tell what it does.
 pub(super) const TYPICAL: f64 = 5.0;
@@ -31,11 +33,21 @@ pub(super) struct Work {
     pub(super) extension: Option<Cost>,
     /// Whether iterations are those of GMRES, and the factors alone are renewed.
     pub(super) iterative: bool,
+    /// Where processes share the unknowns: all have to find the same.
+    pub(super) halo: Option<Arc<Halo>>,
 }
 
 impl Work {
     /// A renewal in iterations.
     pub(super) fn price(&self) -> f64 {
+        let price = self.here();
+        match &self.halo {
+            Some(halo) if self.factors.is_some() => halo.crew().one(Reduce::Max, price),
+            _ => price,
+        }
+    }
+
+    fn here(&self) -> f64 {
         let (Some(factors), unknowns) = (&self.factors, self.unknowns as f64) else { return TYPICAL };
         let bytes = |cost: &Cost| cost.read.unwrap_or(0) as f64;
         let numeric = factors.flops.unwrap_or(0.0) / OPERATIONS;

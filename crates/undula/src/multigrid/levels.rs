@@ -3,9 +3,10 @@
 //! A node of a coarser mesh is a node of the finer one: it keeps its number. Coarser unknowns are those at the nodes of
 //! the coarser cells that are not given, and all pressures of these cells; only on the finest level some are eliminated.
 
+use super::blocks::{by_rank, of_groups};
 use super::clusters::groups;
 use super::lists::Lists;
-use super::numbers::{NONE, Numbers, without_idle};
+use super::numbers::{Cells, NONE, Numbers, without_idle};
 use super::weights::{ZERO, in_child, pressure_weights, weights};
 use crate::algebra::{Kind, Unknown};
 
@@ -20,6 +21,8 @@ const JOINED: [usize; 3] = [64, 64, 8];
 pub struct Tier {
     /// Its unknowns in each block of the smoother.
     pub blocks: Lists<u32>,
+    /// The process of each block, where several share them.
+    pub ranks: Vec<u32>,
     /// Each of its unknowns from those of the coarser level.
     pub rows: Lists<(u32, f32)>,
     /// The unknowns of the coarser level.
@@ -40,14 +43,9 @@ pub enum System<'a> {
     Extension(&'a [u32]),
 }
 
-/// The nodes and pressures of the cells of a level.
-struct Cells {
-    nodes: Vec<Vec<u32>>,
-    pressures: Vec<Vec<u32>>,
-}
-
-/// From the finest level down.
-pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>) -> Vec<Tier> {
+/// From the finest level down. `ranks` are the processes of the cells, where several share them: they have no block in
+/// common.
+pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>, ranks: &[u32]) -> Vec<Tier> {
     let (n_v, n_u) = (space.n_v(), space.n_u());
     let (kind, places) = match system {
         System::Flow { places, .. } => (Kind::Velocity, places),
@@ -69,14 +67,24 @@ pub fn tiers<const D: usize>(space: &FsiSpace<D>, system: System<'_>) -> Vec<Tie
         pressures: (0..n_cells).map(|cell| space.pressure.cell(cell).to_vec()).collect(),
     };
     let mut finer = (space.mesh.clone(), space.pressure.clone());
+    let mut ranks = ranks.to_vec();
     let mut list = vec![];
     for (number, mesh) in space.hierarchy.coarser().iter().enumerate().rev() {
         let split = space.hierarchy.split(number);
         let coarser = coarser_pressure(space, (mesh, split), &finer.1, kind);
         let (finer_level, coarser_level) = ((&finer.0, &finer.1), (mesh, &coarser));
-        let level =
-            Coarsening { space, kind, split, given: &given, finer: finer_level, coarser: coarser_level };
+        let (finer_ranks, given) = (&ranks[..], &given[..]);
+        let level = Coarsening {
+            space,
+            kind,
+            split,
+            given,
+            ranks: finer_ranks,
+            finer: finer_level,
+            coarser: coarser_level,
+        };
         let (tier, next_numbers, next_cells) = level.tier(&numbers, &cells);
+        ranks = ranks.into_iter().step_by(split.children(D)).collect();
         list.push(tier);
         (numbers, cells) = (next_numbers, next_cells);
         finer = (mesh.clone(), coarser);
@@ -102,6 +110,8 @@ struct Coarsening<'a, const D: usize> {
     /// How the coarser cells are split.
     split: Split,
     given: &'a [bool],
+    /// Of the finer cells.
+    ranks: &'a [u32],
     finer: (&'a Mesh<D>, &'a PressureSpace<D>),
     coarser: (&'a Mesh<D>, &'a PressureSpace<D>),
 }
@@ -138,9 +148,13 @@ impl<const D: usize> Coarsening<'_, D> {
         let mut lists = Lists::default();
         rows.into_iter().for_each(|row| lists.push(row));
         let continuous = matches!(self.finer.1.kind, PressureKind::Continuous(_));
-        let groups = self.groups();
-        let blocks = of_groups::<D>(&groups, numbers, cells, continuous);
-        let tier = Tier { blocks, rows: lists, unknowns };
+        let (mut groups, mut ranks) = (self.groups(), vec![]);
+        if !self.ranks.is_empty() {
+            (groups, ranks) = by_rank(groups, self.ranks);
+        }
+        let (blocks, made) = of_groups::<D>(&groups, numbers, cells, continuous);
+        let ranks = made.into_iter().filter_map(|group| ranks.get(group).copied()).collect();
+        let tier = Tier { blocks, ranks, rows: lists, unknowns };
         (tier, coarse, coarse_cells)
     }
 
@@ -245,56 +259,6 @@ impl<const D: usize> Coarsening<'_, D> {
     }
 }
 
-/// The unknowns of groups of cells in the order of elimination: cell by cell, those that later cells have, too, behind the others, pressures behind the velocities that feel them.
-fn of_groups<const D: usize>(
-    groups: &[Vec<u32>],
-    numbers: &Numbers,
-    cells: &Cells,
-    continuous: bool,
-) -> Lists<u32> {
-    let mut lists = Lists::default();
-    // Cells of the group that each unknown is still to be met in.
-    let mut ahead: Vec<u8> = vec![0; numbers.n];
-    let mut is_listed = vec![false; numbers.n];
-    for group in groups {
-        let velocities = |cell: usize| {
-            let of = |&node: &u32| &numbers.v[node as usize * D..(node as usize + 1) * D];
-            cells.nodes[cell].iter().flat_map(of).copied().filter(|number| *number != NONE)
-        };
-        let pressures = |cell: usize| {
-            let of = cells.pressures[cell].iter().map(|&dof| numbers.p[dof as usize]);
-            of.filter(|number| *number != NONE)
-        };
-        for cell in group.iter().map(|&cell| cell as usize) {
-            velocities(cell).chain(pressures(cell)).for_each(|number| ahead[number as usize] += 1);
-        }
-        let mut list: Vec<u32> = vec![];
-        for cell in group.iter().map(|&cell| cell as usize) {
-            velocities(cell).chain(pressures(cell)).for_each(|number| ahead[number as usize] -= 1);
-            for shared in [false, true] {
-                for number in velocities(cell) {
-                    let at = number as usize;
-                    if !is_listed[at] && (ahead[at] > 0) == shared {
-                        is_listed[at] = true;
-                        list.push(number);
-                    }
-                }
-            }
-            for number in pressures(cell) {
-                if !(is_listed[number as usize] || continuous && ahead[number as usize] > 0) {
-                    is_listed[number as usize] = true;
-                    list.push(number);
-                }
-            }
-        }
-        list.iter().for_each(|&number| is_listed[number as usize] = false);
-        if !list.is_empty() {
-            lists.push(list);
-        }
-    }
-    lists
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::weights::least_squares;
@@ -311,8 +275,8 @@ mod tests {
         space.hierarchy = hierarchy;
         let n = space.n_field_unknowns();
         let places: Vec<u32> = (0..n as u32).collect();
-        let tiers = tiers(&space, System::Flow { given: &vec![false; n], places: &places });
-        let [Tier { blocks, rows, unknowns }] = &tiers[..] else { panic!("{} levels", tiers.len()) };
+        let tiers = tiers(&space, System::Flow { given: &vec![false; n], places: &places }, &[]);
+        let [Tier { blocks, rows, unknowns, .. }] = &tiers[..] else { panic!("{} levels", tiers.len()) };
         let power = |degree: usize, x: &[f64]| (0.3 + x[0] - 0.7 * x[D - 1] + 0.2 * x[1]).powi(degree as i32);
         // Coefficients of a velocity, the same in all components, and of a pressure of the pair's degrees.
         let pressure = &space.pressure;

@@ -1,25 +1,36 @@
 //! Geometric multigrid for the system of (v, p), on the meshes that a mesh was refined from.
 
+mod blocks;
 mod clusters;
 mod envelope;
+mod gathered;
 mod levels;
 mod lists;
 mod matrix;
 mod number;
 mod numbers;
+mod parted;
+mod shared;
 mod smoother;
 mod transfer;
 mod triangular;
 mod weights;
 
-pub use levels::{System, Tier, tiers};
+pub use levels::System;
+pub use parted::Tiers;
 pub use triangular::{Part, Triangular};
 
 use crate::algebra::{
     Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Spent, Unknown,
 };
+use crate::parallel::{Fault, Halo, Reduce};
+use gathered::Gathered;
+use levels::Tier;
+use lists::Lists;
 use matrix::Matrix;
 use number::Number;
+use parted::Parted;
+use shared::{Coarser, Finer, Share};
 use smoother::Smoother;
 use std::sync::Arc;
 use std::time::Instant;
@@ -54,17 +65,23 @@ struct Level<T> {
     coarser: Arc<Pattern>,
     x: Vec<T>,
     b: Vec<T>,
+    /// Where processes share it.
+    share: Option<Share<T>>,
 }
 
 /// A multigrid cycle as the factors of a matrix.
 struct Multigrid<T> {
     settings: Settings,
     /// What levels will be made of.
-    tiers: Vec<Tier>,
+    tiers: Tiers,
+    /// The finest unknowns, where processes share them.
+    halo: Option<Arc<Halo>>,
     /// The finest first.
     levels: Vec<Level<T>>,
     coarsest: Box<dyn LinearSolver>,
     coarse: Coarse<T>,
+    /// The coarsest level of several processes.
+    gathered: Option<Gathered>,
     /// The coarsest level, transfers, smoothing.
     spent: [Spent; 3],
 }
@@ -84,22 +101,24 @@ impl Spent {
     }
 }
 
+fn told(fault: Fault) -> SolverError {
+    SolverError::Engine(fault.to_string())
+}
+
 /// Vectors of the coarsest level.
 #[derive(Default)]
 struct Coarse<T> {
     /// Right-hand side, then solution.
     own: Vec<T>,
+    /// What is summed over several processes.
+    parts: Vec<f64>,
     double: [Vec<f64>; 2],
     /// Bytes that a solution reads.
     bytes: usize,
 }
 
 /// A multigrid cycle from the `tiers` of the levels above the coarsest one, which `coarsest` solves.
-pub fn multigrid(
-    settings: Settings,
-    tiers: Vec<Tier>,
-    coarsest: Box<dyn LinearSolver>,
-) -> Box<dyn LinearSolver> {
+pub fn multigrid(settings: Settings, tiers: Tiers, coarsest: Box<dyn LinearSolver>) -> Box<dyn LinearSolver> {
     if settings.double {
         Box::new(Multigrid::<f64>::new(settings, tiers, coarsest))
     } else {
@@ -108,8 +127,64 @@ pub fn multigrid(
 }
 
 impl<T: Number> Multigrid<T> {
-    fn new(settings: Settings, tiers: Vec<Tier>, coarsest: Box<dyn LinearSolver>) -> Multigrid<T> {
-        Multigrid { settings, tiers, levels: vec![], coarsest, coarse: Coarse::default(), spent: no_time() }
+    fn new(settings: Settings, tiers: Tiers, coarsest: Box<dyn LinearSolver>) -> Multigrid<T> {
+        let (halo, gathered, coarse) = (None, None, Coarse::default());
+        Multigrid { settings, tiers, halo, levels: vec![], coarsest, coarse, gathered, spent: no_time() }
+    }
+
+    /// Levels of a process alone; returns the pattern and the unknowns of the coarsest one.
+    fn take_whole(
+        &mut self,
+        tiers: Vec<Tier>,
+        pattern: &Arc<Pattern>,
+    ) -> (Arc<Pattern>, Option<Vec<Unknown>>) {
+        let (mut pattern, mut last) = (Arc::clone(pattern), None);
+        for Tier { blocks, rows, unknowns, .. } in tiers {
+            let transfer = Transfer::new(rows, unknowns.len());
+            let coarser = Arc::new(transfer.pattern(&pattern));
+            self.levels.push(Level::new(&pattern, blocks, transfer, &coarser));
+            (pattern, last) = (coarser, Some(unknowns));
+        }
+        (pattern, last)
+    }
+
+    /// The same of several processes.
+    fn take_parts(
+        &mut self,
+        Parted { crew, tiers, numbers, owners }: Parted,
+        pattern: &Arc<Pattern>,
+    ) -> Result<(Arc<Pattern>, Option<Vec<Unknown>>), Fault> {
+        let mut halo = self.halo.clone().ok_or(Fault::Missing("its unknowns are not shared".into()))?;
+        let (mut pattern, mut last, mut numbers, mut owners) = (Arc::clone(pattern), vec![], numbers, owners);
+        let own_blocks = |tier: &Tier| -> Vec<Vec<u32>> {
+            let blocks = tier.blocks.iter().zip(&tier.ranks);
+            blocks
+                .filter(|(_, rank)| **rank as usize == crew.rank())
+                .map(|(block, _)| block.to_vec())
+                .collect()
+        };
+        let mut tiers = tiers.into_iter().peekable();
+        while let Some(tier) = tiers.next() {
+            let wanted: Vec<u32> = tiers.peek().map(own_blocks).into_iter().flatten().flatten().collect();
+            let mut places = vec![0; owners.len()];
+            numbers.iter().zip(0_u32..).for_each(|(&number, place)| places[number as usize] = place);
+            let place = |number: &u32| places[*number as usize];
+            let mut blocks = Lists::default();
+            own_blocks(&tier).iter().for_each(|block| blocks.push(block.iter().map(place)));
+            let finer = Finer { halo: &halo, pattern: &pattern, numbers: &numbers, owners: &owners };
+            let Coarser { transfer, pattern: coarser, rows, halo: next, numbers: coarse, owners: ranks } =
+                finer.coarser(&tier, wanted)?;
+            let share = Share::new(halo, &blocks, rows, pattern.n);
+            let level = Level::new(&pattern, blocks, transfer, &coarser);
+            self.levels.push(Level { share: Some(share), ..level });
+            (halo, pattern, numbers, owners, last) = (next, coarser, coarse, ranks, tier.unknowns);
+        }
+        let gathered = Gathered::new(halo, &pattern, numbers, last.len())?;
+        self.coarse.parts = vec![0.0; pattern.n];
+        self.coarse.own = vec![T::default(); pattern.n];
+        let pattern = Arc::clone(&gathered.matrix.pattern);
+        self.gathered = Some(gathered);
+        Ok((pattern, Some(last)))
     }
 
     /// The solution of level `l` for its right-hand side `b`, about, into its `x`: that of the next coarser level, then
@@ -122,30 +197,73 @@ impl<T: Number> Multigrid<T> {
         x.fill(T::default());
         if let Some(next) = coarser.first_mut() {
             transfer.restrict(b, &mut next.b);
+            next.share.iter_mut().for_each(|share| share.update(&mut next.b, true));
             self.spent[1].add(&mut start, bytes);
             self.cycle(l + 1);
             start = Instant::now();
             let (finer, coarser) = self.levels.split_at_mut(l + 1);
             finer[l].transfer.prolong(&coarser[0].x, &mut finer[l].x);
         } else {
-            let Coarse { own, double: [right, solution], bytes: read } = &mut self.coarse;
+            let Coarse { own, parts, double: [right, solution], bytes: read } = &mut self.coarse;
             transfer.restrict(b, own);
             self.spent[1].add(&mut start, bytes);
-            right.iter_mut().zip(&*own).for_each(|(to, from)| *to = from.double());
-            self.coarsest.apply(right, solution);
-            own.iter_mut().zip(&*solution).for_each(|(to, from)| *to = T::of(*from));
+            if let Some(gathered) = &self.gathered {
+                parts.iter_mut().zip(&*own).for_each(|(to, from)| *to = from.double());
+                gathered.sum(parts, right);
+                self.coarsest.apply(right, solution);
+                own.iter_mut().zip(gathered.part(solution)).for_each(|(to, from)| *to = T::of(from));
+            } else {
+                right.iter_mut().zip(&*own).for_each(|(to, from)| *to = from.double());
+                self.coarsest.apply(right, solution);
+                own.iter_mut().zip(&*solution).for_each(|(to, from)| *to = T::of(*from));
+            }
             self.spent[0].add(&mut start, *read);
             transfer.prolong(own, x);
         }
         self.spent[1].add(&mut start, bytes);
-        let Level { matrix, smoother, b, x, .. } = &mut self.levels[l];
-        (0..self.settings.sweeps).for_each(|_| smoother.sweep(matrix, b, x));
+        (0..self.settings.sweeps).for_each(|_| self.levels[l].sweep());
         let bytes = self.levels[l].bytes();
         self.spent[2].add(&mut start, self.settings.sweeps * bytes);
     }
 }
 
 impl<T: Number> Level<T> {
+    /// Of a process alone.
+    fn new(
+        pattern: &Arc<Pattern>,
+        blocks: Lists<u32>,
+        transfer: Transfer,
+        coarser: &Arc<Pattern>,
+    ) -> Level<T> {
+        Level {
+            matrix: Matrix::zeros(pattern),
+            smoother: Smoother::new(blocks, pattern),
+            transfer,
+            coarser: Arc::clone(coarser),
+            x: vec![T::default(); pattern.n],
+            b: vec![T::default(); pattern.n],
+            share: None,
+        }
+    }
+
+    fn sweep(&mut self) {
+        let Level { matrix, smoother, b, x, share, .. } = self;
+        share.iter_mut().for_each(|share| share.begin(x));
+        smoother.sweep(matrix, b, x);
+        share.iter_mut().for_each(|share| share.join(x));
+    }
+
+    /// The matrix of the coarser level.
+    fn galerkin(&self, matrix: &Csr) -> Result<Csr, Fault> {
+        match &self.share {
+            None => Ok(self.transfer.galerkin(matrix, &self.coarser)),
+            Some(Share { halo, rows, .. }) => {
+                let product = self.transfer.galerkin(matrix, &rows.product);
+                rows.complete(halo.crew(), &product, &self.coarser)
+            }
+        }
+    }
+
     /// What a sweep reads: rows on the rims of blocks belong to several of them.
     fn bytes(&self) -> usize {
         2 * self.matrix.bytes() + self.smoother.bytes()
@@ -158,27 +276,22 @@ impl<T: Number> LinearSolver for Multigrid<T> {
     }
 
     fn analyse(&mut self, pattern: &Arc<Pattern>, unknowns: &[Unknown]) -> Result<(), SolverError> {
-        let mut pattern = Arc::clone(pattern);
-        let mut last = unknowns.to_vec();
-        for Tier { blocks, rows, unknowns } in std::mem::take(&mut self.tiers) {
-            let transfer = Transfer::new(rows, unknowns.len());
-            let n = pattern.n;
-            let coarser = Arc::new(transfer.pattern(&pattern));
-            self.levels.push(Level {
-                matrix: Matrix::zeros(&pattern),
-                smoother: Smoother::new(blocks, &pattern),
-                transfer,
-                coarser: Arc::clone(&coarser),
-                x: vec![T::default(); n],
-                b: vec![T::default(); n],
-            });
-            (pattern, last) = (coarser, unknowns);
-        }
-        let n = pattern.n;
-        self.coarsest.analyse(&pattern, &last)?;
-        let bytes = self.coarsest.predicted().and_then(|cost| cost.read).unwrap_or(0);
-        self.coarse = Coarse { own: vec![T::default(); n], double: [vec![0.0; n], vec![0.0; n]], bytes };
+        let (pattern, last) = match std::mem::replace(&mut self.tiers, Tiers::Whole(vec![])) {
+            Tiers::Whole(tiers) => {
+                let made = self.take_whole(tiers, pattern);
+                self.coarse.own = vec![T::default(); made.0.n];
+                made
+            }
+            Tiers::Parted(parted) => self.take_parts(parted, pattern).map_err(told)?,
+        };
+        self.coarsest.analyse(&pattern, last.as_deref().unwrap_or(unknowns))?;
+        self.coarse.bytes = self.coarsest.predicted().and_then(|cost| cost.read).unwrap_or(0);
+        self.coarse.double = [vec![0.0; pattern.n], vec![0.0; pattern.n]];
         Ok(())
+    }
+
+    fn share(&mut self, halo: Arc<Halo>) {
+        self.halo = Some(halo);
     }
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
@@ -187,9 +300,12 @@ impl<T: Number> LinearSolver for Multigrid<T> {
             let matrix = last.as_ref().unwrap_or(a);
             level.matrix.take(matrix);
             level.smoother.factor(matrix);
-            last = Some(level.transfer.galerkin(matrix, &level.coarser));
+            last = Some(level.galerkin(matrix).map_err(told)?);
         }
-        self.coarsest.factor(last.as_ref().unwrap_or(a))
+        let matrix = last.as_ref().unwrap_or(a);
+        let Some(gathered) = &mut self.gathered else { return self.coarsest.factor(matrix) };
+        gathered.take(matrix).map_err(told)?;
+        self.coarsest.factor(&gathered.matrix)
     }
 
     fn solve(&mut self, _a: &Csr, b: &[f64], x: &mut [f64]) -> Result<SolveReport, SolverError> {
@@ -201,11 +317,19 @@ impl<T: Number> LinearSolver for Multigrid<T> {
         if self.levels.is_empty() {
             return self.coarsest.apply(b, x);
         }
-        let size = b.iter().fold(0.0_f64, |size, b| size.max(b.abs()));
+        let size = match &self.halo {
+            None => b.iter().fold(0.0_f64, |size, b| size.max(b.abs())),
+            Some(halo) => {
+                let own = halo.own().iter().map(|&at| b[at as usize].abs());
+                halo.crew().one(Reduce::Max, own.fold(0.0, f64::max))
+            }
+        };
         if size == 0.0 {
             return x.fill(0.0);
         }
-        self.levels[0].b.iter_mut().zip(b).for_each(|(to, from)| *to = T::of(from / size));
+        let Level { b: right, share, .. } = &mut self.levels[0];
+        right.iter_mut().zip(b).for_each(|(to, from)| *to = T::of(from / size));
+        share.iter_mut().for_each(|share| share.update(right, false));
         self.cycle(0);
         x.iter_mut().zip(&self.levels[0].x).for_each(|(to, from)| *to = from.double() * size);
     }

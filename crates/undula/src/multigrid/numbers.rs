@@ -34,3 +34,9 @@ pub fn without_idle(
     let unknowns = unknowns.into_iter().zip(is_used).filter_map(|(unknown, used)| used.then_some(unknown));
     (numbers, unknowns.collect())
 }
+
+/// The nodes and pressures of the cells of a level.
+pub struct Cells {
+    pub nodes: Vec<Vec<u32>>,
+    pub pressures: Vec<Vec<u32>>,
+}

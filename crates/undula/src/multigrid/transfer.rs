@@ -47,8 +47,13 @@ impl Sum {
 impl Transfer {
     /// From the rows of P, with `n` columns.
     pub fn new(rows: Lists<(u32, f32)>, n: usize) -> Transfer {
+        Transfer::of_own(rows, n, |_| true)
+    }
+
+    /// The same where Pᵀ has only the columns of finer unknowns that are `own` ones.
+    pub fn of_own(rows: Lists<(u32, f32)>, n: usize, own: impl Fn(usize) -> bool) -> Transfer {
         let mut lists: Vec<Vec<(u32, f32)>> = vec![vec![]; n];
-        for (fine, row) in rows.iter().enumerate() {
+        for (fine, row) in rows.iter().enumerate().filter(|(fine, _)| own(*fine)) {
             row.iter().for_each(|&(coarse, weight)| lists[coarse as usize].push((fine as u32, weight)));
         }
         let mut columns = Lists::default();

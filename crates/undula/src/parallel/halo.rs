@@ -31,7 +31,10 @@ pub struct Halo {
 }
 
 /// Lists of numbers for every rank, to the same lists from every rank.
-fn exchange_all(comm: &mut dyn Comm, lists: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, Fault> {
+///
+/// # Errors
+/// If MPI fails.
+pub fn exchange_all(comm: &mut dyn Comm, lists: Vec<Vec<f64>>) -> Result<Vec<Vec<f64>>, Fault> {
     let (rank, size) = (comm.rank(), comm.size());
     let lengths: Vec<f64> = lists.iter().map(|list| list.len() as f64).collect();
     let all = comm.all_gather(&lengths)?;
@@ -143,6 +146,27 @@ impl Halo {
         }
     }
 
+    /// The copies in `x` are added to the numbers of their owners, in the order of the ranks, and become these sums; NaN
+    /// where MPI fails.
+    pub fn add(&self, x: &mut [f64]) {
+        {
+            let mut buffers = self.buffers.lock().unwrap_or_else(PoisonError::into_inner);
+            let [received, sent] = &mut *buffers;
+            for (message, (_, list)) in sent.iter_mut().zip(&self.received) {
+                message.values.iter_mut().zip(list).for_each(|(value, &i)| *value = x[i as usize]);
+            }
+            let bytes = self.received.iter().map(|(_, list)| size_of::<f64>() * list.len()).sum();
+            self.crew.count(sent.len(), bytes);
+            let failed = self.crew.with(|comm| comm.exchange(sent, received)).is_err();
+            for (message, (_, list)) in received.iter().zip(&self.sent) {
+                for (value, &i) in message.values.iter().zip(list) {
+                    x[i as usize] += if failed { f64::NAN } else { *value };
+                }
+            }
+        }
+        self.update(x);
+    }
+
     /// Whether it holds on one of the processes.
     pub fn any(&self, holds: bool) -> bool {
         self.crew.one(Reduce::Max, f64::from(u8::from(holds))) > 0.0
@@ -173,6 +197,11 @@ mod tests {
             halo.update(&mut x);
             let numbers: Vec<usize> = (0..x.len()).map(|place| halo.number(place)).collect();
             assert!(halo.any(rank == 1) && !halo.any(false));
+            // Every place counts once for each process that has it.
+            let mut counts = vec![1.0; shared.len()];
+            halo.add(&mut counts);
+            let at_ends = |s: &Shared| s.id % 4 == 0 && s.id > 0 || s.id % 4 == 3;
+            assert!(counts.iter().zip(&shared).all(|(n, s)| *n == if at_ends(s) { 2.0 } else { 1.0 }));
             let gathered = crew.collect(vec![rank as f64; rank + 1]).unwrap();
             assert_eq!(gathered.len(), if rank == 0 { 3 } else { 0 });
             (x, numbers, halo.first(), halo.total(), halo.own().len(), halo.bytes())

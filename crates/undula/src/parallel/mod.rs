@@ -9,7 +9,7 @@
 mod alone;
 mod comm;
 mod crew;
-mod halo;
+pub(crate) mod halo;
 pub(crate) mod library;
 pub(crate) mod mpi;
 mod team;

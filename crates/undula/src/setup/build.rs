@@ -217,11 +217,11 @@ impl Case {
         let make = self.make_solver(space.part.is_some());
         let scales = space.with_whole(|whole| self.scales(whole, largest));
         let krylov = |gmres| KrylovSettings { gmres, scales };
-        let levels = self.levels(&space);
+        let levels = space.with_whole(|whole| self.levels(whole));
         let gmres = self.linear.krylov.or(levels.map(|_| WITH_MULTIGRID));
         let linear = Linear::new(self.newton.linearization, make)
             .with_krylov(gmres.map(krylov))
-            .with_multigrid(levels, self.direct_fits(&space));
+            .with_multigrid(levels, space.with_whole(|whole| self.direct_fits(whole)));
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),

@@ -55,7 +55,6 @@ impl Case {
             (!whole.seams.is_empty(), "it has periodic boundaries"),
             (self.is_prestressed(), "`solid.prestress`"),
             (begins, "`[initial]`"),
-            (self.linear.krylov.is_some(), "`linear.krylov-tolerance`"),
             (self.newton.settings.secants > 0, "`newton.secants`"),
             (self.output.window.is_some(), "`output.window`"),
         ];

@@ -16,6 +16,7 @@ impl Case {
                 (Purpose::Whole | Purpose::Condensed, Some(options)) => {
                     return Box::new(PetscSolver::new(options, linear.refinement));
                 }
+                (Purpose::Coarsest, _) => (precision, false, algebra::Options::unprobed()),
                 (_, Some(options)) if shared => {
                     let definite = purpose == Purpose::Definite;
                     return Box::new(PetscSolver::new(of_extension(options, definite), linear.refinement));

@@ -216,11 +216,18 @@ impl<const D: usize> FsiSpace<D> {
     pub fn halo(&self, places: impl Iterator<Item = u32>) -> Option<Result<Halo, Fault>> {
         let part = self.part.as_ref()?;
         let [n_v, n_u, _] = self.n_all();
-        let shared: Vec<Shared> = places.map(|place| self.shared(part, place as usize, [n_v, n_u])).collect();
-        Some(Halo::new(&part.crew, &shared))
+        let named = places.map(|place| self.named(part, place as usize, [n_v, n_u]));
+        Some(Halo::new(&part.crew, &named.collect::<Vec<_>>()))
     }
 
-    fn shared(&self, part: &Part<D>, place: usize, [n_v, n_u]: [usize; 2]) -> Shared {
+    /// The process that the unknown at a place in \[v, u, p\] belongs to, and its place in the whole; `None` without others.
+    pub fn shared(&self, place: u32) -> Option<Shared> {
+        let part = self.part.as_ref()?;
+        let [n_v, n_u, _] = self.n_all();
+        Some(self.named(part, place as usize, [n_v, n_u]))
+    }
+
+    fn named(&self, part: &Part<D>, place: usize, [n_v, n_u]: [usize; 2]) -> Shared {
         let of_node = |entry: usize, first: usize| {
             let Shared { owner, id } = part.nodes[entry / D];
             Shared { owner, id: first as u64 + id * D as u64 + (entry % D) as u64 }

@@ -95,8 +95,7 @@ impl<const D: usize> FsiSpace<D> {
         rim: Rim,
     ) -> Option<FsiSpace<D>> {
         assert!(self.seams.is_empty() && self.part.is_none(), "a space with seams is not shared");
-        let work = |cell: usize| if self.regions[cell] == Region::Solid { SOLID } else { 1.0 };
-        let owner = self.mesh.partition(&self.hierarchy, crew.size(), work)?;
+        let owner = self.ranks_of_cells(crew.size())?;
         let of_nodes = least_owner(self.nodes.len(), &owner, |cell| self.nodes.cell(cell));
         let cells = self.around(&owner, crew.rank() as u32, rim);
         let nodes = Kept::of(self.nodes.len(), self.nodes_at(&cells));
@@ -138,6 +137,12 @@ impl<const D: usize> FsiSpace<D> {
             pressure_nodes: nearest,
             part: Some(Arc::new(part)),
         })
+    }
+
+    /// The process of each cell, of `n`; `None` if there are too few cells.
+    pub fn ranks_of_cells(&self, n: usize) -> Option<Vec<u32>> {
+        let work = |cell: usize| if self.regions[cell] == Region::Solid { SOLID } else { 1.0 };
+        self.mesh.partition(&self.hierarchy, n, work)
     }
 
     /// The cells of `rank`, and those around them, ascending: all that share a node with one of them for each layer, and

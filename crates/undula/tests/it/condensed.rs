@@ -53,9 +53,7 @@ fn linear_with(kind: Linearization, told: impl Fn(Purpose) + Send + 'static) -> 
         told(purpose);
         Box::new(match purpose {
             Purpose::Definite => MultifrontalLu::definite(options),
-            Purpose::Whole | Purpose::Condensed | Purpose::Exact | Purpose::Correction => {
-                MultifrontalLu::multifrontal(options)
-            }
+            _ => MultifrontalLu::multifrontal(options),
         }) as Box<dyn LinearSolver>
     };
     Linear::new(kind, Box::new(make))

@@ -25,7 +25,7 @@ const LAYERS: [(&str, &str); 30] = [
     ("mesh", "math element"),
     ("nonlinear", "algebra"),
     ("space", "choice math element mesh algebra parallel"),
-    ("multigrid", "algebra element mesh space"),
+    ("multigrid", "parallel algebra element mesh space"),
     ("sampling", "math physics element mesh space"),
     ("loops", "math physics element mesh space algebra"),
     ("operators", "parallel math physics tangent element mesh space algebra sampling loops"),

@@ -222,8 +222,8 @@ impl LinearSolver for PetscSolver {
         if is_direct { self.unknowns.len() } else { 0 }
     }
 
-    fn share(&mut self, halo: Halo) {
-        self.halo = Some(Arc::new(halo));
+    fn share(&mut self, halo: Arc<Halo>) {
+        self.halo = Some(halo);
     }
 
     fn set_sizes(&mut self, sizes: Sizes) {

@@ -313,11 +313,9 @@ pub(super) fn linear(
         s.note(note);
         solver = LinearSolverKind::Multifrontal;
     }
-    if is_petsc && matches!(solver, LinearSolverKind::Multigrid | LinearSolverKind::Automatic) {
-        let note =
-            "linear.solver has no effect: linear.engine is `petsc`, and the extension takes `multifrontal`";
+    if is_petsc && solver == LinearSolverKind::Multigrid {
+        let note = "linear.engine: PETSc solves what multigrid cannot, and takes over where that fails";
         s.note(note);
-        solver = LinearSolverKind::Multifrontal;
     }
     let krylov = krylov(&mut s, solver == LinearSolverKind::Multigrid);
     s.finish();
