@@ -5,6 +5,7 @@ usage: distributed.py PROGRAM same [CASE ...]   every case on 1 to 4 processes a
        distributed.py PROGRAM memory            memory of each of 4 processes against that of one
        distributed.py PROGRAM counts            cells, copies, bytes and messages on 2 to 16 processes
        distributed.py PROGRAM scaling           two processes against two threads
+       distributed.py PROGRAM multigrid         iterations, agreement, memory and time of 1 to 4 processes
 
 Prints rows of the tables of distributed.md; exit code 1 where a bound is not met. `mpirun` and PETSc must be there.
 """
@@ -138,12 +139,35 @@ def scaling(program):
     return wrong
 
 
+def multigrid(program):
+    wrong = []
+    print("| unknowns | processes | Newton steps | iterations | difference | MB | seconds |")
+    print("| --- | --- | --- | --- | --- | --- | --- |")
+    for cells, refine, end in (("[12,8,1]", 1, "1e-3"), ("[6,4,1]", 2, "1e-3"), ("[17,4,1]", 2, "3e-4")):
+        sets = [*TUBE, f"mesh.cells={cells}", f"mesh.refine={refine}", f"time.end={end}", "linear.solver=multigrid"]
+        one = start(program, "tube", sets, 0)
+        for n in (1, 2, 3, 4):
+            found = one if n == 1 else start(program, "tube", sets, n)
+            summary, far = found[2], gap(one, found)
+            iterations, steps = summary["linear_iterations"], summary["newton_steps"]
+            base = max((rank["base_memory_bytes"] for rank in summary.get("ranks", [])), default=0)
+            memory = max((rank["peak_memory_bytes"] for rank in summary.get("ranks", [])),
+                         default=summary["peak_memory_bytes"])
+            seconds = f"{summary['wall_seconds']:.1f}" if n < 3 else ""
+            bad = far > 1e-6 or summary["direct_fallbacks"] > 0
+            wrong += [f"tube {cells} on {n}"] if bad else []
+            print(f"| {summary['unknowns']['total']} | {n} | {steps} | {iterations} | {far:.0e} | "
+                  f"{(memory - base) / 1e6:.0f} | {seconds} |", flush=True)
+    return wrong
+
+
 def main():
     if len(sys.argv) < 3:
         sys.exit(__doc__)
     program, what = os.path.abspath(sys.argv[1]), sys.argv[2]
     tables = {"same": lambda: same(program, sys.argv[3:]), "memory": lambda: memory(program),
-              "counts": lambda: counts(program), "scaling": lambda: scaling(program)}
+              "counts": lambda: counts(program), "scaling": lambda: scaling(program),
+              "multigrid": lambda: multigrid(program)}
     wrong = tables[what]()
     if wrong:
         sys.exit(f"not met: {', '.join(wrong)}")

@@ -78,7 +78,7 @@ fn an_installation_is_described() {
 #[track_caller]
 pub fn is_near(one: &[Row], other: &[Row], sets: &[&str]) {
     assert_eq!(one.len(), other.len());
-    let counts = ["step", "jacobians", "newton_steps"];
+    let counts = ["step", "jacobians", "newton_steps", "linear_iterations"];
     for name in one[0].keys().filter(|name| !counts.contains(&name.as_str())) {
         let largest = one.iter().map(|row| row[name].abs()).fold(1e-5, f64::max);
         for (one, other) in one.iter().zip(other) {

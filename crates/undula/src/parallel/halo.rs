@@ -200,7 +200,7 @@ mod tests {
             // Every place counts once for each process that has it.
             let mut counts = vec![1.0; shared.len()];
             halo.add(&mut counts);
-            let at_ends = |s: &Shared| s.id % 4 == 0 && s.id > 0 || s.id % 4 == 3;
+            let at_ends = |s: &Shared| s.id > 0 && s.id.is_multiple_of(4) || s.id % 4 == 3;
             assert!(counts.iter().zip(&shared).all(|(n, s)| *n == if at_ends(s) { 2.0 } else { 1.0 }));
             let gathered = crew.collect(vec![rank as f64; rank + 1]).unwrap();
             assert_eq!(gathered.len(), if rank == 0 { 3 } else { 0 });
