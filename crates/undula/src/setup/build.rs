@@ -218,10 +218,12 @@ impl Case {
         let scales = space.with_whole(|whole| self.scales(whole, largest));
         let krylov = |gmres| KrylovSettings { gmres, scales };
         let levels = space.with_whole(|whole| self.levels(whole));
+        // Memory is that of each machine, and the decision that of all processes.
+        let fits = space.with_whole(|whole| self.direct_fits(whole)).map(|fits| !space.any(!fits));
         let gmres = self.linear.krylov.or(levels.map(|_| WITH_MULTIGRID));
         let linear = Linear::new(self.newton.linearization, make)
             .with_krylov(gmres.map(krylov))
-            .with_multigrid(levels, space.with_whole(|whole| self.direct_fits(whole)));
+            .with_multigrid(levels, fits);
         let newton = self.build_newton(&assembler);
         let settings = StepperSettings {
             scheme: self.scheme(),
