@@ -6,6 +6,7 @@ use super::mesh::Marked;
 use super::overview::Overview;
 use super::share::Shared;
 use super::terms::has_correction;
+use crate::algebra::LinearSolverKind;
 use crate::case::{
     Case, Condition, FluidSpec, FunctionalSpec, Load, PressureElement, SolidSpec, VelocityElement,
     WITH_MULTIGRID,
@@ -180,12 +181,20 @@ impl Case {
         let Marked { mut notes, .. } = marked;
         self.check_data(&space)?;
         notes.extend(self.check_enclosed(&space)?);
-        notes.extend(self.note_on_solver(&space).into_iter().chain(engine));
-        notes.extend(self.notes_on_functionals());
         let conditions = self.conditions(&space.mesh);
-        let Shared { space, note } = self.share(space, &conditions, crew.map(|crew| (crew, before)));
+        let Shared { space: here, note } =
+            self.share(Arc::clone(&space), &conditions, crew.map(|crew| (crew, before)));
+        let mut case = self.clone();
+        let apart = here.part.is_none() && crew.is_some_and(|crew| crew.size() > 1);
+        if apart && case.linear.solver == LinearSolverKind::Automatic {
+            // Each process would do all of it, where PETSc distributes its factors.
+            case.linear.solver = LinearSolverKind::Multifrontal;
+        }
+        notes.extend(case.note_on_solver(&space).into_iter().chain(engine));
+        notes.extend(self.notes_on_functionals());
         notes.extend(note);
-        Ok((self.stepper_on(space, threads)?, notes))
+        drop(space);
+        Ok((case.stepper_on(here, threads)?, notes))
     }
 
     pub(super) fn stepper_on<const D: usize>(
