@@ -1,5 +1,6 @@
 //! Square sparse matrices by rows.
 
+use super::value::Value;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -108,19 +109,20 @@ impl Pattern {
     }
 }
 
-/// Square sparse matrix by rows; the pattern is shared, the values are its own.
+/// Square sparse matrix by rows; the pattern is shared, the values are its own, in double precision or in single. Products
+/// are summed in double precision.
 #[derive(Debug, Clone)]
-pub struct Csr {
+pub struct Csr<T = f64> {
     /// Where the values are.
     pub pattern: Arc<Pattern>,
     /// One value per entry of the pattern.
-    pub values: Vec<f64>,
+    pub values: Vec<T>,
 }
 
-impl Csr {
+impl<T: Value> Csr<T> {
     /// The matrix with zeros on the pattern.
     pub fn zeros(pattern: &Arc<Pattern>) -> Self {
-        Self { pattern: Arc::clone(pattern), values: vec![0.0; pattern.nnz()] }
+        Self { pattern: Arc::clone(pattern), values: vec![T::default(); pattern.nnz()] }
     }
 
     /// Product `y = A x`, with each row summed from left to right.
@@ -138,6 +140,49 @@ impl Csr {
     pub fn residual(&self, b: &[f64], x: &[f64], r: &mut [f64]) {
         r.copy_from_slice(b);
         self.for_rows(x, r, |r, sum| *r -= sum);
+    }
+
+    fn for_rows(&self, x: &[f64], y: &mut [f64], put: impl Fn(&mut f64, f64) + Sync) {
+        let n = self.pattern.n;
+        assert_eq!((x.len(), y.len()), (n, n), "vectors do not fit the matrix");
+        y.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, y)| {
+            let first = task * ROWS_PER_TASK;
+            let mut row = 0;
+            while row < y.len() {
+                let end = y.len().min(self.pattern.end_of_alike(first + row) - first);
+                let mut put =
+                    |sums: &[f64]| y[row..end].iter_mut().zip(sums).for_each(|(y, sum)| put(y, *sum));
+                match end - row {
+                    3 => put(&self.sums::<3>(first + row, x)),
+                    2 => put(&self.sums::<2>(first + row, x)),
+                    _ => put(&self.sums::<1>(first + row, x)),
+                }
+                row = end;
+            }
+        });
+    }
+
+    /// The products with `x` of the rows from `row` on, which have the same columns.
+    fn sums<const K: usize>(&self, row: usize, x: &[f64]) -> [f64; K] {
+        let at = self.pattern.row(row);
+        let (columns, len) = (&self.pattern.col[at.clone()], at.len());
+        let rows: [&[T]; K] = std::array::from_fn(|i| &self.values[at.start + i * len..][..len]);
+        let mut sums = [0.0; K];
+        for (entry, &column) in columns.iter().enumerate() {
+            let x = x[column as usize];
+            for i in 0..K {
+                sums[i] += rows[i][entry].double() * x;
+            }
+        }
+        sums
+    }
+}
+
+impl Csr {
+    /// The same matrix in single precision.
+    pub fn single(&self) -> Csr<f32> {
+        let values = self.values.par_iter().map(|value| *value as f32).collect();
+        Csr { pattern: Arc::clone(&self.pattern), values }
     }
 
     /// Product `y = A x` and the largest sum `scale[i] Σ |A[i, j] x[j]|` of its absolute terms.
@@ -188,41 +233,6 @@ impl Csr {
             }
         }
         (0..*n).all(|j| next[j] == row_ptr[j + 1])
-    }
-
-    fn for_rows(&self, x: &[f64], y: &mut [f64], put: impl Fn(&mut f64, f64) + Sync) {
-        let n = self.pattern.n;
-        assert_eq!((x.len(), y.len()), (n, n), "vectors do not fit the matrix");
-        y.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(|(task, y)| {
-            let first = task * ROWS_PER_TASK;
-            let mut row = 0;
-            while row < y.len() {
-                let end = y.len().min(self.pattern.end_of_alike(first + row) - first);
-                let mut put =
-                    |sums: &[f64]| y[row..end].iter_mut().zip(sums).for_each(|(y, sum)| put(y, *sum));
-                match end - row {
-                    3 => put(&self.sums::<3>(first + row, x)),
-                    2 => put(&self.sums::<2>(first + row, x)),
-                    _ => put(&self.sums::<1>(first + row, x)),
-                }
-                row = end;
-            }
-        });
-    }
-
-    /// The products with `x` of the rows from `row` on, which have the same columns.
-    fn sums<const K: usize>(&self, row: usize, x: &[f64]) -> [f64; K] {
-        let at = self.pattern.row(row);
-        let (columns, len) = (&self.pattern.col[at.clone()], at.len());
-        let rows: [&[f64]; K] = std::array::from_fn(|i| &self.values[at.start + i * len..][..len]);
-        let mut sums = [0.0; K];
-        for (entry, &column) in columns.iter().enumerate() {
-            let x = x[column as usize];
-            for i in 0..K {
-                sums[i] += rows[i][entry] * x;
-            }
-        }
-        sums
     }
 }
 

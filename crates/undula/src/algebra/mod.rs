@@ -19,6 +19,7 @@ mod operator;
 pub mod petsc;
 mod scaling;
 mod solver;
+mod value;
 mod vector;
 mod vectors;
 
@@ -33,6 +34,7 @@ pub use mumps::{MumpsBackend, MumpsLu, Ordering};
 pub use operator::LinearOperator;
 pub use scaling::Scaling;
 pub use solver::{Cost, FactorReport, Kind, LinearSolver, Sizes, SolveReport, SolverError, Spent, Unknown};
+pub use value::{Sink, Value};
 pub use vector::{dot, norm_inf};
 pub(crate) use vectors::Vectors;
 

@@ -1,6 +1,6 @@
 //! Linear maps that can be applied.
 
-use super::Csr;
+use super::{Csr, Value};
 
 /// A square linear map, whether its entries are stored or not.
 pub trait LinearOperator {
@@ -14,7 +14,7 @@ pub trait LinearOperator {
     fn apply(&self, x: &[f64], y: &mut [f64]);
 }
 
-impl LinearOperator for Csr {
+impl<T: Value> LinearOperator for Csr<T> {
     fn size(&self) -> usize {
         self.pattern.n
     }

@@ -93,6 +93,22 @@ pub trait LinearSolver: Send {
     /// If `a` is singular, nearly so, or the factors turn out to be inaccurate.
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError>;
 
+    /// Whether [`LinearSolver::factor_single`] is what it needs, a matrix in single precision.
+    fn takes_single(&self) -> bool {
+        false
+    }
+
+    /// Factors `a`, and keeps it for the products of its iterations.
+    ///
+    /// # Errors
+    /// As [`LinearSolver::factor`]; [`SolverError::NotFactored`] where it does not take such a matrix.
+    fn factor_single(&mut self, _a: &Arc<Csr<f32>>) -> Result<FactorReport, SolverError> {
+        Err(SolverError::NotFactored)
+    }
+
+    /// The matrix of products from now on, with the factors of an older one; `None`: it is about to be filled anew.
+    fn hold(&mut self, _a: Option<&Arc<Csr<f32>>>) {}
+
     /// Solves `a x = b`; `a` is the matrix last factored, `x` is only written.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::correction::{At, Correction};
 use super::extension::Extension;
-use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows, share};
+use super::factors::{Factored, Fill, MakeSolver, Purpose, scale_pressure, scale_rows, share};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
@@ -120,7 +120,10 @@ impl<const D: usize> Correction<D> for Condensed<D> {
     }
 
     fn assemble(&mut self, At { assembler, view, tangent, .. }: &mut At<'_, D>) {
-        assembler.condensed_matrix(view, *tangent, &mut self.factored.matrix);
+        self.factored.fill(|matrix| match matrix {
+            Fill::Double(matrix) => assembler.condensed_matrix(view, *tangent, matrix),
+            Fill::Single(matrix) => assembler.condensed_matrix(view, *tangent, matrix),
+        });
     }
 
     fn precondition(&mut self, space: &FsiSpace<D>, per_k: f64) {

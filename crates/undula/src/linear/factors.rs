@@ -5,7 +5,7 @@ use super::krylov::{Krylov, KrylovSettings};
 use super::price::Work;
 use super::relation;
 use super::scales::Scales;
-use crate::algebra::{Cost, Csr, LinearSolver, Pattern, Sizes, SolverError, Unknown};
+use crate::algebra::{Cost, Csr, LinearOperator, LinearSolver, Pattern, Sizes, SolverError, Unknown};
 use crate::parallel::Halo;
 use crate::physics::StepRule;
 use crate::space::FsiSpace;
@@ -32,9 +32,23 @@ pub enum Purpose {
     Coarsest,
 }
 
+/// A matrix in double precision, or in single where GMRES needs no more.
+pub(super) enum Held {
+    Double(Csr),
+    /// Shared with the solver but while it is filled.
+    Single(Arc<Csr<f32>>),
+}
+
+/// A matrix to be filled.
+pub(super) enum Fill<'a> {
+    Double(&'a mut Csr),
+    Single(&'a mut Csr<f32>),
+}
+
 /// A matrix, and the factors of it or of an older one.
 pub(super) struct Factored {
-    pub(super) matrix: Csr,
+    matrix: Held,
+    pattern: Arc<Pattern>,
     solver: Box<dyn LinearSolver>,
     /// Rule of the step that the factors are of.
     rule: StepRule,
@@ -52,9 +66,28 @@ impl Factored {
         krylov: Option<KrylovSettings>,
         halo: Option<Arc<Halo>>,
     ) -> Result<Factored, SolverError> {
+        let single = krylov.is_some() && solver.takes_single();
         solver.analyse(pattern, unknowns)?;
         let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n, halo.clone()));
-        Ok(Factored { matrix: Csr::zeros(pattern), solver, rule: StepRule::STATIONARY, krylov, halo })
+        let matrix = if single {
+            Held::Single(Arc::new(Csr::zeros(pattern)))
+        } else {
+            Held::Double(Csr::zeros(pattern))
+        };
+        let (pattern, rule) = (Arc::clone(pattern), StepRule::STATIONARY);
+        Ok(Factored { matrix, pattern, solver, rule, krylov, halo })
+    }
+
+    /// Let `assemble` fill the matrix, whose factors stay.
+    pub(super) fn fill(&mut self, assemble: impl FnOnce(Fill<'_>)) {
+        match &mut self.matrix {
+            Held::Double(matrix) => assemble(Fill::Double(matrix)),
+            Held::Single(matrix) => {
+                self.solver.hold(None);
+                assemble(Fill::Single(Arc::make_mut(matrix)));
+                self.solver.hold(Some(matrix));
+            }
+        }
     }
 
     /// Factorise the matrix, which is that of a step by `rule`.
@@ -63,7 +96,10 @@ impl Factored {
         let exact = self.solver.is_exact();
         self.krylov.iter_mut().for_each(|krylov| krylov.active = !exact);
         self.solver.set_sizes(sizes);
-        self.solver.factor(&self.matrix).map(|_| ())
+        match &self.matrix {
+            Held::Double(matrix) => self.solver.factor(matrix).map(|_| ()),
+            Held::Single(matrix) => self.solver.factor_single(matrix).map(|_| ()),
+        }
     }
 
     /// Whether the factors solve the system of their matrix.
@@ -93,13 +129,17 @@ impl Factored {
 
     /// x ← A⁻¹ b to the last digits, with iterative refinement; returns how many times the factors were applied.
     pub(super) fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
-        Ok(1 + self.solver.solve(&self.matrix, b, x)?.refinements)
+        let Held::Double(matrix) = &self.matrix else { return Err(SolverError::NotFactored) };
+        Ok(1 + self.solver.solve(matrix, b, x)?.refinements)
     }
 
     /// x ← A⁻¹ b as far as an iteration needs it that sees its own residual; returns how many times the factors were
     /// applied.
     pub(super) fn correct(&mut self, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
-        self.solver.correct(&self.matrix, b, x)
+        match &self.matrix {
+            Held::Double(matrix) => self.solver.correct(matrix, b, x),
+            Held::Single(_) => Err(SolverError::NotFactored),
+        }
     }
 
     /// x ← A⁻¹ b by GMRES; `before` and `after` make the factors those of a step with another k.
@@ -117,7 +157,11 @@ impl Factored {
             solver.apply(r, z);
             after(z);
         };
-        krylov.solve(matrix, precondition, b, x)
+        let a: &dyn LinearOperator = match matrix {
+            Held::Double(matrix) => matrix,
+            Held::Single(matrix) => &**matrix,
+        };
+        krylov.solve(a, precondition, b, x)
     }
 
     /// What applies its factors.
@@ -125,9 +169,14 @@ impl Factored {
         &*self.solver
     }
 
+    /// Rows of the matrix.
+    pub(super) fn rows(&self) -> usize {
+        self.pattern.n
+    }
+
     /// What it does in a system of `unknowns`, which has an `extension` apart or not.
     pub(super) fn work(&self, unknowns: usize, extension: Option<Cost>) -> Work {
-        let (rows, entries) = (self.matrix.pattern.n, self.matrix.pattern.nnz());
+        let (rows, entries) = (self.pattern.n, self.pattern.nnz());
         let (factors, iterative) = (self.solver.predicted(), self.krylov.is_some());
         Work { unknowns, rows, entries, factors, extension, iterative, halo: self.halo.clone() }
     }

@@ -1,7 +1,7 @@
 //! Corrections by the whole Jacobian, or what the chosen linearisation leaves of it.
 
 use super::correction::{At, Correction};
-use super::factors::{Factored, MakeSolver, Purpose, scale_pressure, scale_rows, share};
+use super::factors::{Factored, Fill, MakeSolver, Purpose, scale_pressure, scale_rows, share};
 use super::krylov::KrylovSettings;
 use super::price::Work;
 use super::relation;
@@ -100,7 +100,11 @@ impl<const D: usize> Correction<D> for Full {
     }
 
     fn assemble(&mut self, At { assembler, view, linearization, tangent }: &mut At<'_, D>) {
-        assembler.matrix(view, *linearization, *tangent, &mut self.factored.matrix);
+        self.factored.fill(|matrix| {
+            if let Fill::Double(matrix) = matrix {
+                assembler.matrix(view, *linearization, *tangent, matrix);
+            }
+        });
     }
 
     fn precondition(&mut self, space: &FsiSpace<D>, per_k: f64) {
@@ -132,6 +136,6 @@ impl<const D: usize> Correction<D> for Full {
     }
 
     fn work(&self) -> Work {
-        self.factored.work(self.factored.matrix.pattern.n, None)
+        self.factored.work(self.factored.rows(), None)
     }
 }

@@ -5,7 +5,7 @@
 //! in the order of the chunks. Chunks depend on the mesh alone, and so do all sums, whatever the threads.
 
 use super::scatter::Shared;
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -218,10 +218,20 @@ impl Copies {
         Shared::with_copies(&mut out[..self.n], &mut self.values)
     }
 
+    /// Share the entries of a matrix and the copies among the chunks.
+    pub fn share_entries<'a>(&'a mut self, sink: Sink<'a>) -> Shared<'a> {
+        Shared::entries(sink, self.n, &mut self.values)
+    }
+
     /// Add all copies to `out`, and make them zero again.
     pub fn gather(&mut self, out: &mut [f64]) {
+        self.gather_entries(Sink::Double(out));
+    }
+
+    /// The same to the entries of a matrix.
+    pub fn gather_entries(&mut self, sink: Sink<'_>) {
         let Copies { n, values, targets, ends, places } = self;
-        let (out, values) = (Shared::new(&mut out[..*n]), Shared::new(values));
+        let (out, values) = (Shared::entries(sink, *n, &mut []), Shared::new(values));
         let sum = |(task, targets): (usize, &[u32])| {
             let first = task * TARGETS;
             let mut start = if first == 0 { 0 } else { ends[first - 1] };

@@ -1,7 +1,8 @@
 //! Writing from several threads into one array.
 #![allow(unsafe_code)]
 
-use std::sync::atomic::{AtomicU64, Ordering};
+use crate::algebra::Sink;
+use std::sync::atomic::{AtomicU32, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// Marks a row or entry that is not there: a constrained unknown, or a row of another owner.
@@ -16,16 +17,26 @@ pub const DROP: u32 = u32::MAX;
 #[derive(Copy, Clone)]
 pub struct Shared<'a> {
     array: &'a [AtomicU64],
+    /// Where the array is one in single precision.
+    single: &'a [AtomicU32],
     copies: &'a [AtomicU64],
 }
 
 const _: () =
     assert!(align_of::<f64>() == align_of::<AtomicU64>() && size_of::<f64>() == size_of::<AtomicU64>());
+const _: () =
+    assert!(align_of::<f32>() == align_of::<AtomicU32>() && size_of::<f32>() == size_of::<AtomicU32>());
 
 /// The same memory as atomic numbers.
 fn atomic(array: &mut [f64]) -> &[AtomicU64] {
     // SAFETY: the two types have one size and alignment, every pattern of bits is valid for both, and the exclusive
     // borrow of the array lasts as long as the result, so that all access goes through it.
+    unsafe { std::slice::from_raw_parts(array.as_mut_ptr().cast(), array.len()) }
+}
+
+/// The same in single precision.
+fn single(array: &mut [f32]) -> &[AtomicU32] {
+    // SAFETY: as above, with `f32` and `AtomicU32`.
     unsafe { std::slice::from_raw_parts(array.as_mut_ptr().cast(), array.len()) }
 }
 
@@ -45,9 +56,19 @@ impl<'a> Shared<'a> {
         Self::with_copies(array, &mut [])
     }
 
+    /// Share the first `n` entries of a matrix and `copies`.
+    pub fn entries(sink: Sink<'a>, n: usize, copies: &'a mut [f64]) -> Shared<'a> {
+        match sink {
+            Sink::Double(array) => Self::with_copies(&mut array[..n], copies),
+            Sink::Single(array) => {
+                Shared { array: &[], single: single(&mut array[..n]), copies: atomic(copies) }
+            }
+        }
+    }
+
     /// Share `array` and `copies`, whose first one has the number behind the last entry.
     pub fn with_copies(array: &'a mut [f64], copies: &'a mut [f64]) -> Shared<'a> {
-        Shared { array: atomic(array), copies: atomic(copies) }
+        Shared { array: atomic(array), single: &[], copies: atomic(copies) }
     }
 
     /// `array[at] += x` or that of a copy, nothing for [`DROP`].
@@ -56,17 +77,26 @@ impl<'a> Shared<'a> {
         let at = at as usize;
         if let Some(entry) = self.array.get(at) {
             store(entry, load(entry) + x);
-        } else if let Some(copy) = self.copies.get(at - self.array.len()) {
+        } else if let Some(entry) = self.single.get(at) {
+            let sum = f32::from_bits(entry.load(Ordering::Relaxed)) + x as f32;
+            entry.store(sum.to_bits(), Ordering::Relaxed);
+        } else if let Some(copy) = self.copies.get(at - self.len()) {
             store(copy, load(copy) + x);
         } else {
             debug_assert!(at == DROP as usize);
         }
     }
 
+    /// Entries that are no copies.
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.array.len() + self.single.len()
+    }
+
     /// Whether `at` is a copy.
     #[inline(always)]
     pub fn is_copy(&self, at: u32) -> bool {
-        at as usize >= self.array.len()
+        at as usize >= self.len()
     }
 
     /// `array[at]`.

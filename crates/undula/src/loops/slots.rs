@@ -12,7 +12,7 @@
 use super::chunks::{Copies, ODD, Writes, ranges};
 use super::scatter::{DROP, Shared};
 use super::test_functions::{Piece, Test, Trial};
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::math::Lanes;
 use std::ops::Range;
 
@@ -253,10 +253,10 @@ impl<const D: usize, const L: usize> Slots<D, L> {
     }
 
     /// Let `add` add to the entries `out` of the matrix from several threads.
-    pub fn fill(&mut self, out: &mut [f64], add: impl FnOnce(&Self, &Shared<'_>)) {
+    pub fn fill(&mut self, mut out: Sink<'_>, add: impl FnOnce(&Self, &Shared<'_>)) {
         let mut copies = std::mem::take(&mut self.copies);
-        add(self, &copies.share(out));
-        copies.gather(out);
+        add(self, &copies.share_entries(out.again()));
+        copies.gather_entries(out);
         self.copies = copies;
     }
 

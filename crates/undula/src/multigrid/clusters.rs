@@ -10,9 +10,16 @@ use crate::mesh::Mesh;
 /// Cells are joined across facets where both are at most this part of their largest size.
 const THIN: f64 = 0.6;
 
-/// Groups of cells of `mesh`, each with `most` cells at most, where the first `axes` of a cell are coarsened: cells may
-/// be as long as they are along the others.
-pub fn groups<const D: usize>(mesh: &Mesh<D>, axes: usize, most: usize) -> Vec<Vec<u32>> {
+/// How many cells like this one, side by side, are about as long in all directions.
+pub fn side_by_side<const D: usize>(mesh: &Mesh<D>, cell: u32) -> usize {
+    let sizes = mesh.sizes(cell as usize);
+    let longest = sizes.iter().copied().fold(0.0, f64::max);
+    sizes.iter().map(|size| (longest / size).round()).product::<f64>() as usize
+}
+
+/// Groups of cells of `mesh`, with `most` of their first cells in them at most, where the first `axes` of a cell are
+/// coarsened: cells may be as long as they are along the others.
+pub fn groups<const D: usize>(mesh: &Mesh<D>, axes: usize, most: impl Fn(u32) -> usize) -> Vec<Vec<u32>> {
     let n = mesh.n_cells();
     let strong = strong_neighbours(mesh, axes);
     let mut order: Vec<u32> = (0..n as u32).collect();
@@ -24,7 +31,7 @@ pub fn groups<const D: usize>(mesh: &Mesh<D>, axes: usize, most: usize) -> Vec<V
         if std::mem::replace(&mut is_taken[first as usize], true) {
             continue;
         }
-        let mut group = vec![first];
+        let (mut group, most) = (vec![first], most(first));
         let mut next = 0;
         while let Some(&cell) = group.get(next) {
             for &other in &strong[cell as usize] {

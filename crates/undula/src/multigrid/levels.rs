@@ -4,7 +4,7 @@
 //! the coarser cells that are not given, and all pressures of these cells; only on the finest level some are eliminated.
 
 use super::blocks::{by_rank, of_groups};
-use super::clusters::groups;
+use super::clusters::{groups, side_by_side};
 use super::lists::Lists;
 use super::numbers::{Cells, NONE, Numbers, without_idle};
 use super::weights::{ZERO, in_child, pressure_weights, weights};
@@ -13,7 +13,8 @@ use crate::algebra::{Kind, Unknown};
 use crate::mesh::{Mesh, Split};
 use crate::space::{FsiSpace, PressureKind, PressureSpace};
 
-/// Groups of coarser cells that are joined to a block at most, by dimension less one.
+/// Groups of coarser cells that are joined to a block at most, by dimension less one. In space factors of large blocks are
+/// what costs most: no more are joined there than side by side are about as long in all directions.
 const JOINED: [usize; 3] = [64, 64, 8];
 
 /// A level above the coarsest one.
@@ -162,9 +163,13 @@ impl<const D: usize> Coarsening<'_, D> {
     fn groups(&self) -> Vec<Vec<u32>> {
         let (axes, n) = (self.split.axes(D), self.split.children(D) as u32);
         if self.kind == Kind::Deformation {
-            return groups(self.finer.0, axes, JOINED[D - 1] << (D - 1));
+            return groups(self.finer.0, axes, |_| JOINED[D - 1] << (D - 1));
         }
-        let groups = groups(self.coarser.0, axes, JOINED[D - 1]);
+        let most = |cell: u32| match D {
+            3 => JOINED[2].min(side_by_side(self.coarser.0, cell)),
+            _ => JOINED[D - 1],
+        };
+        let groups = groups(self.coarser.0, axes, most);
         let children =
             |group: Vec<u32>| group.into_iter().flat_map(|cell| cell * n..(cell + 1) * n).collect();
         groups.into_iter().map(children).collect()

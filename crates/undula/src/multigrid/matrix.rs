@@ -1,65 +1,67 @@
 //! Sparse matrices of the levels.
 
 use super::number::Number;
-use crate::algebra::{Csr, Pattern};
+use crate::algebra::{Csr, Pattern, Value};
 use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Products that are summed side by side.
 const WIDTH: usize = 16;
 
-/// A matrix. Rows of a node have the same columns, which are read once for them.
+/// A matrix, its own or one that it shares. Rows of a node have the same columns, which are read once for them.
 #[derive(Clone, Debug)]
-pub struct Matrix<T> {
-    pattern: Arc<Pattern>,
-    values: Vec<T>,
-}
+pub struct Matrix<T>(Option<Arc<Csr<T>>>);
 
 impl<T: Number> Matrix<T> {
-    /// Zeros.
-    pub fn zeros(pattern: &Arc<Pattern>) -> Matrix<T> {
-        Matrix { pattern: Arc::clone(pattern), values: vec![T::default(); pattern.nnz()] }
+    /// None yet.
+    pub const fn none() -> Matrix<T> {
+        Matrix(None)
     }
 
-    /// Bytes of its entries and of the columns that are read.
-    pub fn bytes(&self) -> usize {
-        size_of::<T>() * self.values.len() + 4 * self.values.len() / 3
+    /// Bytes of its entries and of the columns that are read, if it is one of `pattern`.
+    pub fn bytes(pattern: &Pattern) -> usize {
+        size_of::<T>() * pattern.nnz() + 4 * pattern.nnz() / 3
     }
 
     /// Take the entries of `a`.
-    pub fn take(&mut self, a: &Csr) {
-        self.values
-            .par_iter_mut()
-            .with_min_len(1 << 16)
-            .zip(&a.values)
-            .for_each(|(to, from)| *to = T::of(*from));
+    pub fn take<S: Value>(&mut self, a: &Csr<S>) {
+        let own = self.0.get_or_insert_with(|| Arc::new(Csr::zeros(&a.pattern)));
+        let values = &mut Arc::make_mut(own).values;
+        let entries = values.par_iter_mut().with_min_len(1 << 16).zip(&a.values);
+        entries.for_each(|(to, from)| *to = T::of(from.double()));
+    }
+
+    /// Share `a`, or let go of what was shared.
+    pub fn hold(&mut self, a: Option<Arc<Csr<T>>>) {
+        self.0 = a;
     }
 
     /// The rows `list` of b − A x, into `r`; to be called where vectors are in use.
     #[inline(always)]
     pub fn residual_of(&self, list: &[u32], b: &[T], x: &[T], r: &mut [T]) {
+        let Some(a) = &self.0 else { return };
         let mut at = 0;
         while at < list.len() {
             let row = list[at] as usize;
-            let rows = row..self.pattern.end_of_alike(row);
+            let rows = row..a.pattern.end_of_alike(row);
             let there = list[at..].iter().zip(rows).take_while(|(listed, row)| **listed as usize == *row);
             let len = there.count();
-            self.rows(row..row + len, b, x, &mut r[at..at + len]);
+            residual(a, row..row + len, b, x, &mut r[at..at + len]);
             at += len;
         }
     }
+}
 
-    /// Rows of b − A x that have the same columns.
-    #[inline(always)]
-    fn rows(&self, rows: std::ops::Range<usize>, b: &[T], x: &[T], r: &mut [T]) {
-        let at = self.pattern.row(rows.start);
-        let (columns, b) = (&self.pattern.col[at.clone()], &b[rows.clone()]);
-        let values = &self.values[at.start..at.start + rows.len() * at.len()];
-        match rows.len() {
-            3 => subtract(b, product::<T, 3>(columns, values, x), r),
-            2 => subtract(b, product::<T, 2>(columns, values, x), r),
-            _ => subtract(b, product::<T, 1>(columns, values, x), r),
-        }
+/// Rows of b − A x that have the same columns.
+#[inline(always)]
+fn residual<T: Number>(a: &Csr<T>, rows: std::ops::Range<usize>, b: &[T], x: &[T], r: &mut [T]) {
+    let at = a.pattern.row(rows.start);
+    let (columns, b) = (&a.pattern.col[at.clone()], &b[rows.clone()]);
+    let values = &a.values[at.start..at.start + rows.len() * at.len()];
+    match rows.len() {
+        3 => subtract(b, product::<T, 3>(columns, values, x), r),
+        2 => subtract(b, product::<T, 2>(columns, values, x), r),
+        _ => subtract(b, product::<T, 1>(columns, values, x), r),
     }
 }
 
@@ -119,7 +121,7 @@ mod tests {
         let pattern = Arc::new(Pattern::from_rows(&rows));
         let mut a = Csr::zeros(&pattern);
         a.values.iter_mut().enumerate().for_each(|(at, value)| *value = (at as f64).sin());
-        let mut single = Matrix::<f32>::zeros(&pattern);
+        let mut single = Matrix::<f32>::none();
         single.take(&a);
         let x: Vec<f64> = (0..n).map(|i| f64::from(i).cos()).collect();
         let b: Vec<f64> = (0..n).map(|i| (0.1 * f64::from(i)).exp().recip()).collect();

@@ -21,7 +21,7 @@ pub use parted::Tiers;
 pub use triangular::{Part, Triangular};
 
 use crate::algebra::{
-    Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Spent, Unknown,
+    Cost, Csr, FactorReport, LinearSolver, Pattern, Sizes, SolveReport, SolverError, Spent, Unknown, Value,
 };
 use crate::parallel::{Fault, Halo, Reduce};
 use gathered::Gathered;
@@ -46,18 +46,21 @@ pub struct Settings {
     pub sweeps: usize,
     /// Cycles in double precision.
     pub double: bool,
+    /// The finest matrix in single precision, for GMRES, too.
+    pub single: bool,
 }
 
 impl Default for Settings {
     /// One sweep over blocks that have several cells does more than two over single cells. None goes before the
     /// correction: with it GMRES needs as many iterations, of twice the cost.
     fn default() -> Settings {
-        Settings { sweeps: 1, double: false }
+        Settings { sweeps: 1, double: false, single: false }
     }
 }
 
 /// A level above the coarsest one.
-struct Level<T> {
+struct Level<T: Number> {
+    pattern: Arc<Pattern>,
     matrix: Matrix<T>,
     smoother: Smoother<T>,
     transfer: Transfer,
@@ -70,7 +73,7 @@ struct Level<T> {
 }
 
 /// A multigrid cycle as the factors of a matrix.
-struct Multigrid<T> {
+struct Multigrid<T: Number> {
     settings: Settings,
     /// What levels will be made of.
     tiers: Tiers,
@@ -187,6 +190,21 @@ impl<T: Number> Multigrid<T> {
         Ok((pattern, Some(last)))
     }
 
+    /// Factorise the levels from `first` on, the first one of which has the matrix `a`.
+    fn factor_coarser(&mut self, a: &Csr, first: usize) -> Result<FactorReport, SolverError> {
+        let mut last: Option<Csr> = None;
+        for level in self.levels.iter_mut().skip(first) {
+            let matrix = last.as_ref().unwrap_or(a);
+            level.matrix.take(matrix);
+            level.smoother.factor(matrix);
+            last = Some(level.galerkin(matrix).map_err(told)?);
+        }
+        let matrix = last.as_ref().unwrap_or(a);
+        let Some(gathered) = &mut self.gathered else { return self.coarsest.factor(matrix) };
+        gathered.take(matrix).map_err(told)?;
+        self.coarsest.factor(&gathered.matrix)
+    }
+
     /// The solution of level `l` for its right-hand side `b`, about, into its `x`: that of the next coarser level, then
     /// sweeps.
     fn cycle(&mut self, l: usize) {
@@ -236,7 +254,8 @@ impl<T: Number> Level<T> {
         coarser: &Arc<Pattern>,
     ) -> Level<T> {
         Level {
-            matrix: Matrix::zeros(pattern),
+            pattern: Arc::clone(pattern),
+            matrix: Matrix::none(),
             smoother: Smoother::new(blocks, pattern),
             transfer,
             coarser: Arc::clone(coarser),
@@ -254,7 +273,7 @@ impl<T: Number> Level<T> {
     }
 
     /// The matrix of the coarser level.
-    fn galerkin(&self, matrix: &Csr) -> Result<Csr, Fault> {
+    fn galerkin<S: Value>(&self, matrix: &Csr<S>) -> Result<Csr, Fault> {
         match &self.share {
             None => Ok(self.transfer.galerkin(matrix, &self.coarser)),
             Some(Share { halo, rows, .. }) => {
@@ -266,7 +285,7 @@ impl<T: Number> Level<T> {
 
     /// What a sweep reads: rows on the rims of blocks belong to several of them.
     fn bytes(&self) -> usize {
-        2 * self.matrix.bytes() + self.smoother.bytes()
+        2 * Matrix::<T>::bytes(&self.pattern) + self.smoother.bytes()
     }
 }
 
@@ -295,17 +314,32 @@ impl<T: Number> LinearSolver for Multigrid<T> {
     }
 
     fn factor(&mut self, a: &Csr) -> Result<FactorReport, SolverError> {
-        let mut last: Option<Csr> = None;
-        for level in &mut self.levels {
-            let matrix = last.as_ref().unwrap_or(a);
-            level.matrix.take(matrix);
-            level.smoother.factor(matrix);
-            last = Some(level.galerkin(matrix).map_err(told)?);
-        }
-        let matrix = last.as_ref().unwrap_or(a);
-        let Some(gathered) = &mut self.gathered else { return self.coarsest.factor(matrix) };
-        gathered.take(matrix).map_err(told)?;
-        self.coarsest.factor(&gathered.matrix)
+        let Some(finest) = self.levels.first_mut() else { return self.factor_coarser(a, 0) };
+        finest.matrix.take(a);
+        finest.smoother.factor(a);
+        let coarser = finest.galerkin(a).map_err(told)?;
+        self.factor_coarser(&coarser, 1)
+    }
+
+    fn takes_single(&self) -> bool {
+        let has_levels = match &self.tiers {
+            Tiers::Whole(tiers) => !tiers.is_empty() || !self.levels.is_empty(),
+            Tiers::Parted(_) => true,
+        };
+        self.settings.single && !self.settings.double && has_levels
+    }
+
+    fn factor_single(&mut self, a: &Arc<Csr<f32>>) -> Result<FactorReport, SolverError> {
+        self.hold(Some(a));
+        let Some(finest) = self.levels.first_mut() else { return Err(SolverError::NotFactored) };
+        finest.smoother.factor(a);
+        let coarser = finest.galerkin(a).map_err(told)?;
+        self.factor_coarser(&coarser, 1)
+    }
+
+    fn hold(&mut self, a: Option<&Arc<Csr<f32>>>) {
+        let held = a.and_then(T::held);
+        self.levels.first_mut().into_iter().for_each(|finest| finest.matrix.hold(held.clone()));
     }
 
     fn solve(&mut self, _a: &Csr, b: &[f64], x: &mut [f64]) -> Result<SolveReport, SolverError> {
@@ -343,7 +377,7 @@ impl<T: Number> LinearSolver for Multigrid<T> {
         let flops: f64 = self
             .levels
             .iter()
-            .map(|level| level.smoother.flops() + GALERKIN * level.matrix.bytes() as f64)
+            .map(|level| level.smoother.flops() + GALERKIN * Matrix::<T>::bytes(&level.pattern) as f64)
             .sum();
         let coarse = self.coarsest.predicted().unwrap_or_default();
         Some(Cost {

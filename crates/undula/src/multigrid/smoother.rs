@@ -1,23 +1,25 @@
 //! The smoother: the systems of groups of cells, solved one colour after the other (Vanka, J. Comput. Phys. 65, 1986).
 
 use super::clusters::colours;
-use super::envelope::{Envelope, Work};
+use super::envelope::{Envelope, Row, Work};
 use super::lists::Lists;
 use super::matrix::Matrix;
 use super::number::Number;
-use crate::algebra::{Csr, Pattern, Vectors};
+use crate::algebra::{Csr, Pattern, Value, Vectors};
 use rayon::prelude::*;
 
 /// Blocks of unknowns with the factors of their systems.
 #[derive(Clone, Debug)]
-pub struct Smoother<T> {
+pub struct Smoother<T: Number> {
     /// Unknowns of each block, in the order of elimination.
     unknowns: Lists<u32>,
     /// Rows of each block in its factors.
     spans: Vec<[u32; 2]>,
     /// Where the factors of each block begin.
     starts: Vec<usize>,
-    factors: Vec<T>,
+    factors: Vec<T::Entry>,
+    /// Of each row in its factors.
+    rows: Vec<Row<T>>,
     /// Blocks of each colour: they have no unknown in common.
     colours: Vec<Vec<u32>>,
     /// Corrections of all blocks.
@@ -43,8 +45,9 @@ impl<T: Number> Smoother<T> {
         }
         let colours = colours(&unknowns, pattern.n);
         let work = vec![T::default(); unknowns.items().len()];
-        let factors = vec![T::default(); starts[starts.len() - 1]];
-        Smoother { factors, unknowns, spans, starts, colours, work, vectors: Vectors::new() }
+        let factors = vec![T::Entry::default(); starts[starts.len() - 1]];
+        let rows = vec![Row::default(); unknowns.items().len()];
+        Smoother { factors, rows, unknowns, spans, starts, colours, work, vectors: Vectors::new() }
     }
 
     /// Unknowns of the largest block.
@@ -54,7 +57,7 @@ impl<T: Number> Smoother<T> {
 
     /// Bytes of the factors.
     pub fn bytes(&self) -> usize {
-        size_of::<T>() * self.factors.len()
+        size_of::<T::Entry>() * self.factors.len() + size_of::<Row<T>>() * self.rows.len()
     }
 
     /// Floating point operations of a factorisation, about.
@@ -63,14 +66,15 @@ impl<T: Number> Smoother<T> {
     }
 
     /// Factorise the blocks of `a`.
-    pub fn factor(&mut self, a: &Csr) {
-        let Smoother { unknowns, spans, starts, factors, vectors, .. } = self;
+    pub fn factor<S: Value>(&mut self, a: &Csr<S>) {
+        let Smoother { unknowns, spans, starts, factors, rows, vectors, .. } = self;
         let mut parts = vec![];
-        let mut rest = &mut factors[..];
+        let (mut rest, mut others) = (&mut factors[..], &mut rows[..]);
         for block in 0..unknowns.len() {
             let (part, behind) = rest.split_at_mut(starts[block + 1] - starts[block]);
-            parts.push((block, part));
-            rest = behind;
+            let (rows, below) = others.split_at_mut(unknowns.get(block).len());
+            parts.push((block, (rows, part)));
+            (rest, others) = (behind, below);
         }
         parts.into_par_iter().for_each_init(
             || Work::new(a.pattern.n),
@@ -83,7 +87,7 @@ impl<T: Number> Smoother<T> {
 
     /// Solve the blocks of `matrix` x = `b`, each with the others as they are.
     pub fn sweep(&mut self, matrix: &Matrix<T>, b: &[T], x: &mut [T]) {
-        let Smoother { unknowns, spans, starts, factors, colours, work, vectors } = self;
+        let Smoother { unknowns, spans, starts, factors, rows, colours, work, vectors } = self;
         for colour in &*colours {
             let mut parts = Vec::with_capacity(colour.len());
             let (mut rest, mut behind) = (&mut work[..], 0);
@@ -97,12 +101,14 @@ impl<T: Number> Smoother<T> {
             let seen = &*x;
             parts.par_iter_mut().with_min_len(4).for_each(|(block, correction)| {
                 let first = unknowns.start(*block);
-                let spans = &spans[first..first + correction.len()];
+                let (spans, rows) =
+                    (&spans[first..first + correction.len()], &rows[first..first + correction.len()]);
+                let factors = &factors[starts[*block]..starts[*block + 1]];
                 vectors.run(
                     #[inline(always)]
                     || {
                         matrix.residual_of(unknowns.get(*block), b, seen, correction);
-                        Envelope::solve(spans, &factors[starts[*block]..starts[*block + 1]], correction);
+                        Envelope::solve(spans, rows, factors, correction);
                     },
                 );
             });

@@ -2,7 +2,7 @@
 
 use super::lists::Lists;
 use super::number::Number;
-use crate::algebra::{Csr, Pattern};
+use crate::algebra::{Csr, Pattern, Value};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -111,8 +111,8 @@ impl Transfer {
     }
 
     /// Pᵀ A P on its `pattern`.
-    pub fn galerkin(&self, a: &Csr, pattern: &Arc<Pattern>) -> Csr {
-        let mut product = Csr::zeros(pattern);
+    pub fn galerkin<S: Value>(&self, a: &Csr<S>, pattern: &Arc<Pattern>) -> Csr {
+        let mut product = Csr::<f64>::zeros(pattern);
         let [n, m] = self.sizes();
         let mut parts = vec![];
         let mut rest = &mut product.values[..];
@@ -137,11 +137,11 @@ impl Transfer {
         product
     }
 
-    fn row_of_product(&self, a: &Csr, row: usize, (fine, coarse): (&mut Sum, &mut [f64])) {
+    fn row_of_product<S: Value>(&self, a: &Csr<S>, row: usize, (fine, coarse): (&mut Sum, &mut [f64])) {
         for &(at, weight) in self.columns.get(row) {
             let entries = a.pattern.row(at as usize);
             for (&column, value) in a.pattern.col[entries.clone()].iter().zip(&a.values[entries]) {
-                fine.add(column, f64::from(weight) * value);
+                fine.add(column, f64::from(weight) * value.double());
             }
         }
         for &column in &fine.set {

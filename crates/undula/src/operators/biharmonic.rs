@@ -15,7 +15,7 @@
 //! are reproduced on parallelograms and straight triangles, affine ones on all cells.
 
 use super::{Entries, How, Matrix, Operator, StepView};
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::element::Shape;
 use crate::loops::scatter::DROP;
 use crate::math::Vector;
@@ -134,10 +134,10 @@ impl<const D: usize> Operator<D> for Biharmonic {
         Ok(())
     }
 
-    fn linearise(&mut self, matrix: Matrix, _step: &StepView<'_>, _how: How, out: &mut [f64]) {
+    fn linearise(&mut self, matrix: Matrix, _step: &StepView<'_>, _how: How, mut out: Sink<'_>) {
         let entries = self.slots.iter().zip(&self.entries).filter(|(slot, _)| **slot != DROP);
         for (&slot, &(_, value)) in entries.filter(|_| matrix == Matrix::Whole) {
-            out[slot as usize] += value;
+            out.add(slot as usize, value);
         }
     }
 

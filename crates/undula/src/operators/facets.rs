@@ -6,7 +6,7 @@
 use super::columns::Columns;
 use super::instant::{fields, stretch};
 use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::loops::scatter::DROP;
 use crate::math::Vector;
 use crate::mesh::{Facet, Side};
@@ -318,7 +318,7 @@ impl<T: FacetTerm<D>, const D: usize> Operator<D> for FacetOperator<T, D> {
     }
 
     /// In the fluid, derivatives with respect to u are those of Newton's method alone.
-    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, mut out: Sink<'_>) {
         if matrix == Matrix::Condensed {
             return;
         }
@@ -334,7 +334,7 @@ impl<T: FacetTerm<D>, const D: usize> Operator<D> for FacetOperator<T, D> {
                 for row in (0..nodes).filter(|_| with_u || field == 0) {
                     let slot = slots[(row * nodes + column) * fields + place];
                     if slot != DROP {
-                        out[slot as usize] += p.value[row / D] * derivative.0[row % D];
+                        out.add(slot as usize, p.value[row / D] * derivative.0[row % D]);
                     }
                 }
             });

@@ -23,7 +23,7 @@ pub mod spring;
 pub mod stabilization;
 pub mod traction;
 
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 pub use crate::loops::scatter::DROP;
 pub use crate::loops::slots::Entries;
 use crate::math::Vector;
@@ -220,7 +220,7 @@ pub trait Operator<const D: usize>: Send + Sync {
     }
 
     /// Add the derivative at the iterate to the entries `out` of `matrix`.
-    fn linearise(&mut self, _matrix: Matrix, _step: &StepView<'_>, _how: How, _out: &mut [f64]) {}
+    fn linearise(&mut self, _matrix: Matrix, _step: &StepView<'_>, _how: How, _out: Sink<'_>) {}
 
     /// Add the product of the derivative with `x` to `y`, both `[v, u, p]`, without a matrix.
     fn apply(&mut self, _matrix: Matrix, _step: &StepView<'_>, _x: &[f64], _y: &mut [f64]) {}
@@ -306,7 +306,7 @@ pub trait RegionOperator<const D: usize>: Operator<D> {
 
     /// Add the condensed matrix to its entries `out`, with `blocks` added to the cells; the factors of the inner unknowns
     /// are kept.
-    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &Blocks, out: &mut [f64]);
+    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &Blocks, out: Sink<'_>);
 
     /// `b_o ← b_o − A_oi A_ii⁻¹ b_i` in `[v, u, p]`; the inner ones are kept for [`RegionOperator::recover`].
     fn eliminate(&mut self, b: &mut [f64]);

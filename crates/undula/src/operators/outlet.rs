@@ -13,7 +13,7 @@ use super::border::{Border, Borders};
 use super::facets::{FacetOperator, SeenFacet};
 use super::pressure::{PressureLoad, pressure};
 use super::{DataTime, End, Entries, How, Matrix, NotFinite, Operator, StepView};
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::math::Vector;
 use crate::mesh::Side;
 use crate::parallel::{Crew, Reduce};
@@ -323,7 +323,7 @@ impl<const D: usize> Operator<D> for Outlet<D> {
         self.load.place(matrix, number, entries)
     }
 
-    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: Sink<'_>) {
         let p = self.pressure(step, (1.0, 1.0, End::New));
         self.load.term.set(p);
         self.load.linearise(matrix, step, how, out);

@@ -8,6 +8,10 @@ use crate::error::Error;
 use crate::multigrid;
 use crate::space::FsiSpace;
 
+/// Up to where the matrix of a step may be in single precision. Products with motions as a whole lose 6e-8 times this number
+/// times the ratio of an entry of the stiffness to one of the mass, about 100.
+const SINGLE: f64 = 1e4;
+
 impl Case {
     /// Whether the condensed system on `space` is solved by multigrid.
     pub(super) fn takes_multigrid<const D: usize>(&self, space: &FsiSpace<D>) -> bool {
@@ -28,7 +32,22 @@ impl Case {
     /// How cycles of multigrid are done, if it is taken.
     pub(super) fn levels<const D: usize>(&self, space: &FsiSpace<D>) -> Option<multigrid::Settings> {
         let double = self.linear.precision == Precision::Double;
-        self.takes_multigrid(space).then_some(multigrid::Settings { double, ..Default::default() })
+        let single = !double && self.stiffness_of_steps(space) < SINGLE;
+        self.takes_multigrid(space).then_some(multigrid::Settings { double, single, ..Default::default() })
+    }
+
+    /// The largest forces that hold cells together beside their inertia: k² E/(ρ h²) in the solid, k ν/h² in the fluid,
+    /// h being the smallest size of a cell. Infinite at rest.
+    fn stiffness_of_steps<const D: usize>(&self, space: &FsiSpace<D>) -> f64 {
+        let Some(time) = &self.time else { return f64::INFINITY };
+        // A step that changes with time may become any.
+        let given = time.step.constant_value().unwrap_or(f64::INFINITY);
+        let k = time.adaptive.as_ref().map_or(given, |adaptive| adaptive.max_step);
+        let sizes = (0..space.mesh.n_cells()).flat_map(|cell| space.mesh.sizes(cell));
+        let h = sizes.fold(f64::INFINITY, f64::min);
+        let solid = self.solids.iter().map(|solid| k * k * solid.stiffness() / (solid.density * h * h));
+        let fluid = self.fluids.iter().map(|fluid| k * fluid.kinematic_viscosity / (h * h));
+        solid.chain(fluid).fold(0.0, f64::max)
     }
 
     /// Whether the extension has factors although the flow has multigrid.

@@ -3,7 +3,7 @@
 //! With P = I − Σ n nᵀ at such nodes a residual is P r and a matrix P A P + s Σ n nᵀ, s being of the size of its entries:
 //! n·δ = 0 for every correction δ, and all vectors keep the components of the axes.
 
-use crate::algebra::{Csr, Pattern};
+use crate::algebra::{Csr, Pattern, Value};
 use crate::loops::scatter::DROP;
 use crate::math::Vector;
 use crate::space::{Constraints, Directions, FsiSpace};
@@ -101,21 +101,25 @@ impl<const D: usize> DirectedBlocks<D> {
     }
 
     /// A ← P A P + s Σ n nᵀ.
-    pub(super) fn constrain(&self, matrix: &mut Csr) {
+    pub(super) fn constrain<T: Value>(&self, matrix: &mut Csr<T>) {
         for Block { normals, row_entries, column_entries, diagonal, .. } in &self.blocks {
             let values = &mut matrix.values;
             for entries in row_entries.iter().chain(column_entries) {
                 for n in normals {
-                    let along: f64 = (0..D).map(|i| n.0[i] * values[entries[i] as usize]).sum();
-                    (0..D).for_each(|i| values[entries[i] as usize] -= along * n.0[i]);
+                    let along: f64 = (0..D).map(|i| n.0[i] * values[entries[i] as usize].double()).sum();
+                    for i in 0..D {
+                        let value = &mut values[entries[i] as usize];
+                        *value = T::of(value.double() - along * n.0[i]);
+                    }
                 }
             }
-            let size = (0..D).map(|i| values[diagonal[i][i] as usize].abs()).fold(0.0, f64::max);
+            let size = (0..D).map(|i| values[diagonal[i][i] as usize].double().abs()).fold(0.0, f64::max);
             let size = if size > 0.0 { size } else { 1.0 };
             for n in normals {
                 for (i, row) in diagonal.iter().enumerate() {
                     for (j, &at) in row.iter().enumerate() {
-                        values[at as usize] += size * n.0[i] * n.0[j];
+                        let value = &mut values[at as usize];
+                        *value = T::of(value.double() + size * n.0[i] * n.0[j]);
                     }
                 }
             }

@@ -2,7 +2,7 @@
 
 use super::directions::{self, DirectedBlocks};
 use super::{Assembler, granted};
-use crate::algebra::{Csr, Pattern, SolverError, Unknown, add_column};
+use crate::algebra::{Csr, Pattern, SolverError, Unknown, Value, add_column};
 use crate::loops::scatter::DROP;
 use crate::operators::{Blocks, Entries, How, Matrix, StepView};
 use crate::space::{PressureKind, Region};
@@ -106,8 +106,9 @@ impl<const D: usize> Assembler<D> {
         let how = How { linearization, tangent: sized(tangent, step) };
         self.pattern();
         out.values.fill(0.0);
+        let mut sink = f64::sink(&mut out.values);
         for operator in self.operators_mut() {
-            operator.linearise(Matrix::Whole, step, how, &mut out.values);
+            operator.linearise(Matrix::Whole, step, how, sink.again());
         }
         for &diagonal in self.whole.iter().flat_map(|whole| &whole.diagonals) {
             out.values[diagonal as usize] = 1.0;
@@ -248,16 +249,17 @@ impl<const D: usize> Assembler<D> {
     ///
     /// # Panics
     /// If the system was not asked for before.
-    pub fn condensed_matrix(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr) {
+    pub fn condensed_matrix<T: Value>(&mut self, step: &StepView<'_>, tangent: Tangent, out: &mut Csr<T>) {
         assert!(self.condensed.is_some(), "the condensed system is asked for first");
-        out.values.fill(0.0);
+        out.values.fill(T::default());
+        let mut sink = T::sink(&mut out.values);
         let how = How { linearization: Linearization::Condensed, tangent: sized(tangent, step) };
         self.blocks.fill(&mut self.terms, step, how);
         for region in &mut self.regions {
-            region.condense(step, how.tangent, &self.blocks, &mut out.values);
+            region.condense(step, how.tangent, &self.blocks, sink.again());
         }
         for term in &mut self.terms {
-            term.linearise(Matrix::Condensed, step, how, &mut out.values);
+            term.linearise(Matrix::Condensed, step, how, sink.again());
         }
         self.directions[Matrix::Condensed as usize].constrain(out);
     }

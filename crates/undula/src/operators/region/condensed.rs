@@ -7,6 +7,7 @@
 use super::interior::{BackwardTask, CondenseTask, ForwardTask, Interior, Layout, Sweep};
 use super::kernel::Kernel;
 use super::tangents::{Directions, TangentTasks};
+use crate::algebra::Sink;
 use crate::loops::scatter::Shared;
 use crate::loops::slots::{Numbering, Pair, scalars, vectors};
 use crate::loops::test_functions::{Piece, Test, Trial};
@@ -133,7 +134,7 @@ where
         step: &StepView<'_>,
         tangent: Tangent,
         blocks: &Blocks,
-        out: &mut [f64],
+        out: Sink<'_>,
     ) {
         let Some(mut interior) = self.interior.take() else { return };
         let (kept, _) = interior.sizes();

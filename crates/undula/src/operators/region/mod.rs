@@ -21,7 +21,7 @@ mod tests;
 use super::{
     Blocks, DataTime, End, Entries, ForceAt, How, Matrix, NotFinite, Operator, RegionOperator, StepView,
 };
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::loops::slots::{Numbering, Pair, Slots, pairs};
 use crate::loops::width::Width;
 use crate::math::Lanes;
@@ -105,7 +105,7 @@ where
     }
 
     /// The condensed matrix is that of [`RegionOperator::condense`].
-    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: Sink<'_>) {
         if matrix == Matrix::Whole {
             self.move_force(step, End::New, how.tangent);
             self.add_jacobian(step, how.linearization, how.tangent, out);
@@ -171,7 +171,7 @@ where
         self.visit_inner(visit);
     }
 
-    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &Blocks, out: &mut [f64]) {
+    fn condense(&mut self, step: &StepView<'_>, tangent: Tangent, blocks: &Blocks, out: Sink<'_>) {
         self.move_force(step, End::New, tangent);
         self.add_condensed(step, tangent, blocks, out);
     }

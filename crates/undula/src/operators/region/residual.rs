@@ -3,6 +3,7 @@
 
 use super::kernel::{Kernel, Scratch};
 use super::tangents::{Directions, TangentTasks};
+use crate::algebra::Sink;
 use crate::loops::scatter::Shared;
 use crate::loops::slots::Slots;
 use crate::loops::test_functions::{Piece, Tangents, Test, Trial};
@@ -60,7 +61,7 @@ where
         step: &StepView<'_>,
         linearization: Linearization,
         tangent: Tangent,
-        out: &mut [f64],
+        out: Sink<'_>,
     ) {
         let mut slots = std::mem::take(&mut self.slots);
         slots.fill(out, |slots, out| {

@@ -1,7 +1,7 @@
 //! Where the entries of a region go in both matrices, in two and three dimensions.
 
 use super::*;
-use crate::algebra::Pattern;
+use crate::algebra::{Pattern, Sink};
 use crate::element::Shape;
 use crate::loops::batch::Batches;
 use crate::loops::scatter::DROP;
@@ -62,7 +62,7 @@ fn fill<const D: usize>(
     let (mut expected, mut found) = (vec![0.0; pattern.nnz()], vec![0.0; pattern.nnz()]);
     let mut entries = 0;
     let numbering: Vec<_> = (0..cells).map(|cell| kernel.numbering_of(matrix, cell, number)).collect();
-    slots(kernel).fill(&mut found, |slots, out| {
+    slots(kernel).fill(Sink::Double(&mut found), |slots, out| {
         for (cell, numbering) in numbering.iter().enumerate() {
             for &Pair { test, trial, .. } in &pairs {
                 let (rows, columns) = (&numbering.rows[test.split().0], &numbering.columns[trial.split().0]);

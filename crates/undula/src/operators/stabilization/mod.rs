@@ -12,7 +12,7 @@ pub mod tables;
 mod tasks;
 
 use super::{End, Entries, ForceAt, How, Matrix, Operator, Options, StepView};
-use crate::algebra::SolverError;
+use crate::algebra::{Sink, SolverError};
 use crate::loops::chunks::{Copies, Writes, for_each};
 use crate::loops::scatter::PerThread;
 use crate::loops::slots::{Numbering, Pair, Slots, scalars, vectors};
@@ -215,7 +215,7 @@ where
     }
 
     /// By dual numbers, but by differences in nodal values where the whole matrix is made of them.
-    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: &mut [f64]) {
+    fn linearise(&mut self, matrix: Matrix, step: &StepView<'_>, how: How, out: Sink<'_>) {
         let mut slots = std::mem::take(&mut self.targets[matrix as usize].slots);
         // Of the reduced Jacobian u is left out, as of the condensed one.
         let left = if how.linearization == Linearization::Reduced { Matrix::Condensed } else { matrix };
