@@ -241,6 +241,6 @@ fn read(file: &str) -> (System, Vec<f64>) {
     let xyz = f64s(take(24 * n));
     let at = |i: usize| [xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]];
     let unknowns = (0..n).map(|i| Unknown { node: node[i], kind: kind[i], at: at(i) }).collect();
-    let pattern = Arc::new(Pattern::new(row_ptr, col));
+    let pattern = Arc::new(Pattern::new(&row_ptr, &col));
     (System { a: Csr { pattern, values }, unknowns }, b)
 }

@@ -12,10 +12,12 @@ const ROWS_PER_TASK: usize = 2048;
 pub struct Pattern {
     /// Number of rows and of columns.
     pub n: usize,
-    /// Row `i` has its columns at `row_ptr[i]..row_ptr[i + 1]` of `col`; `n + 1` numbers.
+    /// Row `i` has the entries `row_ptr[i]..row_ptr[i + 1]`; `n + 1` numbers.
     pub row_ptr: Vec<usize>,
-    /// Columns, increasing within each row.
-    pub col: Vec<u32>,
+    /// Where the columns of each row begin in `col`.
+    first: Vec<usize>,
+    /// Columns, increasing within each row; rows of a node, which have the same, share them.
+    col: Vec<u32>,
     /// For each row how many have its columns from it on, one behind the other: those of a node do.
     alike: Vec<u8>,
 }
@@ -43,9 +45,7 @@ impl Pattern {
     pub fn from_rows<R: AsRef<[u32]>>(rows: &[R]) -> Self {
         let n = rows.len();
         assert!(u32::try_from(n).is_ok(), "too many rows: {n}");
-        let mut row_ptr = Vec::with_capacity(n + 1);
-        row_ptr.push(0);
-        let mut col = Vec::with_capacity(rows.iter().map(|r| r.as_ref().len()).sum());
+        let mut pattern = Pattern::empty(n);
         let mut sorted = Vec::new();
         for (i, row) in rows.iter().enumerate() {
             sorted.clear();
@@ -55,30 +55,75 @@ impl Pattern {
             if let Some(&last) = sorted.last() {
                 assert!((last as usize) < n, "row {i} has column {last}, but there are {n} rows");
             }
-            col.extend_from_slice(&sorted);
-            row_ptr.push(col.len());
+            pattern.push(&sorted);
         }
-        col.shrink_to_fit();
-        Self::new(row_ptr, col)
+        pattern.finish()
     }
 
     /// Rows with their columns, increasing within each row, at `row_ptr[i]..row_ptr[i + 1]` of `col`.
     ///
     /// # Panics
     /// If `row_ptr` does not end with the number of columns.
-    pub fn new(row_ptr: Vec<usize>, col: Vec<u32>) -> Self {
+    pub fn new(row_ptr: &[usize], col: &[u32]) -> Self {
         assert_eq!(row_ptr.last(), Some(&col.len()), "rows do not fit their columns");
-        let n = row_ptr.len() - 1;
-        let columns = |row: usize| &col[row_ptr[row]..row_ptr[row + 1]];
-        let mut alike = vec![1; n];
-        let mut row = 0;
-        while row < n {
-            let is_alike = |other: &usize| *other < n && columns(*other) == columns(row);
-            let end = (row + 1..row + ALIKE).take_while(is_alike).last().unwrap_or(row) + 1;
-            (row..end).for_each(|row| alike[row] = (end - row) as u8);
-            row = end;
+        let mut pattern = Pattern::empty(row_ptr.len() - 1);
+        row_ptr.windows(2).for_each(|at| pattern.push(&col[at[0]..at[1]]));
+        pattern.finish()
+    }
+
+    /// Without rows, of which `n` will come.
+    fn empty(n: usize) -> Self {
+        let mut row_ptr = Vec::with_capacity(n + 1);
+        row_ptr.push(0);
+        Self { n: 0, row_ptr, first: Vec::with_capacity(n), col: vec![], alike: Vec::with_capacity(n) }
+    }
+
+    /// The next row.
+    fn push(&mut self, columns: &[u32]) {
+        let row = self.n;
+        // Until all rows are there, for each row how many of the same columns are in front of it.
+        let before = row.checked_sub(1).map_or(0, |last| usize::from(self.alike[last]) + 1);
+        if row > 0 && before < ALIKE && self.columns(row - 1) == columns {
+            self.first.push(self.first[row - 1]);
+            self.alike.push(before as u8);
+        } else {
+            self.first.push(self.col.len());
+            self.alike.push(0);
+            self.col.extend_from_slice(columns);
         }
-        Self { n, row_ptr, col, alike }
+        self.row_ptr.push(self.row_ptr[row] + columns.len());
+        self.n += 1;
+    }
+
+    fn finish(mut self) -> Self {
+        self.col.shrink_to_fit();
+        let mut behind = 0;
+        for alike in self.alike.iter_mut().rev() {
+            behind += 1;
+            let before = std::mem::replace(alike, behind);
+            if before == 0 {
+                behind = 0;
+            }
+        }
+        self
+    }
+
+    /// The columns of a row, increasing.
+    #[inline(always)]
+    pub fn columns(&self, row: usize) -> &[u32] {
+        let first = self.first[row];
+        &self.col[first..first + self.row(row).len()]
+    }
+
+    /// The column of an entry of a row.
+    #[inline(always)]
+    pub fn column(&self, row: usize, entry: usize) -> u32 {
+        self.col[self.first[row] + entry - self.row_ptr[row]]
+    }
+
+    /// The columns of all entries, row after row.
+    pub fn all_columns(&self) -> impl Iterator<Item = u32> {
+        (0..self.n).flat_map(|row| self.columns(row).iter().copied())
     }
 
     /// Where rows from `row` on that have its columns end, three of them at most.
@@ -89,21 +134,19 @@ impl Pattern {
 
     /// Number of stored entries.
     pub fn nnz(&self) -> usize {
-        self.col.len()
+        self.row_ptr[self.n]
     }
 
-    /// Position of entry (`row`, `col`) in `col` and in [`Csr::values`]; `None` where nothing is stored.
+    /// Position of entry (`row`, `col`) in [`Csr::values`]; `None` where nothing is stored.
     ///
     /// # Panics
     /// If `row` is not a row.
     pub fn find(&self, row: usize, col: usize) -> Option<usize> {
-        let start = self.row_ptr[row];
-        let columns = &self.col[start..self.row_ptr[row + 1]];
         let col = u32::try_from(col).ok()?;
-        columns.binary_search(&col).ok().map(|k| start + k)
+        self.columns(row).binary_search(&col).ok().map(|k| self.row_ptr[row] + k)
     }
 
-    /// Positions of the entries of a row in `col` and in [`Csr::values`].
+    /// Positions of the entries of a row in [`Csr::values`].
     pub fn row(&self, row: usize) -> std::ops::Range<usize> {
         self.row_ptr[row]..self.row_ptr[row + 1]
     }
@@ -120,8 +163,8 @@ pub struct Csr<T = f64> {
 }
 
 impl<T: Value> Csr<T> {
-    /// The matrix with zeros on the pattern.
-    pub fn zeros(pattern: &Arc<Pattern>) -> Self {
+    /// The matrix with zeros on the pattern, of any precision.
+    pub fn blank(pattern: &Arc<Pattern>) -> Self {
         Self { pattern: Arc::clone(pattern), values: vec![T::default(); pattern.nnz()] }
     }
 
@@ -165,7 +208,7 @@ impl<T: Value> Csr<T> {
     /// The products with `x` of the rows from `row` on, which have the same columns.
     fn sums<const K: usize>(&self, row: usize, x: &[f64]) -> [f64; K] {
         let at = self.pattern.row(row);
-        let (columns, len) = (&self.pattern.col[at.clone()], at.len());
+        let (columns, len) = (self.pattern.columns(row), at.len());
         let rows: [&[T]; K] = std::array::from_fn(|i| &self.values[at.start + i * len..][..len]);
         let mut sums = [0.0; K];
         for (entry, &column) in columns.iter().enumerate() {
@@ -179,6 +222,11 @@ impl<T: Value> Csr<T> {
 }
 
 impl Csr {
+    /// The matrix with zeros on the pattern.
+    pub fn zeros(pattern: &Arc<Pattern>) -> Self {
+        Self::blank(pattern)
+    }
+
     /// The same matrix in single precision.
     pub fn single(&self) -> Csr<f32> {
         let values = self.values.par_iter().map(|value| *value as f32).collect();
@@ -190,14 +238,14 @@ impl Csr {
     /// # Panics
     /// If `x`, `y` or `scale` has not `n` entries.
     pub fn mul_with_norm(&self, scale: &[f64], x: &[f64], y: &mut [f64]) -> f64 {
-        let Pattern { n, row_ptr, col, .. } = &*self.pattern;
-        assert_eq!((x.len(), y.len(), scale.len()), (*n, *n, *n), "vectors do not fit the matrix");
+        let n = self.pattern.n;
+        assert_eq!((x.len(), y.len(), scale.len()), (n, n, n), "vectors do not fit the matrix");
         let rows = y.par_chunks_mut(ROWS_PER_TASK).zip(scale.par_chunks(ROWS_PER_TASK)).enumerate();
         let of_task = |(task, (y, scale)): (usize, (&mut [f64], &[f64]))| {
             let mut max = 0.0_f64;
-            for ((y, scale), at) in y.iter_mut().zip(scale).zip(row_ptr[task * ROWS_PER_TASK..].windows(2)) {
+            for ((y, scale), row) in y.iter_mut().zip(scale).zip(task * ROWS_PER_TASK..) {
                 let (mut sum, mut size) = (0.0, 0.0);
-                for (&j, v) in col[at[0]..at[1]].iter().zip(&self.values[at[0]..at[1]]) {
+                for (&j, v) in self.pattern.columns(row).iter().zip(&self.values[self.pattern.row(row)]) {
                     let term = v * x[j as usize];
                     sum += term;
                     size += term.abs();
@@ -212,7 +260,7 @@ impl Csr {
 
     /// Whether the pattern is symmetric, and a_ij and a_ji differ by no more than `tolerance` times √|a_ii a_jj|.
     pub fn is_symmetric(&self, tolerance: f64) -> bool {
-        let Pattern { n, row_ptr, col, .. } = &*self.pattern;
+        let Pattern { n, row_ptr, .. } = &*self.pattern;
         let diagonal: Option<Vec<usize>> = (0..*n).map(|i| self.pattern.find(i, i)).collect();
         let Some(diagonal) = diagonal else { return false };
         let size: Vec<f64> = diagonal.iter().map(|&at| self.values[at].abs().sqrt()).collect();
@@ -221,10 +269,10 @@ impl Csr {
         let mut next: Vec<usize> = diagonal.iter().map(|at| at + 1).collect();
         for i in 0..*n {
             for at in row_ptr[i]..diagonal[i] {
-                let j = col[at] as usize;
+                let j = self.pattern.column(i, at) as usize;
                 let mirror = next[j];
                 next[j] += 1;
-                let there = mirror < row_ptr[j + 1] && col[mirror] as usize == i;
+                let there = mirror < row_ptr[j + 1] && self.pattern.column(j, mirror) as usize == i;
                 let is_alike =
                     there && (self.values[at] - self.values[mirror]).abs() <= tolerance * size[i] * size[j];
                 if !is_alike {
@@ -243,8 +291,10 @@ mod tests {
     #[test]
     fn pattern_sorts_and_finds() {
         let p = Pattern::from_rows(&[vec![2, 0, 2], vec![1], vec![]]);
-        assert_eq!(p, Pattern::new(vec![0, 2, 3, 3], vec![0, 2, 1]));
+        assert_eq!(p, Pattern::new(&[0, 2, 3, 3], &[0, 2, 1]));
         assert_eq!((p.n, &p.row_ptr[..], &p.col[..]), (3, &[0, 2, 3, 3][..], &[0, 2, 1][..]));
+        assert_eq!((p.columns(0), p.columns(2), p.column(1, 2)), (&[0, 2][..], &[][..], 1));
+        assert_eq!(p.all_columns().collect::<Vec<u32>>(), [0, 2, 1]);
         assert_eq!((p.nnz(), p.find(0, 2), p.find(0, 1), p.find(2, 2)), (3, Some(1), None, None));
     }
 
@@ -261,7 +311,7 @@ mod tests {
         let mut y = [0.0; 8];
         a.mul(&x, &mut y);
         for (row, y) in y.iter().enumerate() {
-            let terms = a.pattern.row(row).map(|at| a.values[at] * x[a.pattern.col[at] as usize]);
+            let terms = a.pattern.row(row).map(|at| a.values[at] * x[a.pattern.column(row, at) as usize]);
             assert_eq!(*y, terms.sum::<f64>());
         }
     }

@@ -45,7 +45,7 @@ impl Backend for FaerBackend {
     fn analyse(&mut self, pattern: &Arc<Pattern>, _: &[Unknown]) -> Result<(), SolverError> {
         let n = pattern.n;
         self.row_ptr.clone_from(&pattern.row_ptr);
-        self.col = pattern.col.iter().map(|&j| j as usize).collect();
+        self.col = pattern.all_columns().map(|j| j as usize).collect();
         self.numeric = NumericLu::new();
         let transposed = SymbolicSparseColMatRef::new_checked(n, n, &self.row_ptr, None, &self.col);
         let memory = |e: FaerError| SolverError::Memory(e.to_string());

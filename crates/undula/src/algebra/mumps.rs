@@ -115,7 +115,7 @@ impl Backend for MumpsBackend {
         let too_large = || SolverError::TooLarge(format!("{} unknowns", pattern.n));
         let n = c_int::try_from(pattern.n).map_err(|_| too_large())?;
         self.row = (0..n).flat_map(|i| vec![i + 1; pattern.row(i as usize).len()]).collect();
-        self.col = pattern.col.iter().map(|&j| j as c_int + 1).collect();
+        self.col = pattern.all_columns().map(|j| j as c_int + 1).collect();
         self.values = vec![0.0; pattern.nnz()];
         let mut instance = Parameters::new();
         // Unsymmetric, this process works, no MPI.
@@ -150,7 +150,7 @@ impl Backend for MumpsBackend {
     fn factor(&mut self, a: &Csr, scaling: &Scaling) -> Result<Cost, Failure> {
         for i in 0..a.pattern.n {
             for k in a.pattern.row(i) {
-                self.values[k] = a.values[k] * scaling.row[i] * scaling.col[a.pattern.col[k] as usize];
+                self.values[k] = a.values[k] * scaling.row[i] * scaling.col[a.pattern.column(i, k) as usize];
             }
         }
         let mut code = self.call(2);

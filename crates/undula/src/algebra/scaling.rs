@@ -41,7 +41,7 @@ impl Scaling {
         let row_sums = self.row.par_iter_mut().enumerate().with_min_len(1024);
         row_sums.for_each(|(i, sum)| {
             let at = a.pattern.row(i);
-            let (columns, values) = (&a.pattern.col[at.clone()], &a.values[at]);
+            let (columns, values) = (a.pattern.columns(i), &a.values[at]);
             *sum = match blocks.len() {
                 0..=FEW => sum_by_blocks(columns, values, &blocks, &sizes),
                 _ => columns
@@ -54,7 +54,7 @@ impl Scaling {
         if let Some(row) = self.row.iter().position(|sum| !sum.is_finite()) {
             let at = a.pattern.row(row);
             let k = a.values[at.clone()].iter().position(|v| !v.is_finite()).unwrap_or(0);
-            let col = a.pattern.col[at.start + k] as usize;
+            let col = a.pattern.columns(row)[k] as usize;
             return Err(SolverError::NotFinite { row, col, unknown: unknowns[row] });
         }
         if let Some(row) = self.row.iter().position(|&sum| sum == 0.0) {
@@ -96,7 +96,7 @@ impl Scaling {
             max.resize(n, 0.0);
             for i in piece * n / PIECES..(piece + 1) * n / PIECES {
                 let at = a.pattern.row(i);
-                for (&j, v) in a.pattern.col[at.clone()].iter().zip(&a.values[at]) {
+                for (&j, v) in a.pattern.columns(i).iter().zip(&a.values[at]) {
                     let max = &mut max[j as usize];
                     *max = max.max(v.abs() * row[i]);
                 }

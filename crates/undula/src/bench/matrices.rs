@@ -59,7 +59,7 @@ fn put(file: &mut impl Write, matrix: &Csr, b: &[f64], unknowns: &[Unknown]) -> 
     for number in head.iter().chain(&pattern.row_ptr) {
         file.write_all(&(*number as u64).to_le_bytes())?;
     }
-    for col in &pattern.col {
+    for col in pattern.all_columns() {
         file.write_all(&col.to_le_bytes())?;
     }
     for value in matrix.values.iter().chain(b) {

@@ -70,7 +70,7 @@ impl Factored {
         solver.analyse(pattern, unknowns)?;
         let krylov = krylov.map(|settings| Krylov::new(settings, pattern.n, halo.clone()));
         let matrix = if single {
-            Held::Single(Arc::new(Csr::zeros(pattern)))
+            Held::Single(Arc::new(Csr::blank(pattern)))
         } else {
             Held::Double(Csr::zeros(pattern))
         };

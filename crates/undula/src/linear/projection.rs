@@ -84,7 +84,7 @@ pub(super) fn project<const D: usize>(
     let keeps = closed.iter().all(|Closed { pressure, through }| {
         let row = first + pressure.fixed as usize;
         let terms = whole.pattern.row(row).map(|at| {
-            new.v.get(whole.pattern.col[at] as usize).map_or(0.0, |v| (whole.values[at] * v).abs())
+            new.v.get(whole.pattern.column(row, at) as usize).map_or(0.0, |v| (whole.values[at] * v).abs())
         });
         r[row].abs() <= BALANCED * (through + terms.sum::<f64>())
     });
@@ -111,9 +111,9 @@ fn balance<const D: usize>(
     }
     // ∫ φ J F⁻ᵀ n ds of each velocity.
     let mut outflow = vec![0.0; v.len()];
-    for at in rows().flat_map(|row| whole.pattern.row(row)) {
-        if let Some(sum) = outflow.get_mut(whole.pattern.col[at] as usize) {
-            *sum += whole.values[at];
+    for row in rows() {
+        for (&column, value) in whole.pattern.columns(row).iter().zip(&whole.values[whole.pattern.row(row)]) {
+            outflow.get_mut(column as usize).into_iter().for_each(|sum| *sum += value);
         }
     }
     let free = |place: &usize| space.owner[place / D] == PsiOwner::Relation && !given[*place];
@@ -150,8 +150,9 @@ fn numbers<const D: usize>(assembler: &Assembler<D>, closed: &[u32]) -> (Vec<u32
 /// Rows and columns of `whole` that have a number.
 fn part(whole: &Csr, numbers: &[u32], places: &[u32]) -> Csr {
     let stored = |place: &u32| {
-        let entries = whole.pattern.row(*place as usize);
-        entries.map(|at| (numbers[whole.pattern.col[at] as usize], whole.values[at]))
+        let row = *place as usize;
+        let entries = whole.pattern.columns(row).iter().zip(&whole.values[whole.pattern.row(row)]);
+        entries.map(|(&column, &value)| (numbers[column as usize], value))
     };
     let kept = |place: &u32| stored(place).filter(|(column, _)| *column != STAYS);
     let rows: Vec<Vec<u32>> =

@@ -51,7 +51,7 @@ impl Work {
         list.iter().zip(0..).for_each(|(&unknown, at)| local[unknown as usize] = at);
         for (row, &unknown) in list.iter().enumerate() {
             for at in a.row(unknown as usize) {
-                let column = local[a.col[at] as usize];
+                let column = local[a.column(unknown as usize, at) as usize];
                 if column != u32::MAX {
                     visit(row, column as usize, at);
                 }
@@ -278,7 +278,7 @@ mod tests {
         let mut a = Csr::zeros(&pattern);
         for i in 0..n {
             for at in pattern.row(i) {
-                let j = pattern.col[at] as usize;
+                let j = pattern.column(i, at) as usize;
                 a.values[at] =
                     if i == j { if i == 4 { 0.0 } else { 3.0 } } else { 1.0 / (1 + i + 2 * j) as f64 };
             }

@@ -27,7 +27,7 @@ impl Gathered {
         n: usize,
     ) -> Result<Gathered, Fault> {
         let row = |&at: &u32| {
-            let columns = pattern.row(at as usize).map(|entry| numbers[pattern.col[entry] as usize]);
+            let columns = pattern.columns(at as usize).iter().map(|column| numbers[*column as usize]);
             (numbers[at as usize], columns.collect())
         };
         let lists = halo.crew().lists(&flat(halo.own().iter().map(row)))?;

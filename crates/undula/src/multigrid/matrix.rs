@@ -25,7 +25,7 @@ impl<T: Number> Matrix<T> {
 
     /// Take the entries of `a`.
     pub fn take<S: Value>(&mut self, a: &Csr<S>) {
-        let own = self.0.get_or_insert_with(|| Arc::new(Csr::zeros(&a.pattern)));
+        let own = self.0.get_or_insert_with(|| Arc::new(Csr::blank(&a.pattern)));
         let values = &mut Arc::make_mut(own).values;
         let entries = values.par_iter_mut().with_min_len(1 << 16).zip(&a.values);
         entries.for_each(|(to, from)| *to = T::of(from.double()));
@@ -56,7 +56,7 @@ impl<T: Number> Matrix<T> {
 #[inline(always)]
 fn residual<T: Number>(a: &Csr<T>, rows: std::ops::Range<usize>, b: &[T], x: &[T], r: &mut [T]) {
     let at = a.pattern.row(rows.start);
-    let (columns, b) = (&a.pattern.col[at.clone()], &b[rows.clone()]);
+    let (columns, b) = (a.pattern.columns(rows.start), &b[rows.clone()]);
     let values = &a.values[at.start..at.start + rows.len() * at.len()];
     match rows.len() {
         3 => subtract(b, product::<T, 3>(columns, values, x), r),

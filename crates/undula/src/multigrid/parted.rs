@@ -173,7 +173,7 @@ mod tests {
             let mut a = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
             for (at, &node) in here.iter().enumerate() {
                 for place in a.pattern.row(at) {
-                    let value = entry(node, here[a.pattern.col[place] as usize]);
+                    let value = entry(node, here[a.pattern.column(at, place) as usize]);
                     a.values[place] = if of_cells(&node) { value } else { f64::NAN };
                 }
             }
@@ -200,7 +200,7 @@ mod tests {
         let mut a = Csr::zeros(&Arc::new(Pattern::from_rows(&all)));
         for node in 0..N {
             for place in a.pattern.row(node) {
-                a.values[place] = entry(node, a.pattern.col[place] as usize);
+                a.values[place] = entry(node, a.pattern.column(node, place) as usize);
             }
         }
         let unknowns: Vec<Unknown> = (0..N).map(unknown).collect();

@@ -104,7 +104,7 @@ impl Finer<'_> {
         let mut seen: Vec<u32> = self.numbers.iter().flat_map(entries).map(|entry| entry.0).collect();
         sort(&mut seen);
         let first = self.transfer(tier, &seen).pattern(self.pattern);
-        let found = |row: usize| first.row(row).map(|at| seen[first.col[at] as usize]).collect::<Vec<u32>>();
+        let found = |row: usize| first.columns(row).iter().map(|&at| seen[at as usize]).collect::<Vec<u32>>();
         let products: Columns = seen
             .iter()
             .enumerate()
@@ -229,7 +229,7 @@ impl Places<'_> {
         let range = pattern.row(row as usize);
         let Some(columns) = columns else { return range.map(|at| at as u32).collect() };
         let here = columns.iter().filter_map(|&column| place(self.numbers, column));
-        let found = here.filter_map(|column| pattern.col[range.clone()].binary_search(&column).ok());
+        let found = here.filter_map(|column| pattern.columns(row as usize).binary_search(&column).ok());
         found.map(|at| (range.start + at) as u32).collect()
     }
 

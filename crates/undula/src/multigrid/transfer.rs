@@ -96,7 +96,7 @@ impl Transfer {
             .with_min_len(ROWS_PER_TASK)
             .map_init(sums, |(fine, coarse), row| {
                 for &(at, _) in self.columns.get(row) {
-                    pattern.col[pattern.row(at as usize)].iter().for_each(|&column| fine.add(column, 0.0));
+                    pattern.columns(at as usize).iter().for_each(|&column| fine.add(column, 0.0));
                 }
                 for &column in &fine.set {
                     self.rows.get(column as usize).iter().for_each(|&(at, _)| coarse.add(at, 0.0));
@@ -112,7 +112,7 @@ impl Transfer {
 
     /// Pᵀ A P on its `pattern`.
     pub fn galerkin<S: Value>(&self, a: &Csr<S>, pattern: &Arc<Pattern>) -> Csr {
-        let mut product = Csr::<f64>::zeros(pattern);
+        let mut product = Csr::zeros(pattern);
         let [n, m] = self.sizes();
         let mut parts = vec![];
         let mut rest = &mut product.values[..];
@@ -129,7 +129,7 @@ impl Transfer {
                 for row in rows {
                     self.row_of_product(a, row, (fine, coarse));
                     for at in pattern.row(row) {
-                        part[at - first] = std::mem::take(&mut coarse[pattern.col[at] as usize]);
+                        part[at - first] = std::mem::take(&mut coarse[pattern.column(row, at) as usize]);
                     }
                 }
             },
@@ -140,7 +140,7 @@ impl Transfer {
     fn row_of_product<S: Value>(&self, a: &Csr<S>, row: usize, (fine, coarse): (&mut Sum, &mut [f64])) {
         for &(at, weight) in self.columns.get(row) {
             let entries = a.pattern.row(at as usize);
-            for (&column, value) in a.pattern.col[entries.clone()].iter().zip(&a.values[entries]) {
+            for (&column, value) in a.pattern.columns(at as usize).iter().zip(&a.values[entries]) {
                 fine.add(column, f64::from(weight) * value.double());
             }
         }

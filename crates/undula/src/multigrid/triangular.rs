@@ -70,7 +70,7 @@ impl Made {
         for (row, at) in part.rows.iter().zip(0_u32..) {
             let mut list = vec![];
             for entry in pattern.row(*row as usize) {
-                let column = pattern.col[entry];
+                let column = pattern.column(*row as usize, entry);
                 match number[column as usize] {
                     NONE if known[column as usize] => before.places.push([at, column, entry as u32]),
                     NONE => {}

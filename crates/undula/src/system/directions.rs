@@ -86,13 +86,13 @@ impl<const D: usize> DirectedBlocks<D> {
         let at = |row: usize, column: u32| pattern.find(row, column as usize).map_or(DROP, |at| at as u32);
         for block in &mut self.blocks {
             let Block { rows, row_entries, diagonal, .. } = block;
-            let columns = pattern.row(rows[0] as usize).map(|at| pattern.col[at]);
+            let columns = pattern.columns(rows[0] as usize).iter().copied();
             *row_entries = columns.map(|column| rows.map(|row| at(row as usize, column))).collect();
             *diagonal = rows.map(|row| rows.map(|column| at(row as usize, column)));
         }
         for row in 0..pattern.n {
             for entry in pattern.row(row) {
-                let block = block_of[pattern.col[entry] as usize];
+                let block = block_of[pattern.column(row, entry) as usize];
                 if let Some(block) = self.blocks.get_mut(block as usize) {
                     block.column_entries.push(block.rows.map(|column| at(row, column)));
                 }

@@ -45,7 +45,7 @@ pub fn portrait<const D: usize>(simulation: &mut Simulation<D>) -> Result<Portra
         rows += 1;
         let (mut diagonal, mut others) = (0.0, 0.0);
         for at in matrix.pattern.row(row) {
-            let (col, value) = (matrix.pattern.col[at] as usize, matrix.values[at]);
+            let (col, value) = (matrix.pattern.column(row, at) as usize, matrix.values[at]);
             if value == 0.0 || given[col] {
                 continue;
             }
@@ -93,7 +93,7 @@ fn asymmetry(a: &Csr, scaling: &Scaling, given: &[bool]) -> f64 {
     let scaled = |row: usize, col: usize, value: f64| value * scaling.row[row] * scaling.col[col];
     for row in (0..a.pattern.n).filter(|&row| !given[row]) {
         for at in a.pattern.row(row) {
-            let col = a.pattern.col[at] as usize;
+            let col = a.pattern.column(row, at) as usize;
             if given[col] {
                 continue;
             }

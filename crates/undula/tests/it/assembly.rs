@@ -230,7 +230,7 @@ fn reduced_drops_the_flow_against_deformation() {
     let flow = |i: usize| i < n_v || i >= n_v + n_u;
     for i in 0..n {
         for at in full.pattern.row(i) {
-            let j = full.pattern.col[at] as usize;
+            let j = full.pattern.column(i, at) as usize;
             let same = full.values[at] == reduced.values[at];
             assert!(same || flow(i) && !flow(j), "({i}, {j})");
         }
@@ -365,7 +365,7 @@ fn every_row_has_one_owner() {
     for i in (0..n).filter(|&i| !given[i]) {
         let mut reach = Reach::default();
         for at in matrix.pattern.row(i).filter(|&at| matrix.values[at] != 0.0) {
-            match matrix.pattern.col[at] as usize {
+            match matrix.pattern.column(i, at) as usize {
                 j if j < n_v => reach.v[usize::from(solid(j / 2))] = true,
                 j if j < n_v + n_u => reach.u[usize::from(solid((j - n_v) / 2))] = true,
                 _ => reach.p = true,

@@ -181,7 +181,7 @@ fn condition_numbers_have_their_closed_form() {
     let mut a = Csr::zeros(&pattern);
     for i in 0..n {
         for at in pattern.row(i) {
-            a.values[at] = if pattern.col[at] as usize == i { 2.0 } else { -1.0 };
+            a.values[at] = if pattern.column(i, at) as usize == i { 2.0 } else { -1.0 };
         }
     }
     let unknown = |i: usize| Unknown { node: i as u32, kind: Kind::Velocity, at: [i as f64, 0.0, 0.0] };

@@ -93,8 +93,7 @@ impl Setup {
 /// Subtracts from the rows of the neighbours what makes the columns of a few unknowns zero there.
 fn eliminate(inner: &[u32], a: &mut Csr) {
     let pattern = Arc::clone(&a.pattern);
-    let mut all: Vec<u32> =
-        inner.iter().flat_map(|&i| pattern.col[pattern.row(i as usize)].to_vec()).collect();
+    let mut all: Vec<u32> = inner.iter().flat_map(|&i| pattern.columns(i as usize).to_vec()).collect();
     all.sort_unstable();
     all.dedup();
     let entry = |a: &Csr, i: u32, j: u32| pattern.find(i as usize, j as usize).map_or(0.0, |k| a.values[k]);
@@ -127,15 +126,15 @@ fn restrict(System { a, unknowns }: &System, keep: &[bool]) -> System {
     let mut new = vec![0; keep.len()];
     let kept: Vec<usize> = (0..keep.len()).filter(|&i| keep[i]).collect();
     kept.iter().zip(0..).for_each(|(&i, k)| new[i] = k);
-    let columns = |i: usize| a.pattern.row(i).filter(|&k| keep[a.pattern.col[k] as usize]);
+    let columns = |i: usize| a.pattern.row(i).filter(move |&k| keep[a.pattern.column(i, k) as usize]);
     let rows: Vec<Vec<u32>> = kept
         .iter()
-        .map(|&i| columns(i).map(|k| new[a.pattern.col[k] as usize]).chain([new[i]]).collect())
+        .map(|&i| columns(i).map(|k| new[a.pattern.column(i, k) as usize]).chain([new[i]]).collect())
         .collect();
     let mut small = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
     for &i in &kept {
         for k in columns(i) {
-            add(&mut small, new[i], 0, new[a.pattern.col[k] as usize], 0, a.values[k]);
+            add(&mut small, new[i], 0, new[a.pattern.column(i, k) as usize], 0, a.values[k]);
         }
     }
     System { a: small, unknowns: kept.iter().map(|&i| unknowns[i]).collect() }

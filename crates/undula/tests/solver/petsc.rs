@@ -109,7 +109,7 @@ fn a_singular_matrix_is_an_error() {
     let n = system.a.pattern.n;
     // Two rows of one node have the same columns.
     let twins = (0..n - 1).find(|&i| {
-        let [a, b] = [i, i + 1].map(|row| &system.a.pattern.col[system.a.pattern.row(row)]);
+        let [a, b] = [i, i + 1].map(|row| system.a.pattern.columns(row));
         a == b
     });
     let first = twins.unwrap();

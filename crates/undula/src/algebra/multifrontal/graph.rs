@@ -76,7 +76,7 @@ impl Graph {
         for v in 0..n {
             seen[v] = v;
             for &i in members.of(v) {
-                for &j in &pattern.col[pattern.row(i as usize)] {
+                for &j in pattern.columns(i as usize) {
                     let w = members.vertex[j as usize] as usize;
                     if seen[w] != v {
                         seen[w] = v;

@@ -228,7 +228,7 @@ impl Symbolic {
         // Entries by fronts, in one block of memory that is given back: (entry, row).
         let mut ends = vec![0; self.fronts.len()];
         let front =
-            |i: usize, source: usize| front_of[new[i].min(new[pattern.col[source] as usize]) as usize];
+            |i: usize, source: usize| front_of[new[i].min(new[pattern.column(i, source) as usize]) as usize];
         let each = |visit: &mut dyn FnMut(usize, usize)| {
             (0..pattern.n).for_each(|i| pattern.row(i).for_each(|source| visit(i, source)));
         };
@@ -254,8 +254,9 @@ impl Symbolic {
             left.clear();
             right.clear();
             for &(source, row) in &all[start..end] {
+                let column = pattern.column(row as usize, source as usize);
                 let row = local[new[row as usize] as usize];
-                let col = local[new[pattern.col[source as usize] as usize] as usize];
+                let col = local[new[column as usize] as usize];
                 let list = if usize::from(col) < shape.k { &mut left } else { &mut right };
                 Entries { source, row, col, len: 1 }.push(list);
             }

@@ -25,7 +25,7 @@ impl Layout {
         let mut entries: Vec<(usize, u32)> = vec![];
         for row in rows.iter().map(|&row| row as usize) {
             entries.clear();
-            entries.extend(pattern.row(row).map(|at| (number(pattern.col[at] as usize), at as u32)));
+            entries.extend(pattern.row(row).map(|at| (number(pattern.column(row, at) as usize), at as u32)));
             let own = number(row);
             if entries.iter().all(|(column, _)| *column != own) {
                 entries.push((own, u32::MAX));
@@ -54,7 +54,7 @@ impl Layout {
                     u32::MAX => 0.0,
                     at => {
                         let at = at as usize;
-                        a.values[at] * factor(*row as usize, a.pattern.col[at] as usize)
+                        a.values[at] * factor(*row as usize, a.pattern.column(*row as usize, at) as usize)
                     }
                 };
             }
@@ -122,7 +122,7 @@ impl FieldScales {
     fn sum_of_row(&self, a: &Csr, unknowns: &[Unknown], row: usize) -> Result<f64, SolverError> {
         let mut sum = 0.0;
         for at in a.pattern.row(row) {
-            let (value, col) = (a.values[at], a.pattern.col[at] as usize);
+            let (value, col) = (a.values[at], a.pattern.column(row, at) as usize);
             if !value.is_finite() {
                 return Err(SolverError::NotFinite { row, col, unknown: unknowns[row] });
             }
@@ -243,7 +243,7 @@ mod tests {
             let mut a = matrix();
             for row in 0..3 {
                 for at in a.pattern.row(row) {
-                    let column = a.pattern.col[at] as usize;
+                    let column = a.pattern.column(row, at) as usize;
                     a.values[at] *= if column < 2 { velocity } else { pressure };
                     a.values[at] *= if row < 2 { momentum } else { 1.0 };
                 }
@@ -251,8 +251,9 @@ mod tests {
             let sizes = Sizes { velocity: 1.0 / velocity, deformation: 1.0, pressure: 1.0 / pressure };
             let mut scales = FieldScales::default();
             scales.update(&a, &unknowns, sizes, &Counted::new(3, None)).unwrap();
-            let of =
-                |row: usize, at: usize| a.values[at] * scales.of(&unknowns, row, a.pattern.col[at] as usize);
+            let of = |row: usize, at: usize| {
+                a.values[at] * scales.of(&unknowns, row, a.pattern.column(row, at) as usize)
+            };
             let pattern = &a.pattern;
             let all = (0..3).flat_map(|row| pattern.row(row).map(move |at| (row, at)));
             all.map(|(row, at)| of(row, at)).collect::<Vec<f64>>()

@@ -98,7 +98,7 @@ fn small(fields: &[Kind]) -> (Csr, Vec<Unknown>) {
     for row in 0..pattern.n {
         let sign = if unknowns[row].kind == Kind::Pressure { -1.0 } else { 1.0 };
         for at in pattern.row(row) {
-            let column = pattern.col[at] as usize;
+            let column = pattern.column(row, at) as usize;
             a.values[at] = match () {
                 () if column == row => 4.5 * sign,
                 () if column / n == row / n => -sign,

@@ -125,7 +125,7 @@ impl Blocks {
         let mut largest = [[0.0f64; 3]; 6];
         for (row, sizes) in sizes.iter_mut().enumerate().filter(|(row, _)| !given[*row]) {
             for at in exact.pattern.row(row) {
-                let field = unknowns[exact.pattern.col[at] as usize].field as usize;
+                let field = unknowns[exact.pattern.column(row, at) as usize].field as usize;
                 sizes[field] = sizes[field].max(exact.values[at].abs());
                 let block = &mut largest[equations[row] as usize][field];
                 *block = block.max(exact.values[at].abs());
@@ -153,7 +153,7 @@ impl Blocks {
         let mut blocks: Vec<(Block, f64)> = vec![];
         for row in (0..self.unknowns.len()).filter(|&row| !self.given[row]) {
             for at in exact.pattern.row(row) {
-                let column = exact.pattern.col[at] as usize;
+                let column = exact.pattern.column(row, at) as usize;
                 let field = self.unknowns[column].field;
                 let (a, b) = (exact.values[at], other.values[at]);
                 let forgiven = noise.map_or(0.0, |(rows, steps)| rows[row] / steps[column]);

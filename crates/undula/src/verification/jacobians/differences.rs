@@ -27,14 +27,14 @@ struct Columns {
 impl Columns {
     fn new(pattern: &Pattern) -> Columns {
         let mut start = vec![0; pattern.n + 1];
-        pattern.col.iter().for_each(|&col| start[col as usize + 1] += 1);
+        pattern.all_columns().for_each(|col| start[col as usize + 1] += 1);
         for col in 0..pattern.n {
             start[col + 1] += start[col];
         }
         let (mut next, mut entries) = (start.clone(), vec![(0, 0); pattern.nnz()]);
         for row in 0..pattern.n {
             for place in pattern.row(row) {
-                let at = &mut next[pattern.col[place] as usize];
+                let at = &mut next[pattern.column(row, place) as usize];
                 entries[*at] = (row as u32, place as u32);
                 *at += 1;
             }
@@ -113,7 +113,7 @@ fn colour(pattern: &Pattern, columns: &Columns, wanted: impl Fn(usize) -> bool) 
     for col in (0..pattern.n).filter(|&col| wanted(col)) {
         for &(row, _) in columns.of(col) {
             for place in pattern.row(row as usize) {
-                if let Some(met) = met.get_mut(of[pattern.col[place] as usize] as usize) {
+                if let Some(met) = met.get_mut(of[pattern.column(row as usize, place) as usize] as usize) {
                     *met = col;
                 }
             }

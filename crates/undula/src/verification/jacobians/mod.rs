@@ -188,8 +188,10 @@ fn noise(matrix: &Csr, new: &State, old: &State) -> Vec<f64> {
     let all = |s: &State| [&s.v[..], &s.u, &s.p].concat();
     let sizes: Vec<f64> = all(new).iter().zip(all(old)).map(|(a, b)| a.abs() + b.abs()).collect();
     let row = |i: usize| {
-        let terms =
-            matrix.pattern.row(i).map(|at| matrix.values[at].abs() * sizes[matrix.pattern.col[at] as usize]);
+        let terms = matrix
+            .pattern
+            .row(i)
+            .map(|at| matrix.values[at].abs() * sizes[matrix.pattern.column(i, at) as usize]);
         ROUNDINGS * terms.sum::<f64>()
     };
     (0..matrix.pattern.n).map(row).collect()

@@ -29,7 +29,7 @@ pub fn condition(a: &Csr, unknowns: &[Unknown], keep: &[u32]) -> Result<Conditio
             let Csr { pattern, values } = &mut block;
             for row in 0..pattern.n {
                 for at in pattern.row(row) {
-                    values[at] *= scaling.row[row] * scaling.col[pattern.col[at] as usize];
+                    values[at] *= scaling.row[row] * scaling.col[pattern.column(row, at) as usize];
                 }
             }
             number(&block, &unknowns)?
@@ -44,8 +44,9 @@ fn part(a: &Csr, keep: &[u32]) -> Csr {
     let mut number = vec![u32::MAX; a.pattern.n];
     keep.iter().enumerate().for_each(|(n, &k)| number[k as usize] = n as u32);
     let entries = |row: u32| {
-        let at = a.pattern.row(row as usize);
-        at.map(|at| (number[a.pattern.col[at] as usize], a.values[at])).filter(|(col, _)| *col != u32::MAX)
+        let row = row as usize;
+        let stored = a.pattern.columns(row).iter().zip(&a.values[a.pattern.row(row)]);
+        stored.map(|(&col, &value)| (number[col as usize], value)).filter(|(col, _)| *col != u32::MAX)
     };
     let rows: Vec<Vec<u32>> = keep.iter().map(|&row| entries(row).map(|(col, _)| col).collect()).collect();
     let mut out = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
@@ -66,12 +67,12 @@ fn set(a: &mut Csr, row: usize, col: usize, value: f64) {
 fn transposed(a: &Csr) -> Csr {
     let mut rows = vec![vec![]; a.pattern.n];
     for row in 0..a.pattern.n {
-        a.pattern.row(row).for_each(|at| rows[a.pattern.col[at] as usize].push(row as u32));
+        a.pattern.row(row).for_each(|at| rows[a.pattern.column(row, at) as usize].push(row as u32));
     }
     let mut out = Csr::zeros(&Arc::new(Pattern::from_rows(&rows)));
     for row in 0..a.pattern.n {
         for at in a.pattern.row(row) {
-            set(&mut out, a.pattern.col[at] as usize, row, a.values[at]);
+            set(&mut out, a.pattern.column(row, at) as usize, row, a.values[at]);
         }
     }
     out
