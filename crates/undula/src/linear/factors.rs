@@ -127,6 +127,13 @@ impl Factored {
         (equal && self.rule.per_k != rule.per_k).then_some(rule.per_k / self.rule.per_k)
     }
 
+    /// Whether the solver, which shares the matrix, cannot take that of a step by `rule` for the one of its factors: with
+    /// another k sweeps would need five times as many iterations.
+    pub(super) fn is_of_other_step(&self, rule: &StepRule) -> bool {
+        let same = self.rule.per_k == rule.per_k && self.rule.theta == rule.theta;
+        matches!(self.matrix, Held::Single(_)) && !same
+    }
+
     /// x ← A⁻¹ b to the last digits, with iterative refinement; returns how many times the factors were applied.
     pub(super) fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<usize, SolverError> {
         let Held::Double(matrix) = &self.matrix else { return Err(SolverError::NotFactored) };

@@ -280,8 +280,15 @@ impl<const D: usize> Linear<D> {
         let (start, linearization) = (Instant::now(), self.active);
         let made = self.at_hand()?;
         made.assemble(&mut At { assembler: &mut *assembler, view, linearization, tangent });
+        let assembled = Instant::now();
+        seconds.assembly += (assembled - start).as_secs_f64();
+        let (other, sizes) = (made.factored().is_of_other_step(&view.rule), self.sizes);
+        let made = self.at_hand()?;
+        if other {
+            made.factored().factor(view.rule, sizes)?;
+            seconds.factorization += assembled.elapsed().as_secs_f64();
+        }
         made.precondition(&assembler.space, view.rule.per_k);
-        seconds.assembly += start.elapsed().as_secs_f64();
         self.take_borders(assembler, view, seconds)
     }
 

@@ -322,11 +322,9 @@ impl<T: Number> LinearSolver for Multigrid<T> {
     }
 
     fn takes_single(&self) -> bool {
-        let has_levels = match &self.tiers {
-            Tiers::Whole(tiers) => !tiers.is_empty() || !self.levels.is_empty(),
-            Tiers::Parted(_) => true,
-        };
-        self.settings.single && !self.settings.double && has_levels
+        let without =
+            matches!(&self.tiers, Tiers::Whole(tiers) if tiers.is_empty() && self.levels.is_empty());
+        self.settings.single && !self.settings.double && !without
     }
 
     fn factor_single(&mut self, a: &Arc<Csr<f32>>) -> Result<FactorReport, SolverError> {

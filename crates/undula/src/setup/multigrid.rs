@@ -7,6 +7,7 @@ use crate::element::Shape;
 use crate::error::Error;
 use crate::multigrid;
 use crate::space::FsiSpace;
+use crate::time::Scheme;
 
 /// Up to where the matrix of a step may be in single precision. Products with motions as a whole lose 6e-8 times this number
 /// times the ratio of an entry of the stiffness to one of the mass, about 100.
@@ -32,7 +33,9 @@ impl Case {
     /// How cycles of multigrid are done, if it is taken.
     pub(super) fn levels<const D: usize>(&self, space: &FsiSpace<D>) -> Option<multigrid::Settings> {
         let double = self.linear.precision == Precision::Double;
-        let single = !double && self.stiffness_of_steps(space) < SINGLE;
+        // Parts of a step that share factors need the matrix of the factors beside their own.
+        let in_parts = self.time.as_ref().is_some_and(|time| time.scheme == Scheme::FractionalStepTheta);
+        let single = !double && !in_parts && self.stiffness_of_steps(space) < SINGLE;
         self.takes_multigrid(space).then_some(multigrid::Settings { double, single, ..Default::default() })
     }
 
