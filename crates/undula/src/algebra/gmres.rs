@@ -1,5 +1,6 @@
 //! GMRES with a preconditioner on the right, for factors that are no longer those of the matrix.
 
+use super::vector::add_scaled as add;
 use super::{LinearOperator, SolverError};
 use crate::algebra;
 use crate::parallel::{Halo, Reduce};
@@ -174,11 +175,6 @@ impl Gmres {
         }
         is_new
     }
-}
-
-/// y ← y + factor x.
-fn add(factor: f64, x: &[f64], y: &mut [f64]) {
-    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
 #[cfg(test)]

@@ -1,10 +1,15 @@
 //! Reductions whose result depends on the numbers only, not on threads or on the machine's lanes.
 
+use rayon::prelude::*;
+
 /// Partial sums of [`dot`]: entry `i` always goes to lane `i % LANES`.
 const LANES: usize = 8;
 
 /// Entries per partial sum of [`dot`]; a fixed number, so that the sum is always the same sum.
 const CHUNK: usize = 4096;
+
+/// From here on vectors are divided among the threads.
+const LONG: usize = 8 * CHUNK;
 
 /// Σ `x[i] y[i]`, summed in a fixed order.
 ///
@@ -12,7 +17,21 @@ const CHUNK: usize = 4096;
 /// If the lengths differ.
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len(), "dot of vectors of different length");
-    x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(|(x, y)| dot_chunk(x, y)).sum()
+    if x.len() < LONG {
+        return x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(|(x, y)| dot_chunk(x, y)).sum();
+    }
+    let chunks = x.par_chunks(CHUNK).zip(y.par_chunks(CHUNK));
+    let sums: Vec<f64> = chunks.with_min_len(4).map(|(x, y)| dot_chunk(x, y)).collect();
+    sums.into_iter().sum()
+}
+
+/// y ← y + factor x.
+pub fn add_scaled(factor: f64, x: &[f64], y: &mut [f64]) {
+    let add = |(x, y): (&[f64], &mut [f64])| y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+    if y.len() < LONG {
+        return add((x, y));
+    }
+    x.par_chunks(CHUNK).zip(y.par_chunks_mut(CHUNK)).with_min_len(4).for_each(add);
 }
 
 fn dot_chunk(x: &[f64], y: &[f64]) -> f64 {
@@ -79,6 +98,19 @@ mod tests {
         let x: Vec<f64> = (0..10_007).map(|i| i as f64).collect();
         let y = vec![2.0; x.len()];
         assert_eq!(dot(&x, &y), 10_007.0 * 10_006.0);
+    }
+
+    /// The threads change no bit.
+    #[test]
+    fn long_vectors_are_summed_in_the_order_of_short_ones() {
+        let n = LONG + CHUNK + 3;
+        let x: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let mut y: Vec<f64> = (0..n).map(|i| (3.0 * i as f64).cos()).collect();
+        let sums = x.chunks(CHUNK).zip(y.chunks(CHUNK)).map(|(x, y)| dot(x, y));
+        assert_eq!(dot(&x, &y), sums.sum::<f64>());
+        let expected: Vec<f64> = x.iter().zip(&y).map(|(x, y)| y + 0.3 * x).collect();
+        add_scaled(0.3, &x, &mut y);
+        assert_eq!(y, expected);
     }
 
     #[test]

@@ -225,22 +225,38 @@ fn subtract(factor: f64, y: &[f64], x: &mut [f64]) {
     }
 }
 
-/// Products that are summed side by side.
-const WIDTH: usize = 32;
+/// Products that are summed side by side, in so many vectors as long as rows last.
+const WIDTH: usize = 8;
+const VECTORS: usize = 4;
 
 /// The sum of products, in parts.
 #[inline(always)]
 fn dot<T: Number>(entries: &[T::Entry], x: &[T]) -> T {
-    let mut parts = [T::default(); WIDTH];
-    let (ones, twos) = (entries.chunks_exact(WIDTH), x.chunks_exact(WIDTH));
-    let rest = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| T::units(*a) * *b);
-    let mut sum: T = rest.sum();
+    let mut parts = [[T::default(); WIDTH]; VECTORS];
+    let (ones, twos) = (entries.chunks_exact(WIDTH * VECTORS), x.chunks_exact(WIDTH * VECTORS));
+    let (rest, others) = (ones.remainder(), twos.remainder());
     for (a, b) in ones.zip(twos) {
-        for i in 0..WIDTH {
-            parts[i] += T::units(a[i]) * b[i];
+        for (v, part) in parts.iter_mut().enumerate() {
+            for i in 0..WIDTH {
+                part[i] += T::units(a[v * WIDTH + i]) * b[v * WIDTH + i];
+            }
         }
     }
-    parts.iter().for_each(|part| sum += *part);
+    let [mut sums, ..] = parts;
+    for i in 0..WIDTH {
+        sums[i] += parts[1][i];
+        sums[i] += parts[2][i];
+        sums[i] += parts[3][i];
+    }
+    let (ones, twos) = (rest.chunks_exact(WIDTH), others.chunks_exact(WIDTH));
+    let last = ones.remainder().iter().zip(twos.remainder()).map(|(a, b)| T::units(*a) * *b);
+    let mut sum: T = last.sum();
+    for (a, b) in ones.zip(twos) {
+        for i in 0..WIDTH {
+            sums[i] += T::units(a[i]) * b[i];
+        }
+    }
+    sums.iter().for_each(|part| sum += *part);
     sum
 }
 

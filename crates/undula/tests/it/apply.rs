@@ -78,6 +78,12 @@ fn check<const D: usize>(problem: &Manufactured<D>, assembler: &mut Assembler<D>
     let outer: Vec<f64> = system.places.iter().map(|&place| x[place as usize]).collect();
     let mut expected = vec![0.0; outer.len()];
     condensed.mul(&outer, &mut expected);
+    let mut single = Csr::<f32>::blank(&system.pattern);
+    assembler.condensed_matrix(&step, Tangent::Automatic, &mut single);
+    let mut rounded = vec![0.0; outer.len()];
+    single.mul(&outer, &mut rounded);
+    let rounding = gap(&rounded, &expected);
+    assert!(0.0 < rounding && rounding < 1e-5, "in single precision: {rounding:e}");
     // With x_i = −A_ii⁻¹ A_io x_o inside, the inner rows vanish and the outer ones are S x_o.
     let (mut inner, mut filled) = (vec![0.0; n], vec![0.0; n]);
     assembler.eliminate_inner(&mut inner);
