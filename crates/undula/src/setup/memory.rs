@@ -29,7 +29,7 @@ pub(super) const IN_SPACE: [f64; 2] = [208.0e3, 37.4e3];
 pub(super) const MANY: usize = 12_000;
 
 /// The same with multigrid, whose need grows like N.
-const BY_MULTIGRID: f64 = 290.0e3;
+const BY_MULTIGRID: f64 = 170.0e3;
 
 /// Beside it the factors of a biharmonic extension, measured for `valve` in one and two layers (1 728 and 3 456 cells).
 const EXTENSION: f64 = 60.0e3;
